@@ -1,0 +1,1 @@
+"""Optimal gaits for limbless robots and animals: simulate, optimise, play, measure, diagnose."""

@@ -1,0 +1,5 @@
+"""`python -m serpenoid` is `serpenoid`."""
+
+from serpenoid.cli.main import entry
+
+entry()
