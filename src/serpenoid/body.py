@@ -1,0 +1,79 @@
+"""The body: a chain of vertices joined by edges; some interior vertices are joints, the others are rigid.
+
+Vertices, edges and joints are numbered along the body from the tail (0) to the head.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from serpenoid.schema import Record
+
+Positive = Annotated[float, Field(gt=0)]
+Floats = NDArray[np.float64]
+
+
+class Body(Record):
+    """A chain of N vertices. Lengths in metres (or any unit, if no hardware is meant), weights on any scale."""
+
+    vertices: int = Field(ge=3, description="N: head marker, joint axes, tail marker, counted together")
+    length_m: Positive | None = Field(default=None, description="body length, for equal edges; default 1")
+    edge_lengths: tuple[Positive, ...] | None = Field(default=None, description="N - 1 lengths [m], tail to head")
+    weights: tuple[Positive, ...] | None = Field(default=None, description="N dissipation weights; default equal")
+    joints: tuple[int, ...] | None = Field(default=None, description="vertices that bend; default all interior ones")
+    mass_kg: Positive | None = Field(default=None, description="for the cost of transport")
+    joint_limit_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(default=None, description="|joint angle|")
+    joint_speed_limit_rpm: Positive | None = Field(default=None, description="XL430 at 11.1 V: 57")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        n = self.vertices
+        if self.length_m is not None and self.edge_lengths is not None:
+            raise ValueError("give `length_m` (equal edges) or `edge_lengths`, not both")
+        if self.edge_lengths is not None and len(self.edge_lengths) != n - 1:
+            raise ValueError(f"`edge_lengths` needs {n - 1} numbers for {n} vertices, got {len(self.edge_lengths)}")
+        if self.weights is not None and len(self.weights) != n:
+            raise ValueError(f"`weights` needs {n} numbers for {n} vertices, got {len(self.weights)}")
+        if self.joints is not None:
+            inside = all(0 < j < n - 1 for j in self.joints)
+            if not self.joints or not inside or sorted(set(self.joints)) != list(self.joints):
+                raise ValueError(f"`joints` must be increasing vertex numbers between 1 and {n - 2}, got {self.joints}")
+        return self
+
+    @cached_property
+    def edges_m(self) -> Floats:
+        """Edge lengths, shape (N - 1,) [m]."""
+        if self.edge_lengths is not None:
+            return np.array(self.edge_lengths)
+        return np.full(self.vertices - 1, (self.length_m or 1.0) / (self.vertices - 1))
+
+    @cached_property
+    def total_length_m(self) -> float:
+        """Body length = sum of the edges [m]."""
+        return float(self.edges_m.sum())
+
+    @cached_property
+    def edges(self) -> Floats:
+        """Edge lengths in body lengths, shape (N - 1,), sum 1."""
+        return self.edges_m / self.total_length_m
+
+    @cached_property
+    def vertex_weights(self) -> Floats:
+        """Normalised weights, shape (N,), sum 1."""
+        w = np.array(self.weights) if self.weights is not None else np.ones(self.vertices)
+        return w / w.sum()
+
+    @cached_property
+    def joint_vertices(self) -> tuple[int, ...]:
+        """The vertices that bend, `joint_1` (next to the tail) first."""
+        return self.joints if self.joints is not None else tuple(range(1, self.vertices - 1))
+
+    @property
+    def joint_count(self) -> int:
+        """m."""
+        return len(self.joint_vertices)
