@@ -24,7 +24,7 @@ import platformdirs
 
 from serpenoid.files import atomic
 
-FLAGS = ("-O2", "-fPIC", "-shared", "-ffp-contract=off")
+FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
 log = logging.getLogger(__name__)
 
 

@@ -24,22 +24,24 @@ from serpenoid.model import Structure
 
 LOCAL = 9  # h, coordinates of row t, coordinates of row t + 1
 OUTER = 12  # g_t, g_{t+1}, q
-ROW = 4 * (1 + 3 + 6)  # an element's values, first and second derivatives by (w1, w2, xi)
+ROW = (4, 4 * (1 + 3), 4 * (1 + 3 + 6))  # an element's values; with first; with second derivatives by (w1, w2, xi)
 
 
 @dataclass(frozen=True)
 class StepBlocks:
     """Compiled functions of one step; inputs g_t, g_{t+1}, q, phase_t, phase_{t+1}, row_t, row_{t+1}, ..., parameters.
 
-    row:      (q, phase, parameters) -> (40, M)
+    rows:     by order of derivatives 0, 1, 2: (q, phase, parameters) -> (4, M), (16, M), (40, M)
     value:    -> residual (3), energy
-    jacobian: -> d residual (3, 12), d energy (1, 12)
+    gradient: -> d energy (1, 12)
+    jacobian: -> d residual (3, 12)
     hessian:  (..., multipliers (3), energy multiplier, parameters) -> upper triangle by columns (78)
     path:     (q, phase, phase of the next row, parameters) -> joint angles and their change (2 m)
     """
 
-    row: ca.Function
+    rows: tuple[ca.Function, ca.Function, ca.Function]
     value: ca.Function
+    gradient: ca.Function
     jacobian: ca.Function
     hessian: ca.Function
     path: ca.Function
@@ -50,7 +52,8 @@ class StepBlocks:
 @lru_cache(maxsize=16)
 def step_blocks(structure: Structure) -> StepBlocks:
     """The functions of `structure`, compiled where possible."""
-    return StepBlocks(*compiled([_row(structure), *_steps(structure), *_path(structure)]))
+    first, second, third, *others = compiled([*_rows(structure), *_steps(structure), *_path(structure)])
+    return StepBlocks((first, second, third), *others)
 
 
 def upper(n: int) -> list[tuple[int, int]]:
@@ -58,7 +61,7 @@ def upper(n: int) -> list[tuple[int, int]]:
     return [(i, j) for j in range(n) for i in range(j + 1)]
 
 
-def _row(structure: Structure) -> ca.Function:
+def _rows(structure: Structure) -> list[ca.Function]:
     v, parameters = ca.SX.sym("v", 3), ca.SX.sym("parameters", 2 * structure.vertices)
     q, phase = ca.SX.sym("q", 6), ca.SX.sym("phase")
     edges, weights, _ = split_parameters(parameters, structure)
@@ -67,79 +70,81 @@ def _row(structure: Structure) -> ca.Function:
     values = ca.vec(kinematics.elements(points, unit, structure))
     first = ca.jacobian(values, v)
     second = [ca.jacobian(first[:, j], v)[:, : j + 1] for j in range(3)]
-    m = structure.elements
-    table = ca.vertcat(*(ca.reshape(c, 4, m) for c in ca.horzsplit(ca.densify(ca.horzcat(values, first, *second)))))
-    inner = ca.Function("row_shape", [v, parameters], [table], CSE)
-    return ca.Function("gait_row", [q, phase, parameters], [inner(kinematics.ellipse_coordinates(q, phase), parameters)])
+    columns = ca.horzsplit(ca.densify(ca.horzcat(values, first, *second)))
+    result = []
+    for order, size in enumerate(ROW):
+        table = ca.vertcat(*(ca.reshape(c, 4, structure.elements) for c in columns[: size // 4]))
+        inner = ca.Function(f"row_shape_{order}", [v, parameters], [table], CSE)
+        row = inner(kinematics.ellipse_coordinates(q, phase), parameters)
+        result.append(ca.Function(f"gait_row_{order}", [q, phase, parameters], [row]))
+    return result
 
 
 def _steps(structure: Structure) -> list[ca.Function]:
+    """value, gradient, jacobian, hessian of one step: sums over the elements, then the chain rule to (g, g', q)."""
     m = structure.elements
-    g0, g1, q = ca.MX.sym("g0", 3), ca.MX.sym("g1", 3), ca.MX.sym("q", 6)
-    t0, t1 = ca.MX.sym("t0"), ca.MX.sym("t1")
-    r0, r1 = ca.MX.sym("r0", ROW, m), ca.MX.sym("r1", ROW, m)
+    outer = [ca.MX.sym("g0", 3), ca.MX.sym("g1", 3), ca.MX.sym("q", 6), ca.MX.sym("t0"), ca.MX.sym("t1")]
+    rows = [[ca.MX.sym("r0", size, m), ca.MX.sym("r1", size, m)] for size in ROW]
     parameters = ca.MX.sym("parameters", 2 * structure.vertices)
     multipliers, factor = ca.MX.sym("multipliers", 3), ca.MX.sym("factor")
     weights, eps = _element_parameters(structure)(parameters)
     local, local_jacobian, compose = _composition()
-    h = local(g0, g1, q, t0, t1)[:3]
-    common = [g0, g1, q, t0, t1, r0, r1]
+    h, sensitivity = local(*outer)[:3], local_jacobian(*outer)
 
-    def over_elements(function: ca.Function, shared: list[int]) -> ca.Function:
-        outputs = list(range(function.n_out()))
-        return function.map(f"all_{function.name()}", "serial", m, shared, outputs)
+    def total(function: ca.Function, order: int, *more: ca.MX) -> tuple[ca.MX, ...]:
+        shared = [2, *range(3, 3 + len(more)), function.n_in() - 1]
+        name, outputs = f"all_{function.name()}", list(range(function.n_out()))
+        summed = function.map(name, "serial", m, shared, outputs)(*rows[order], h, *more, weights.T, eps)
+        return summed if isinstance(summed, tuple) else (summed,)
 
-    value, jacobian, hessian = _element()
-    gradient, total = over_elements(value, [2, 4])(r0[:4, :], r1[:4, :], h, weights.T, eps)
-    slopes, energy_slope = over_elements(jacobian, [2, 4])(r0, r1, h, weights.T, eps)
-    sensitivity = local_jacobian(g0, g1, q, t0, t1)
-    slope, curvature = over_elements(hessian, [2, 3, 4, 6])(r0, r1, h, multipliers, factor, weights.T, eps)
-    outer = compose(g0, g1, q, t0, t1, slope, curvature)
+    value, gradient, jacobian, hessian = _element()
+    slope, curvature = total(hessian, 2, multipliers, factor)
     return [
-        ca.Function("gait_value", [*common, parameters], [gradient, total]),
-        ca.Function("gait_jacobian", [*common, parameters], [slopes @ sensitivity, energy_slope @ sensitivity]),
-        ca.Function("gait_hessian", [*common, multipliers, factor, parameters], [outer]),
+        ca.Function("gait_value", [*outer, *rows[0], parameters], list(total(value, 0))),
+        ca.Function("gait_gradient", [*outer, *rows[1], parameters], [total(gradient, 1)[0] @ sensitivity]),
+        ca.Function("gait_jacobian", [*outer, *rows[1], parameters], [total(jacobian, 1)[0] @ sensitivity]),
+        ca.Function(
+            "gait_hessian",
+            [*outer, *rows[2], multipliers, factor, parameters],
+            [compose(*outer, slope, curvature)],
+        ),
     ]
 
 
-def _element() -> tuple[ca.Function, ca.Function, ca.Function]:
-    """Value, Jacobian and Hessian of one element's share, from the Taylor polynomials of its two rows."""
+def _element() -> list[ca.Function]:
+    """Value, gradient, Jacobian and Hessian of one element's share, from the Taylor polynomials of its two rows."""
     h, w, eps = ca.SX.sym("h", 3), ca.SX.sym("w"), ca.SX.sym("eps")
-    r0, r1 = ca.SX.sym("r0", ROW), ca.SX.sym("r1", ROW)
     d0, d1 = ca.SX.sym("d0", 3), ca.SX.sym("d1", 3)
     multipliers, factor = ca.SX.sym("multipliers", 3), ca.SX.sym("factor")
-    share = energy.element_energy(_taylor(r0, d0), energy.move(h, _taylor(r1, d1)), w, eps)
-    residual = ca.gradient(share, h)
     z, zero = ca.vertcat(h, d0, d1), ca.vertcat(h, ca.SX.zeros(6))
 
-    def at_row(expression: ca.SX) -> ca.SX:
-        return ca.densify(ca.substitute(expression, z, zero))
+    def share(order: int) -> tuple[list[ca.SX], ca.SX]:
+        r0, r1 = ca.SX.sym("r0", ROW[order]), ca.SX.sym("r1", ROW[order])
+        after = energy.move(h, _taylor(r1, d1))
+        return [r0, r1, h], energy.element_energy(_taylor(r0, d0), after, w, eps)
 
-    lagrangian = ca.dot(multipliers, residual) + factor * share
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        at_row = [ca.densify(ca.substitute(expression, z, zero)) for expression in outputs]
+        return ca.Function(f"element_{name}", [*inputs, w, eps], at_row, CSE)
+
+    (rows0, plain), (rows1, linear), (rows2, quadratic) = share(0), share(1), share(2)
+    lagrangian = ca.dot(multipliers, ca.gradient(quadratic, h)) + factor * quadratic
     curvature, slope = ca.hessian(lagrangian, z)
-    b0, b1 = ca.SX.sym("b0", 4), ca.SX.sym("b1", 4)
-    bare = energy.element_energy(b0, energy.move(h, b1), w, eps)
     packed = ca.vertcat(*(curvature[i, j] for i, j in upper(LOCAL)))
-    return (
-        ca.Function("element_value", [b0, b1, h, w, eps], [ca.gradient(bare, h), bare], CSE),
-        ca.Function(
-            "element_jacobian", [r0, r1, h, w, eps], [at_row(ca.jacobian(residual, z)), at_row(ca.jacobian(share, z))], CSE
-        ),
-        ca.Function("element_hessian", [r0, r1, h, multipliers, factor, w, eps], [at_row(slope), at_row(packed)], CSE),
-    )
+    return [
+        function("value", rows0, [ca.gradient(plain, h), plain]),
+        function("gradient", rows1, [ca.jacobian(linear, z)]),
+        function("jacobian", rows1, [ca.jacobian(ca.gradient(linear, h), z)]),
+        function("hessian", [*rows2, multipliers, factor], [slope, packed]),
+    ]
 
 
 def _taylor(row: ca.SX, d: ca.SX) -> ca.SX:
-    """Second-order polynomial of one element (position, tangent) in its row's shape coordinates."""
-    value, index = row[:4], 4
-    for j in range(3):
-        value += row[index : index + 4] * d[j]
-        index += 4
-    for j in range(3):
-        for i in range(j + 1):
-            value += row[index : index + 4] * (d[i] * d[j] * (0.5 if i == j else 1.0))
-            index += 4
-    return value
+    """Polynomial of one element (position, tangent) in its row's shape coordinates, to the order that the row holds."""
+    monomials = [ca.SX(1), *ca.vertsplit(d)]
+    monomials += [d[i] * d[j] * (0.5 if i == j else 1.0) for i, j in upper(3)]
+    parts = ca.vertsplit(row, 4)
+    return sum((part * monomial for part, monomial in zip(parts, monomials, strict=False)), ca.SX.zeros(4))
 
 
 def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:

@@ -116,19 +116,19 @@ class GaitNLP:
         base = ca.MX(0) if self.replaced else -self.displacement
         return base + self.own_objective
 
-    def _step_inputs(self) -> list[ca.MX]:
-        """Inputs of the step blocks, one column (or block of columns) per step."""
+    def _step_inputs(self, order: int) -> list[ca.MX]:
+        """Inputs of the step blocks, one column (or block of columns) per step, with row derivatives up to `order`."""
         blocks, t, m = step_blocks(self.structure), self.steps, self.structure.elements
         phases = self._phases()
-        row = blocks.row.map("rows", "serial", t + 1, [0, 2], [])(self.gait, phases, self.model_parameters)
+        row = blocks.rows[order].map(f"rows_{order}", "serial", t + 1, [0, 2], [])(self.gait, phases, self.model_parameters)
         poses = ca.horzcat(ca.MX.zeros(3, 1), self.poses)
         repeated = ca.repmat(self.gait, 1, t)
         return [poses[:, :-1], poses[:, 1:], repeated, phases[:, :-1], phases[:, 1:], row[:, : m * t], row[:, m:]]
 
-    def _over_steps(self, function: ca.Function, *more: ca.MX) -> ca.MX | tuple[ca.MX, ...]:
+    def _over_steps(self, function: ca.Function, order: int, *more: ca.MX) -> ca.MX | tuple[ca.MX, ...]:
         shared = [function.n_in() - 1]
         mapped = function.map(f"steps_{function.name()}", "serial", self.steps, shared, [])
-        return mapped(*self._step_inputs(), *more, self.model_parameters)
+        return mapped(*self._step_inputs(order), *more, self.model_parameters)
 
     def _path(self, function: ca.Function, *more: ca.MX) -> ca.MX:
         phases = self.parameters[1 : 1 + self.path_rows].T
@@ -146,8 +146,8 @@ class GaitNLP:
         added = ca.vertcat(*(expression for expression, _, _ in self.added)) if self.added else ca.MX(0, 1)
         counts = self.constraint_counts
         weight = 0 if self.replaced else p[0] * self.steps
-        residual, energy = self._over_steps(blocks.value)
-        slopes, energy_slopes = self._over_steps(blocks.jacobian)
+        residual, energy = self._over_steps(blocks.value, 0)
+        slopes, energy_slopes = self._over_steps(blocks.jacobian, 1), self._over_steps(blocks.gradient, 1)
         f = self._base_objective() + weight * ca.sum2(energy)
         gradient = ca.gradient(self._base_objective(), x) + weight * gather_gradient(energy_slopes, self.steps)
         path, path_jacobian = self._path_terms()
@@ -157,7 +157,7 @@ class GaitNLP:
         factor, multipliers = ca.MX.sym("multiplier"), ca.MX.sym("multipliers", sum(counts))
         momentum, on_path, on_added = ca.vertsplit(multipliers, [0, counts[0], counts[0] + counts[1], sum(counts)])
         step_multipliers = ca.reshape(momentum, 3, self.steps) * self.steps
-        packed = self._over_steps(blocks.hessian, step_multipliers, ca.repmat(factor * weight, 1, self.steps))
+        packed = self._over_steps(blocks.hessian, 2, step_multipliers, ca.repmat(factor * weight, 1, self.steps))
         smooth = factor * self._base_objective() + ca.dot(on_added, added)
         hessian = scatter_hessian(packed, self.steps) + ca.triu(ca.hessian(smooth, x)[0])
         hessian += self._path_hessian(on_path)
