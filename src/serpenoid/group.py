@@ -14,7 +14,7 @@ def rotation(heading: Floats | float) -> Floats:
 
 
 def accumulate(relative: Floats, start: Floats | None = None) -> Floats:
-    """Poses reached by relative motions: shape (..., T, 3) -> (..., T + 1, 3), beginning at `start` (default origin)."""
+    """Poses reached by relative motions, (..., T, 3) -> (..., T + 1, 3), beginning at `start` (default origin)."""
     first = np.zeros(3) if start is None else np.asarray(start, float)
     zero = np.zeros((*relative.shape[:-2], 1))
     heading = first[2] + np.concatenate([zero, np.cumsum(relative[..., 2], -1)], -1)

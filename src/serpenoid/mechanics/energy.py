@@ -45,5 +45,3 @@ def move(pose: ca.SX, elements: ca.SX) -> ca.SX:
     rotation = planar_rotation(pose[2]) if d == 2 else spatial_rotation(pose[3:])
     positions = rotation @ elements[:d, :] + ca.repmat(pose[:d], 1, elements.size2())
     return ca.vertcat(positions, rotation @ elements[d:, :])
-
-

@@ -1,7 +1,8 @@
 """The geometric momentum as automatic derivative of the step energy.
 
-mu(g) = d/d delta E(exp(delta) g) at delta = 0: (rotation, translation), 3 numbers in the plane and 6 in space. It equals
-(1/2 sum mu_rot, sum mu_tran) of Even et al., Eq. 6, whose own factor is -1/2 on both blocks: same roots, other scaling.
+mu(g) = d/d delta E(exp(delta) g) at delta = 0: (rotation, translation), 3 numbers in the plane and 6 in space.
+It equals (1/2 sum mu_rot, sum mu_tran) of Even et al., Eq. 6, whose own factor is -1/2 on both blocks: the roots are
+the same, the scaling is not.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def turning_moment(phi: ca.SX, m: ca.SX) -> ca.SX:
 
 
 def root_finder(tolerance: float = 1e-15) -> ca.Function:
-    """CasADi Newton root finder (phi guess, moments) -> phi; a failure shows in the residual, which is always checked."""
+    """CasADi Newton root finder (guess, moments) -> phi; a failure shows in the residual, which is always checked."""
     phi, m = ca.SX.sym("phi"), ca.SX.sym("m", MOMENTS)
     equation = {"x": phi, "p": m, "g": ca.cse(turning_moment(phi, m))}
     options = {"abstol": tolerance, "max_iter": 30, "error_on_fail": False}

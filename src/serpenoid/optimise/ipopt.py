@@ -21,6 +21,8 @@ OPTIONS = {
     "ipopt.compl_inf_tol": 1e-9,
     "ipopt.acceptable_iter": 0,
     "ipopt.mu_init": 1e-2,  # the start satisfies the momentum equations already
+    "ipopt.mu_linear_decrease_factor": 0.1,
+    "ipopt.mu_superlinear_decrease_power": 1.7,
     "ipopt.bound_relax_factor": 0.0,  # a limit is a limit
     "ipopt.mumps_pivot_order": 0,  # AMD: METIS takes longer to order these banded systems than to factor them
     "ipopt.mumps_permuting_scaling": 0,
@@ -118,9 +120,10 @@ class Ipopt:
         watch: Callable[[float], None] | None = None,
     ) -> Outcome:
         """Solve from a primal start (array) or warm from a primal-dual Point."""
-        warm = isinstance(start, Point)
-        solver = self._warm_solver() if warm else self._cold
-        arguments = {"x0": start.x, "lam_x0": start.lam_x, "lam_g0": start.lam_g} if warm else {"x0": start}
+        if isinstance(start, Point):
+            solver, arguments = self._warm_solver(), {"x0": start.x, "lam_x0": start.lam_x, "lam_g0": start.lam_g}
+        else:
+            solver, arguments = self._cold, {"x0": start}
         self._callback.flag, self._callback.error, self._watcher = flag, None, watch
         begin = time.perf_counter()
         result = solver(p=parameters, lbx=bounds.lbx, ubx=bounds.ubx, lbg=bounds.lbg, ubg=bounds.ubg, **arguments)
@@ -159,7 +162,7 @@ class Ipopt:
 
 
 def _complementarity(multiplier: Floats, value: Floats, lower: Floats, upper: Floats) -> float:
-    """Largest |multiplier * distance to the bound it belongs to| (positive: upper, negative: lower; equalities: none)."""
+    """Largest |multiplier * distance to its bound| (positive: upper, negative: lower; equalities: none)."""
     free = lower < upper
     gap = np.where(multiplier > 0, upper - value, value - lower)
     gap = np.where(np.isfinite(gap), gap, 1.0)

@@ -120,12 +120,13 @@ class GaitNLP:
         """Inputs of the step blocks, one column (or block of columns) per step, with row derivatives up to `order`."""
         blocks, t, m = step_blocks(self.structure), self.steps, self.structure.elements
         phases = self._phases()
-        row = blocks.rows[order].map(f"rows_{order}", "serial", t + 1, [0, 2], [])(self.gait, phases, self.model_parameters)
+        rows = blocks.rows[order].map(f"rows_{order}", "serial", t + 1, [0, 2], [])
+        row = rows(self.gait, phases, self.model_parameters)
         poses = ca.horzcat(ca.MX.zeros(3, 1), self.poses)
         repeated = ca.repmat(self.gait, 1, t)
         return [poses[:, :-1], poses[:, 1:], repeated, phases[:, :-1], phases[:, 1:], row[:, : m * t], row[:, m:]]
 
-    def _over_steps(self, function: ca.Function, order: int, *more: ca.MX) -> ca.MX | tuple[ca.MX, ...]:
+    def _over_steps(self, function: ca.Function, order: int, *more: ca.MX) -> ca.MX:
         shared = [function.n_in() - 1]
         mapped = function.map(f"steps_{function.name()}", "serial", self.steps, shared, [])
         return mapped(*self._step_inputs(order), *more, self.model_parameters)

@@ -81,7 +81,8 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
     steps = solve_cycles(model, tables)
     relative = steps.relative.reshape(b, t, 3)
     dissipation = t * steps.energy.reshape(b, t).sum(1)
-    residual, sound = steps.residual.reshape(b, t).max(1), steps.sound.reshape(b, t).all(1)
+    residual = steps.residual.reshape(b, t).max(1)
+    sound = np.asarray(steps.sound.reshape(b, t).all(1))
     poses = group.accumulate(relative)
     for i in np.flatnonzero(~sound):
         single = simulate_joint_angles(model, tables[i])
