@@ -39,7 +39,7 @@ class EllipseGait(Record):
         values["theta"] = float(-np.remainder(np.pi - values["theta"], 2 * np.pi) + np.pi)
         values["sigma"] = float(np.clip(values["sigma"], -1, 1))
         values["a"] = max(values["a"], 0.0)
-        return cls(**values)
+        return cls.model_validate(values)
 
     def curve(self, phases: Floats) -> Floats:
         """(w1, w2) at `phases` [cycles]: shape (n,) -> (n, 2)."""

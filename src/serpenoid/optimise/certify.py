@@ -13,9 +13,10 @@ import numpy as np
 from scipy.optimize import minimize
 
 from serpenoid.body import Floats
-from serpenoid.optimise.limits import joint_table, joint_tables, worst_violation
-from serpenoid.optimise.solver import Answer, GaitSolver
-from serpenoid.simulate import simulate_batch, simulate_joint_angles
+from serpenoid.mechanics.tables import joint_table, joint_tables
+from serpenoid.optimise.limits import worst_violation
+from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
+from serpenoid.simulation import simulate_batch, simulate_joint_angles
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -38,8 +39,10 @@ class Certificate:
     polishing_gain: float | None
 
 
-def certify(solver: GaitSolver, answer: Answer, c: float, polish: bool = True) -> Certificate:
-    """Check an answer of `solver` for dissipation coefficient c."""
+def certify(
+    solver: GaitSolver, answer: Answer, c: float, polish: bool = True, gait_bounds: GaitBounds | None = None
+) -> Certificate:
+    """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's)."""
     table = joint_table(solver.model, answer.q, solver.steps)
     trajectory = simulate_joint_angles(solver.model, table)
     poses = answer.outcome.point.x[:-6].reshape(-1, 3)
@@ -51,14 +54,14 @@ def certify(solver: GaitSolver, answer: Answer, c: float, polish: bool = True) -
     if status.ok and not answer.outcome.residuals.largest <= KKT_TOLERANCE:
         status = Status.NOT_STATIONARY
     if status.ok and polish and solver.customise is None:
-        gain = polishing_gain(solver, answer, c)
+        gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
     return Certificate(status, trajectory, table, error, gain)
 
 
-def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float) -> Floats:
+def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds) -> Floats:
     """-Delta + c * dissipation of gaits (B, 6) by forward simulation, plus `penalty` times every violation."""
-    lower, upper = solver.gait_bounds()
+    lower, upper = gait_bounds
     tables = joint_tables(solver.model, np.clip(gaits, np.maximum(lower, -1e6), upper), solver.steps)
     batch = simulate_batch(solver.model, tables)
     cost = -batch.displacement + c * batch.dissipation
@@ -70,14 +73,14 @@ def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float) -> F
     return np.where(batch.sound, cost + penalty * outside, np.inf)
 
 
-def polishing_gain(solver: GaitSolver, answer: Answer, c: float) -> float:
+def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds) -> float:
     """How much a derivative-free search beside the answer lowers the cost (exact penalty for the constraints)."""
     penalty = 10 * (1 + float(np.max(np.abs(answer.outcome.point.lam_g))))
 
     def cost(q: Floats) -> float:
-        return float(gait_costs(solver, q[None], c, penalty)[0])
+        return float(gait_costs(solver, q[None], c, penalty, gait_bounds)[0])
 
-    lower, upper = solver.gait_bounds()
+    lower, upper = gait_bounds
     width = np.where(upper > lower, SIMPLEX, 0.0)
     simplex = np.vstack([answer.q, answer.q + np.diag(width)])[[True, *(width > 0)]]
     moving = width > 0

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.mechanics import functions
-from serpenoid.model import Model
 from serpenoid.problem import Problem
 
 FIRST_ROWS = 10
@@ -42,21 +40,6 @@ def path_limits(problem: Problem) -> PathLimits:
         speed = (body.joint_speed_limit_rpm or np.inf) * 2 * np.pi / 60
         upper[m:] = speed * (task.cycle_duration_s or np.inf) / task.steps
     return PathLimits(upper)
-
-
-def joint_table(model: Model, q: Floats, steps: int) -> Floats:
-    """Joint table of gait parameters q (6,), shape (T, m) [rad]."""
-    return joint_tables(model, np.asarray(q)[None], steps)[0]
-
-
-def joint_tables(model: Model, gaits: Floats, steps: int) -> Floats:
-    """Joint tables of gait parameters (B, 6), shape (B, T, m) [rad]."""
-    count = gaits.shape[0]
-    function = functions.gait_joint_angles(model.structure)
-    mapped = function.map("table", "serial", count * steps, [2], [])
-    phases = np.tile(np.arange(steps) / steps, count)[None]
-    angles = mapped(np.repeat(gaits, steps, axis=0).T, phases, model.parameters).full()
-    return angles.T.reshape(count, steps, -1)
 
 
 def violations(table: Floats, limits: PathLimits) -> Floats:

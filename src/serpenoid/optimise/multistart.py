@@ -13,7 +13,7 @@ from serpenoid.optimise.certify import certify
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
 from serpenoid.status import Status
 
 SAME_COST = 1e-6  # optima whose costs differ by less are one: mirror images and half turns of theta are equal in cost
@@ -52,7 +52,7 @@ def solve_one(
     solver: GaitSolver,
     start: Floats | Point,
     c: float,
-    gait_bounds: tuple[Floats, Floats] | None = None,
+    gait_bounds: GaitBounds | None = None,
     polish: bool = False,
     flag: StopFlag | None = None,
     watch: Callable[[float], None] | None = None,
@@ -60,12 +60,14 @@ def solve_one(
 ) -> tuple[Solution, Answer]:
     """Optimise from one start and certify the answer."""
     answer = solver.solve(start, c, gait_bounds, rows, flag, watch)
-    return as_solution(solver, answer, c, polish and gait_bounds is None), answer
+    return as_solution(solver, answer, c, polish, gait_bounds), answer
 
 
-def as_solution(solver: GaitSolver, answer: Answer, c: float, polish: bool) -> Solution:
+def as_solution(
+    solver: GaitSolver, answer: Answer, c: float, polish: bool, gait_bounds: GaitBounds | None = None
+) -> Solution:
     """Certify an answer and write it as a Solution."""
-    check = certify(solver, answer, c, polish)
+    check = certify(solver, answer, c, polish, gait_bounds)
     outcome = answer.outcome
     return Solution(
         status=check.status,

@@ -12,23 +12,17 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
+from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
-from serpenoid.optimise.limits import (
-    FIRST_ROWS,
-    TOLERANCE,
-    even_rows,
-    exchange,
-    joint_table,
-    path_limits,
-    worst_violation,
-)
+from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, worst_violation
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
-from serpenoid.simulate import simulate_joint_angles
+from serpenoid.simulation import simulate_joint_angles
 
 EXCHANGES = 8
 Customise = Callable[[GaitNLP], None]
+GaitBounds = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True)
@@ -52,7 +46,7 @@ class GaitSolver:
         self.customise = customise
         self._prepared: dict[int, tuple[GaitNLP, Ipopt]] = {}
 
-    def gait_bounds(self) -> tuple[Floats, Floats]:
+    def gait_bounds(self) -> GaitBounds:
         """Lower and upper bounds of q from the problem, theta unbounded unless given."""
         bounds = self.problem.task.bounds
         free = (-np.inf, np.inf)
@@ -72,7 +66,7 @@ class GaitSolver:
         self,
         start: Floats | Point,
         c: float,
-        gait_bounds: tuple[Floats, Floats] | None = None,
+        gait_bounds: GaitBounds | None = None,
         rows: tuple[int, ...] = (),
         flag: StopFlag | None = None,
         watch: Callable[[float], None] | None = None,
@@ -106,7 +100,7 @@ class GaitSolver:
         """Numbers for the NLP's parameters."""
         return np.concatenate([[c], np.array(rows) / self.steps, self.model.parameters])
 
-    def bounds(self, rows: list[int], gait_bounds: tuple[Floats, Floats] | None = None) -> Bounds:
+    def bounds(self, rows: list[int], gait_bounds: GaitBounds | None = None) -> Bounds:
         """Bounds of all variables and constraints."""
         lower, upper = gait_bounds or self.gait_bounds()
         n = 3 * self.steps

@@ -7,7 +7,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
-from serpenoid.optimise.limits import joint_table, violations
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.limits import violations
 from serpenoid.optimise.solver import GaitSolver
 
 SHAPE = [EllipseGait.NAMES.index(name) for name in ("x_c", "y_c", "a")]

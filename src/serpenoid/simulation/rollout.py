@@ -12,7 +12,7 @@ import numpy as np
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulate.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
+from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
