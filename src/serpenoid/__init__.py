@@ -6,13 +6,13 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from serpenoid.family import sweep
     from serpenoid.optimise.solve import improve, solve, solve_from
     from serpenoid.optimise.transcription import GaitNLP
     from serpenoid.problem import Problem, load
     from serpenoid.results import write_simulation, write_solution
     from serpenoid.simulation import simulate_batch, simulate_in_space, simulate_joint_angles, simulate_vertices
     from serpenoid.simulation.problem import simulate
-    from serpenoid.family import sweep
 
 # public name -> module: imported on first use, so that `import serpenoid` and `--help` stay quick
 _PUBLIC = {

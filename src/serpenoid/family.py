@@ -7,7 +7,7 @@ when it is solved, so that a killed sweep goes on where it stopped.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,7 +74,7 @@ class Sweep:
 
 def sweep(
     problem: Problem,
-    values: Floats,
+    values: Sequence[float] | Floats,
     starts: int = 4,
     seed: int = 0,
     folder: str | Path | None = None,
@@ -137,10 +137,10 @@ def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]],
     return SweepPoint(c, None, "", "; ".join(reasons) or "not reached")
 
 
-COLUMNS = (
-    "c,status,displacement_body_lengths,dissipation,cost,heading_change_rad,cost_of_transport,pareto,"
-    "sigma,x_c,y_c,theta,a,xi,iterations,seconds,chain,message"
-).split(",")
+COLUMNS = [
+    *["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"],
+    *["pareto", *EllipseGait.NAMES, "iterations", "seconds", "chain", "message"],
+]
 
 
 def write_sweep_table(path: str | Path, result: Sweep) -> None:

@@ -23,10 +23,17 @@ class ChainStore:
 
     def save(self, c: float, answer: Answer) -> None:
         """Write one point, whole or not at all."""
-        p = answer.outcome.point
-        facts = {"rows": np.array(answer.rows, int), "iterations": answer.iterations, "seconds": answer.seconds}
+        p, rows = answer.outcome.point, np.array(answer.rows, int)
         with atomic(self._path(c)) as target:
-            np.savez(target, x=p.x, lam_x=p.lam_x, lam_g=p.lam_g, **facts)
+            np.savez(
+                target,
+                x=p.x,
+                lam_x=p.lam_x,
+                lam_g=p.lam_g,
+                rows=rows,
+                iterations=answer.iterations,
+                seconds=answer.seconds,
+            )
 
     def load(self, c: float, solver: GaitSolver) -> Answer | None:
         """The stored answer with its residuals evaluated afresh, or None where there is none that can be read."""
