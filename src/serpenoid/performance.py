@@ -34,7 +34,7 @@ def pareto_front(displacement: Floats, dissipation: Floats) -> np.ndarray:
     more = displacement[None] >= displacement[:, None]
     less = dissipation[None] <= dissipation[:, None]
     strictly = (displacement[None] > displacement[:, None]) | (dissipation[None] < dissipation[:, None])
-    return ~(more & less & strictly).any(axis=1)
+    return np.asarray(~(more & less & strictly).any(axis=1))
 
 
 def idle_for_minimum(c: Floats, displacement: Floats, dissipation: Floats, low: float, high: float) -> Range | None:
