@@ -12,11 +12,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot.gait import FINE, X_LABEL, Y_LABEL
-from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, INK, ORANGE, RED, SMALL, dress, legend_above
+from serpenoid.plot.style import (
+    BLUE,
+    CHAIN_MAP,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    NORMAL,
+    ORANGE,
+    RED,
+    SMALL,
+    dress,
+    legend_above,
+)
 
 C_LABEL = "dissipation coefficient c"
 DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised, T·E]"
@@ -61,7 +75,12 @@ def non_dominated(displacement: Floats, dissipation: Floats) -> np.ndarray:
 def against_c(family: Family, values: Floats, ax: Axes, label: str, title: str = "", colour: str = BLUE) -> Axes:
     """A line with a dot per gait."""
     ax.plot(family.c, values, "o-", color=colour, markersize=4, linewidth=1.5)
-    ax.margins(y=0.12)
+    middle, span = float(values.mean()), float(np.ptp(values))
+    half = (
+        0.6 * span if span > 1e-6 else 0.1 * abs(middle) or 1.0
+    )  # a prescribed value is a level line, not its rounding
+    ax.set_ylim(values.min() + span / 2 - half, values.max() - span / 2 + half)
+    ax.ticklabel_format(useOffset=False)
     return dress(ax, title, C_LABEL, label)
 
 
@@ -70,8 +89,8 @@ def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
     front = np.flatnonzero(non_dominated(family.displacement, family.dissipation))
     front = front[np.argsort(family.dissipation[front])]
     x, y = family.dissipation, family.displacement
-    ax.plot(x[front], y[front], color=GREY, linewidth=1.2, zorder=1, label="not dominated")
-    ax.scatter(x[front], y[front], s=70, facecolors="none", edgecolors=GREY, linewidths=0.9, zorder=2)
+    ring = {"marker": "o", "markersize": 9, "markerfacecolor": "none", "markeredgewidth": 0.9}
+    ax.plot(x[front], y[front], color=GREY, linewidth=1.2, zorder=1, label="not dominated", **ring)
     ax.scatter(x, y, c=family.c, cmap=CHAIN_MAP, s=26, linewidths=0, zorder=3)
     ax.margins(0.08)
     return dress(ax, title, D_LABEL, DELTA_LABEL)
@@ -85,15 +104,19 @@ def cost_of_transport(
         cost = family.cost_of_transport(p)
         least = int(cost.argmin())
         ax.plot(family.c, cost, color=colour, linewidth=1.6)
-        ax.plot(family.c[least], cost[least], "*", color=colour, markersize=12, markeredgecolor="white", zorder=4)
+        inside = 0 < least < cost.size - 1
+        star = {"color": colour, "markersize": 12, "markerfacecolor": colour if inside else "white", "zorder": 4}
+        ax.plot(family.c[least], cost[least], "*", markeredgecolor="white" if inside else colour, **star)
         ax.annotate(
-            f"p = {p:.3g}", (family.c[-1], cost[-1]), xytext=(5, 0), textcoords="offset points", color=colour,
+            f"p = {p:.3g}", (family.c[-1], cost[-1]), xytext=(9, 0), textcoords="offset points", color=colour,
             fontsize=SMALL, va="center", annotation_clip=False,
         )  # fmt: skip
     ax.plot([], [], "*", color=GREY, markersize=10, label="least cost")
+    ax.plot([], [], "*", color=GREY, markersize=10, markerfacecolor="white", label="least at an end of the sweep")
     ax.set_ylim(0, None)
-    legend_above(ax, 1)
-    return dress(ax, title, C_LABEL, "cost of transport [units of D / body length]")
+    dress(ax, title, C_LABEL, "cost of transport [units of D / body length]")
+    legend_above(ax, 2)
+    return ax
 
 
 def idle_interval(family: Family, between: tuple[float, float] = (1.0, 2.0)) -> tuple[float, float] | None:
@@ -115,9 +138,13 @@ def idle_levels(family: Family, ax: Axes, between: tuple[float, float] = (1.0, 2
         ax.vlines(between, 0, 1, transform=ax.get_xaxis_transform(), color=GREY, linewidth=1, linestyle="--")
         ax.text(
             0.97, 0.95, f"least cost at {between[0]:g} < c < {between[1]:g}\nfor {ends[0]:.3f} < p < {ends[1]:.3f}",
-            transform=ax.transAxes, ha="right", va="top", fontsize=SMALL, color=INK,
+            transform=ax.transAxes, ha="right", va="top", fontsize=NORMAL, color=INK,
+            bbox={"facecolor": "white", "linewidth": 0, "pad": 3},
         )  # fmt: skip
-    return dress(ax, "Idle level for which c is best: p = Δ/c − D", C_LABEL, P_LABEL)
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    return dress(ax, "The idle level for which each c is best: p = Δ/c − D", C_LABEL, P_LABEL)
 
 
 def gait_parameters(family: Family, ax: Axes, name: str, title: str = "") -> Axes:

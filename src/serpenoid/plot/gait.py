@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot.body import draw_body
-from serpenoid.plot.style import FAINT, GREY, INK, PHASE_MAP, SMALL, dress
+from serpenoid.plot.style import FAINT, GREY, INK, PHASE_MAP, SMALL, around, dress
 
 FINE = np.linspace(0, 1, 241)
 ARROWS = (0.06, 0.56)
@@ -24,8 +24,8 @@ def gait_curve(gait: EllipseGait, ax: Axes, rows: int = 50, title: str = "Gait i
     ax.scatter(*dots.T, c=np.arange(rows) / rows, cmap=PHASE_MAP, vmin=0, vmax=1, s=15, linewidths=0, zorder=3)
     ax.plot(*dots[:1].T, "o", markersize=9, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.6, zorder=4)
     for phase in ARROWS if gait.a > 0 else ():
-        tail, tip = gait.curve(np.array([phase, phase + 0.012]))
-        style = {"arrowstyle": "-|>", "color": INK, "mutation_scale": 13, "linewidth": 0}
+        tail, tip = gait.curve(np.array([phase, phase + 0.03]))
+        style = {"arrowstyle": "-|>", "color": INK, "mutation_scale": 17, "linewidth": 0, "shrinkA": 0, "shrinkB": 0}
         ax.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=style, zorder=5)
     ax.set_aspect("equal")
     return dress(ax, title, X_LABEL, Y_LABEL, grid=False)
@@ -41,13 +41,11 @@ def shapes_around(gait: EllipseGait, shapes: Floats, ax: Axes) -> Axes:
         if not _overlap(np.array([(p.min(0), p.max(0)) for p in places])):
             break
     for row, points in zip(rows, places, strict=True):
-        anchor, middle = gait.curve(np.array([row / steps]))[0], (points.min(0) + points.max(0)) / 2
-        ax.plot(*np.stack([anchor, middle]).T, color=GREY, linewidth=0.6, linestyle=":", zorder=1)
-        draw_body(points, ax, PHASE_MAP(row / steps), width=2.2, joints=False)
-    corner = np.concatenate([*places, gait.curve(FINE)])
-    pad = 0.04 * np.ptp(corner, axis=0).max() or 1.0
-    ax.set_xlim(corner[:, 0].min() - pad, corner[:, 0].max() + pad)
-    ax.set_ylim(corner[:, 1].min() - pad, corner[:, 1].max() + pad)
+        anchor = gait.curve(np.array([row / steps]))[0]
+        nearest = points[np.linalg.norm(points - anchor, axis=1).argmin()]
+        ax.plot(*np.stack([anchor, nearest]).T, color=GREY, linewidth=0.8, linestyle=":", zorder=1)
+        draw_body(points, ax, PHASE_MAP(row / steps), width=2.6)
+    around(np.concatenate([*places, gait.curve(FINE)]), ax, 0.05)
     return ax
 
 

@@ -51,7 +51,7 @@ def counts(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Distinct 
     found = int(optimum.max(initial=-1)) + 1
     names, sizes, colours = [], [], []
     for k in range(min(found, SHOWN)):
-        names.append(f"{costs[optimum == k].min():.6f}")
+        names.append(f"{costs[optimum == k].min():.6f}".replace("-", "−"))
         sizes.append(int((optimum == k).sum()))
         colours.append(_colours(optimum)[k])
     for name, size in ((f"{found - SHOWN} more", int((optimum >= SHOWN).sum())), ("failed", int((optimum < 0).sum()))):
@@ -65,7 +65,9 @@ def counts(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Distinct 
     ax.set_ylim(max(len(names), 3) - 0.4, -0.6)
     ax.set_xlim(0, 1.25 * max(sizes, default=1))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    return dress(ax, title, "starts [count]", COST_LABEL)
+    dress(ax, title, "starts [count]", COST_LABEL)
+    ax.yaxis.grid(False)
+    return ax
 
 
 def _colours(optimum: np.ndarray) -> Floats:
