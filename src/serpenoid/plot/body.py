@@ -25,7 +25,7 @@ def draw_body(
 
     The white rim keeps crossing bodies apart; heads lie over all chains of the same `zorder`.
     """
-    shown = {"solid_capstyle": "round", "solid_joinstyle": "round", "zorder": zorder}
+    shown: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round", "zorder": zorder}
     (rim,) = ax.plot(*vertices.T, color="white", linewidth=width + 1.6, **shown)
     (chain,) = ax.plot(
         *vertices.T, color=colour, linewidth=width, marker="o" if joints else None, markevery=list(joints) or None,

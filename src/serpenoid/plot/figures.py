@@ -114,8 +114,8 @@ def trajectory_words(trajectory: Trajectory) -> str:
     steps = trajectory.steps_per_cycle
     dx, dy, turn = trajectory.poses[steps] - trajectory.poses[0]
     dissipation = steps * trajectory.step_energy[:steps].sum()
-    words = f"A cycle moves {np.hypot(dx, dy):.3f} body lengths, turns {np.rad2deg(turn):.1f}°, dissipates {dissipation:.3f}"
-    return words.replace("-", "−")
+    turns = f"{np.rad2deg(turn):.1f}°".replace("-", "−")
+    return f"A cycle moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}, dissipates {dissipation:.3f}"
 
 
 def contact_words(trajectory: Trajectory) -> str:

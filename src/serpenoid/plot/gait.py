@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot.body import draw_body
-from serpenoid.plot.style import FAINT, GREY, INK, PHASE_MAP, SMALL, around, dress
+from serpenoid.plot.style import FAINT, GREY, INK, PHASE_MAP, SMALL, dress, fill_equal
 
 FINE = np.linspace(0, 1, 241)
 ARROWS = (0.06, 0.56)
@@ -21,13 +21,15 @@ def gait_curve(gait: EllipseGait, ax: Axes, rows: int = 50, title: str = "Gait i
     ax.axhline(0, color=FAINT, linewidth=1, zorder=0.5)
     ax.axvline(0, color=FAINT, linewidth=1, zorder=0.5)
     ax.plot(*curve.T, color=GREY, linewidth=1.2)
-    ax.scatter(*dots.T, c=np.arange(rows) / rows, cmap=PHASE_MAP, vmin=0, vmax=1, s=15, linewidths=0, zorder=3)
+    ax.scatter(
+        dots[:, 0], dots[:, 1], c=np.arange(rows) / rows, cmap=PHASE_MAP, vmin=0, vmax=1, s=15, linewidths=0, zorder=3
+    )
     ax.plot(*dots[:1].T, "o", markersize=9, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.6, zorder=4)
     for phase in ARROWS if gait.a > 0 else ():
         tail, tip = gait.curve(np.array([phase, phase + 0.03]))
         style = {"arrowstyle": "-|>", "color": INK, "mutation_scale": 17, "linewidth": 0, "shrinkA": 0, "shrinkB": 0}
         ax.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=style, zorder=5)
-    ax.set_aspect("equal")
+    fill_equal(ax)
     return dress(ax, title, X_LABEL, Y_LABEL, grid=False)
 
 
@@ -45,7 +47,6 @@ def shapes_around(gait: EllipseGait, shapes: Floats, ax: Axes) -> Axes:
         nearest = points[np.linalg.norm(points - anchor, axis=1).argmin()]
         ax.plot(*np.stack([anchor, nearest]).T, color=GREY, linewidth=0.8, linestyle=":", zorder=1)
         draw_body(points, ax, PHASE_MAP(row / steps), width=2.6)
-    around(np.concatenate([*places, gait.curve(FINE)]), ax, 0.05)
     return ax
 
 

@@ -29,7 +29,7 @@ def _cut(name: str, low: float, high: float) -> Colormap:
 
 
 PHASE_MAP = _cut("plasma", 0.0, 0.86)  # phase within the cycle
-CHAIN_MAP = _cut("viridis", 0.0, 0.88)  # place along the body, or the coefficient c
+CHAIN_MAP = _cut("viridis", 0.0, 0.84)  # place along the body, or the coefficient c
 ANGLE_MAP = colormaps["PuOr_r"]  # signed angles
 
 
@@ -69,9 +69,20 @@ def around(points: NDArray[np.float64], ax: Axes, pad: float, below: float = 0.0
     x = low[0] - pad * extent, high[0] + pad * extent
     y = low[1] - (pad + below) * extent, high[1] + pad * extent
     ax.set(xlim=x, ylim=y, aspect="equal")
+    _few_ticks(ax)
+    return (y[1] - y[0]) / (x[1] - x[0])
+
+
+def fill_equal(ax: Axes) -> None:
+    """Equal axes that show all data and fill their place by showing more on one side."""
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.05)
+    _few_ticks(ax)
+
+
+def _few_ticks(ax: Axes) -> None:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
-    return (y[1] - y[0]) / (x[1] - x[0])
 
 
 def colour_bar(
@@ -83,5 +94,5 @@ def colour_bar(
     bar = first.get_figure(root=True).colorbar(shown, ax=ax, **options)  # type: ignore[union-attr]
     bar.set_label(label, fontsize=NORMAL, color=INK)
     bar.ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     return bar
