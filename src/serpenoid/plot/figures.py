@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 PIXELS_PER_INCH = 150
 MANY_JOINTS = 24
+ANIMATED_CYCLES = 2
 
 
 def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
@@ -49,9 +50,8 @@ def simulation_figures(
         names += save(motion_figure(trajectory, problem), folder, "motion")
         if gait is not None:
             names += save(gait_figure(gait, trajectory), folder, "gait")
-        cycles = max(2, problem.task.cycles)
         duration, joint_vertices = problem.task.cycle_duration_s, problem.body.joint_vertices
-        animation(Path(folder) / "animation.gif", trajectory, cycles, duration, _countable(joint_vertices))
+        animation(Path(folder) / "animation.gif", trajectory, ANIMATED_CYCLES, duration, _countable(joint_vertices))
         names.append("animation.gif")
     return names
 
@@ -93,12 +93,12 @@ def gait_figure(gait: EllipseGait, trajectory: Trajectory) -> Figure:
 
 
 def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None = None) -> Figure:
-    """Bodies along the path, eight steps between them in one cycle, four a cycle in several."""
+    """Bodies along the path: eight a cycle, fewer of each where cycles are several."""
     cycles = cycles or problem.task.cycles
     fig = figure(8.6, 4.0)
     ax = fig.add_subplot()
     title = f"{trajectory_words(trajectory)}{contact_words(trajectory)}"
-    bodies = 9 if cycles == 1 else 4 * cycles + 1
+    bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
     motion(trajectory, ax, cycles, bodies, title, metres(problem), dots)
     legend_above(ax, 4)
@@ -114,7 +114,7 @@ def trajectory_words(trajectory: Trajectory) -> str:
     steps = trajectory.steps_per_cycle
     dx, dy, turn = trajectory.poses[steps] - trajectory.poses[0]
     dissipation = steps * trajectory.step_energy[:steps].sum()
-    turns = f"{np.rad2deg(turn):.1f}°".replace("-", "−")
+    turns = f"{round(np.rad2deg(turn), 1) + 0.0:.1f}°".replace("-", "−")  # + 0.0: no minus before a zero
     return f"A cycle moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}, dissipates {dissipation:.3f}"
 
 

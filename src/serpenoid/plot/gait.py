@@ -35,8 +35,8 @@ def gait_curve(gait: EllipseGait, ax: Axes, rows: int = 50, title: str = "Gait i
 
 def shapes_around(gait: EllipseGait, shapes: Floats, ax: Axes) -> Axes:
     """Bodies (T, N, 2), body frame, beside their points of the curve: as many of 8, 6, 4 as fit without overlap."""
-    steps, reach = shapes.shape[0], np.ptp(gait.curve(FINE), axis=0).max()
-    scale = 0.42 * reach or 1.0
+    steps, reach = shapes.shape[0], np.ptp(gait.curve(FINE), axis=0).max() or 1.0
+    scale = 0.42 * reach
     for count in (8, 6, 4):
         rows = np.arange(count) * steps // count
         places = [_place(gait, row / steps, scale * shapes[row], 0.05 * reach) for row in rows]
@@ -52,9 +52,8 @@ def shapes_around(gait: EllipseGait, shapes: Floats, ax: Axes) -> Axes:
 
 def start_label(ax: Axes, gait: EllipseGait) -> Axes:
     """Names the first row, towards the middle of the curve where nothing else is drawn."""
-    start, centre = gait.curve(np.zeros(1))[0], np.array([gait.x_c, gait.y_c])
-    inward = (centre - start) / (np.linalg.norm(centre - start) or 1.0)
-    side = "left" if inward[0] >= 0 else "right"
+    start, inward = gait.curve(np.zeros(1))[0], -_normal(gait, 0.0)
+    side = "left" if inward[0] > 0.3 else "right" if inward[0] < -0.3 else "center"
     ax.annotate(
         "start", tuple(start), xytext=tuple(12 * inward), textcoords="offset points", ha=side, va="center",
         fontsize=SMALL, color=INK,
@@ -64,13 +63,18 @@ def start_label(ax: Axes, gait: EllipseGait) -> Axes:
 
 def _place(gait: EllipseGait, phase: float, body: Floats, gap: float) -> Floats:
     """The body moved off its point along the curve's outward normal, until its box clears the tangent."""
-    before, point, after = gait.curve(np.array([phase - 1e-4, phase, phase + 1e-4]))
-    tangent = after - before
-    normal = np.array([tangent[1], -tangent[0]]) * (1 if gait.sigma >= 0 else -1)
-    normal = normal / np.linalg.norm(normal) if normal.any() else np.array([0.0, 1.0])
+    point, normal = gait.curve(np.array([phase]))[0], _normal(gait, phase)
     half = np.ptp(body, axis=0) / 2
     centred = body - (body.max(0) + body.min(0)) / 2
     return centred + point + normal * (np.abs(normal) @ half + gap)
+
+
+def _normal(gait: EllipseGait, phase: float) -> Floats:
+    """Outward unit normal of the curve; upright where the curve is a point."""
+    before, after = gait.curve(np.array([phase - 1e-4, phase + 1e-4]))
+    normal = np.array([after[1] - before[1], before[0] - after[0]]) * (1 if gait.sigma >= 0 else -1)
+    size = np.linalg.norm(normal)
+    return normal / size if size > 1e-12 else np.array([0.0, 1.0])
 
 
 def _overlap(boxes: Floats) -> bool:

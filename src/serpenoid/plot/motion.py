@@ -20,8 +20,10 @@ NICE = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0])
 
 
 def over_cycles(trajectory: Trajectory, cycles: int) -> tuple[Floats, Floats]:
-    """Poses (R, 3) and vertices (R, N, 2) of `cycles` cycles: each repeats the first one's relative motions."""
+    """Poses (R, 3) and vertices (R, N, 2) of `cycles` cycles: what the trajectory lacks repeats its first."""
     steps = trajectory.steps_per_cycle
+    if len(trajectory.poses) == cycles * steps + 1:
+        return trajectory.poses, trajectory.vertices
     poses, chains = trajectory.poses[: steps + 1], trajectory.vertices[: steps + 1]
     c, s = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
     move = np.diff(poses, axis=0)

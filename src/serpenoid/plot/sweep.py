@@ -18,7 +18,7 @@ def family_figure(family: Family) -> Figure:
     panels.against_c(family, family.displacement, axes[0, 0], panels.DELTA_LABEL, "Displacement")
     panels.against_c(family, family.dissipation, axes[0, 1], panels.D_LABEL, "Dissipation", RED)
     panels.gait_curves(family, axes[0, 2])
-    colour_bar(axes[0, 2], CHAIN_MAP, family.c[0], family.c[-1], "c", pad=0.02, aspect=30)
+    colour_bar(axes[0, 2], CHAIN_MAP, family.c[0], family.c[-1], panels.C_LABEL, pad=0.02, aspect=30)
     titles = {"sigma": "Flatness", "a": "Amplitude", "xi": "Spatial frequency"}
     for ax, (name, title) in zip(axes[1], titles.items(), strict=True):
         panels.gait_parameters(family, ax, name, title)
