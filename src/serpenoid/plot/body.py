@@ -29,7 +29,7 @@ def draw_body(
     (rim,) = ax.plot(*vertices.T, color="white", linewidth=width + 1.6, **shown)
     (chain,) = ax.plot(
         *vertices.T, color=colour, linewidth=width, marker="o" if joints else None, markevery=list(joints) or None,
-        markersize=0.55 * width, markerfacecolor="white", markeredgewidth=0, **shown,
+        markersize=0.7 * width, markerfacecolor="white", markeredgewidth=0, **shown,
     )  # fmt: skip
     (head,) = ax.plot(
         *vertices[-1:].T, "o", markersize=2.4 * width, color=colour, markeredgecolor="white", markeredgewidth=0.9,

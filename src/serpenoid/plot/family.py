@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
+from serpenoid.performance import pareto_front
 from serpenoid.plot.gait import FINE, X_LABEL, Y_LABEL
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, RED, dress, fill_equal
 
@@ -42,14 +43,6 @@ class Family:
         return Family(self.c[order], self.displacement[order], self.dissipation[order], self.gaits[order])
 
 
-def non_dominated(displacement: Floats, dissipation: Floats) -> np.ndarray:
-    """Gaits than which no other moves at least as far for at most as much, and is better in one; (n,) bool."""
-    far = displacement[None] >= displacement[:, None]
-    cheap = dissipation[None] <= dissipation[:, None]
-    better = (displacement[None] > displacement[:, None]) | (dissipation[None] < dissipation[:, None])
-    return np.asarray(~(far & cheap & better).any(1))
-
-
 def against_c(family: Family, values: Floats, ax: Axes, label: str, title: str = "", colour: str = BLUE) -> Axes:
     """A line with a dot per gait."""
     ax.plot(family.c, values, "o-", color=colour, markersize=4, linewidth=1.5)
@@ -63,7 +56,7 @@ def against_c(family: Family, values: Floats, ax: Axes, label: str, title: str =
 
 def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
     """Displacement against dissipation, coloured by c; gaits that no other one beats are joined and ringed."""
-    front = np.flatnonzero(non_dominated(family.displacement, family.dissipation))
+    front = np.flatnonzero(pareto_front(family.displacement, family.dissipation))
     front = front[np.argsort(family.dissipation[front])]
     x, y = family.dissipation, family.displacement
     ring: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none", "markeredgewidth": 0.9}

@@ -15,16 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from serpenoid.body import Floats
+from serpenoid.performance import normalised_cost_of_transport
 from serpenoid.plot.family import C_LABEL, Family
 from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, NORMAL, ORANGE, SMALL, dress, legend_above
 
 P_LABEL = "idle energy per cycle p [units of D]"
 BETWEEN = (1.0, 2.0)  # where the paper's robot had its least cost of transport
-
-
-def costs(family: Family, idle: float) -> Floats:
-    """Cost of transport (p + D) / Delta of each gait [units of D per body length], shape (n,)."""
-    return (idle + family.dissipation) / family.displacement
 
 
 def best_idle(family: Family) -> Floats:
@@ -47,7 +43,7 @@ def cost_of_transport(
 ) -> Axes:
     """A curve per idle level p, its least value starred (hollow at an end of the sweep: it goes on beyond)."""
     for p, colour in zip(idle_levels, CHAIN_MAP(np.linspace(0, 1, len(idle_levels))), strict=True):
-        cost = costs(family, p)
+        cost = normalised_cost_of_transport(family.displacement, family.dissipation, p)
         least = int(cost.argmin())
         inside = 0 < least < cost.size - 1
         star: dict[str, Any] = {"color": colour, "markerfacecolor": colour if inside else "white"}
