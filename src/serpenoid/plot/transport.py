@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from serpenoid.body import Floats
-from serpenoid.performance import normalised_cost_of_transport
+from serpenoid.performance import idle_for_minimum, normalised_cost_of_transport
 from serpenoid.plot.family import C_LABEL, Family
 from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, NORMAL, ORANGE, SMALL, dress, legend_above
 
@@ -31,11 +31,7 @@ def best_idle(family: Family) -> Floats:
 
 def idle_interval(family: Family, between: tuple[float, float] = BETWEEN) -> tuple[float, float] | None:
     """Idle levels (lower, upper) whose least cost lies at a c `between`; None if the sweep is shorter than that."""
-    if family.c.size < 2 or family.c.min() > between[0] or family.c.max() < between[1]:
-        return None
-    delta, d = (np.interp(between, family.c, values) for values in (family.displacement, family.dissipation))
-    upper, lower = delta / np.array(between) - d
-    return float(lower), float(upper)
+    return idle_for_minimum(family.c, family.displacement, family.dissipation, *between)
 
 
 def cost_of_transport(
