@@ -121,7 +121,7 @@ def servo_log(
     cycle = np.clip(np.floor(time / period), 0, plan.cycles - 1).astype(int)
     into = time - cycle * period
     step = np.clip(np.floor(into / plan.cycle_s * rows), 0, rows).astype(int)
-    phase = np.where(step == rows, "pause", "play")
+    phase = np.where(step == rows, "pause", "play").astype("<U8")
     phase[time < 0], phase[time > drive.time[-1]] = "approach", "end"
     flicker = rng.normal(0, 0.4 * TICK, (count, JOINTS))
     position = np.round((resample(time, drive.time, reading) + flicker) / TICK) * TICK

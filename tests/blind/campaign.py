@@ -20,7 +20,7 @@ from blind.schedule import Plan, grid, realise
 from blind.snake import Floats
 
 CYCLES = 2
-SLIP_PER_CYCLE = np.array([2e-3, 1.5e-3, 5e-3])  # m forwards, m sideways, rad: standard deviations
+SLIP_PER_CYCLE = np.array([1e-3, 0.8e-3, 2.5e-3])  # m forwards, m sideways, rad: standard deviations
 SLIP_BLOCK_S = 0.1
 # gait, heading, duration: every gait once, the first gait at all durations and headings
 COMBINATIONS = ((0, 0, 0), (1, 1, 1), (2, 2, 2), (3, 0, 1), (4, 1, 2), (5, 2, 0), (0, 1, 2), (0, 2, 1))
@@ -120,7 +120,7 @@ def _hidden(seed: int, hide: str | int | Sequence[Effect], eps: float) -> tuple[
 def make(seed: int, hide: str | int | Sequence[Effect], identity: str = "campaign") -> Campaign:
     """`hide`: how many catalogue effects to draw, given effects, `outside`, or the name of one outside."""
     rng = np.random.default_rng([seed, 0])
-    eps, slip_scale = float(np.exp(rng.uniform(np.log(0.12), np.log(0.3)))), float(np.exp(rng.uniform(-0.5, 0.6)))
+    eps, slip_scale = float(np.exp(rng.uniform(np.log(0.12), np.log(0.3)))), float(np.exp(rng.uniform(-1.4, 0.4)))
     settings = _settings(rng)
     effects, world = _hidden(seed, hide, eps)
     planned = [(i * REPEATS + r, f"{s.label}-{r + 1}", s) for i, s in enumerate(settings) for r in range(REPEATS)]
@@ -132,7 +132,7 @@ def with_experiment(c: Campaign, table: Floats, cycle_s: float) -> Campaign:
     """The same campaign after two more trials of a new gait, in the same world."""
     rng = np.random.default_rng([c.seed, 0])
     rng.uniform()  # eps
-    slip_scale = float(np.exp(rng.uniform(-0.5, 0.6)))
+    slip_scale = float(np.exp(rng.uniform(-1.4, 0.4)))
     gait = max(t.setting.gait for t in c.trials) + 1
     first = c.trials[0].setting
     plan = Plan(np.asarray(table, dtype=float), cycle_s, first.plan.pause_s, CYCLES)

@@ -4,11 +4,12 @@
     inertial    d/dt (momentum, angular momentum about the origin) = forces and moments, by the implicit midpoint rule
 
 Massless motion in a uniform world is solved for all instants at once. Where the force depends on place or heading, the
-whole path is iterated to its fixed point (Picard); with inertia it is stepped, all trials side by side.
+path is iterated to its fixed point, window by window (Picard); with inertia it is stepped, all trials side by side.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ import numpy as np
 from blind.contact import Contacts, Momentum, balance, contacts
 from blind.ground import Ground
 from blind.snake import WEIGHTS, Floats, shape, to_world
+
+WINDOW_S = 0.5  # Picard iteration converges the faster the shorter the stretch of time
 
 
 def _to_body(vector: Floats, heading: Floats) -> Floats:
@@ -53,18 +56,36 @@ def _massless(
 ) -> Floats:
     h = np.diff(time)
     middle_time, middle_phase = (time[1:] + time[:-1]) / 2, (phase[1:] + phase[:-1]) / 2
-    s = shape((phi[1:] + phi[:-1]) / 2, np.diff(phi, axis=0) / h[:, None])
-    k = contacts(s, ground.toe, ground.contact_offset)
+    k = contacts(shape((phi[1:] + phi[:-1]) / 2, np.diff(phi, axis=0) / h[:, None]), ground.toe, ground.contact_offset)
     eps = ground.tangential(middle_time)
-    path = np.broadcast_to(start, (len(time), 3))
+    windows = int(np.ceil((time[-1] - time[0]) / WINDOW_S)) if ground.knows_place else 1
+    edges = np.linspace(0, len(h), windows + 1).astype(int)
+    pieces = [start[None]]
+    for a, b in zip(edges[:-1], edges[1:], strict=True):
+        part = slice(a, b)
+
+        def improved(path: Floats, xi: Floats | None, part: slice = part) -> tuple[Floats, Floats]:
+            kk = Contacts(k.g_matrix[part], k.g[part], k.r[part])
+            level, external = _world(ground, kk, (path[1:] + path[:-1]) / 2, middle_time[part], middle_phase[part])
+            xi = balance(ground, kk, level, eps[part], external, guess=xi)
+            return _advance(xi + slip[part], h[part], path[0]), xi
+
+        pieces.append(
+            _settled(improved, np.repeat(pieces[-1][-1:], b - a + 1, axis=0), ground.knows_place, tolerance)[1:]
+        )
+    return np.concatenate(pieces)
+
+
+def _settled(
+    improved: Callable[[Floats, Floats | None], tuple[Floats, Floats]], path: Floats, repeat: bool, tolerance: float
+) -> Floats:
+    """Picard iteration; a single pass where nothing depends on the path."""
     xi = None
-    for _ in range(200):
-        level, external = _world(ground, k, (path[1:] + path[:-1]) / 2, middle_time, middle_phase)
-        xi = balance(ground, k, level, eps, external, guess=xi)
-        new = _advance(xi + slip, h, start)
+    for _ in range(100):
+        new, xi = improved(path, xi)
         change = np.abs(new - path).max()
         path = new
-        if not ground.knows_place or change < tolerance:
+        if not repeat or change < tolerance:
             return path
     raise ArithmeticError(f"the path did not settle: last change {change:.1e}")
 
