@@ -1,1 +1,60 @@
 """Optimal gaits for limbless robots and animals: simulate, optimise, play, measure, diagnose."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from serpenoid.family import sweep
+    from serpenoid.optimise.solve import improve, solve, solve_from
+    from serpenoid.optimise.transcription import GaitNLP
+    from serpenoid.problem import Problem, load
+    from serpenoid.results import write_simulation, write_solution
+    from serpenoid.simulation import simulate_batch, simulate_in_space, simulate_joint_angles, simulate_vertices
+    from serpenoid.simulation.problem import simulate
+
+# public name -> module: imported on first use, so that `import serpenoid` and `--help` stay quick
+_PUBLIC = {
+    "load": "serpenoid.problem",
+    "Problem": "serpenoid.problem",
+    "simulate": "serpenoid.simulation.problem",
+    "simulate_joint_angles": "serpenoid.simulation",
+    "simulate_vertices": "serpenoid.simulation",
+    "simulate_batch": "serpenoid.simulation",
+    "simulate_in_space": "serpenoid.simulation",
+    "solve": "serpenoid.optimise.solve",
+    "solve_from": "serpenoid.optimise.solve",
+    "improve": "serpenoid.optimise.solve",
+    "GaitNLP": "serpenoid.optimise.transcription",
+    "sweep": "serpenoid.family",
+    "write_simulation": "serpenoid.results",
+    "write_solution": "serpenoid.results",
+}
+
+__all__ = [
+    "GaitNLP",
+    "Problem",
+    "improve",
+    "load",
+    "simulate",
+    "simulate_batch",
+    "simulate_in_space",
+    "simulate_joint_angles",
+    "simulate_vertices",
+    "solve",
+    "solve_from",
+    "sweep",
+    "write_simulation",
+    "write_solution",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'serpenoid' has no attribute {name!r}")
+    return getattr(importlib.import_module(_PUBLIC[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -14,7 +14,13 @@ from collections.abc import Sequence
 from serpenoid.errors import InputError, StopRequested
 
 # verb -> one line of help; the verb's module `serpenoid.cli.<verb>` has `configure(parser)` and `run(args) -> int`
-VERBS: dict[str, str] = {}
+VERBS: dict[str, str] = {
+    "simulate": "simulate the gait of a problem file",
+    "solve": "find the optimal gait of a problem file",
+    "sweep": "solve the family of optimal gaits over the dissipation coefficient",
+    "show": "say what is in a results folder",
+    "schema": "print the schema of a problem file",
+}
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
 

@@ -1,0 +1,77 @@
+"""Options that several verbs share, and how they report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Protocol
+
+SET_HELP = "override a number of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable)"
+
+
+def add_problem(parser: argparse.ArgumentParser) -> None:
+    """PROBLEM and --set."""
+    parser.add_argument("problem", metavar="PROBLEM", help="problem file, e.g. problems/snake10.toml")
+    add_set(parser)
+
+
+def add_set(parser: argparse.ArgumentParser) -> None:
+    """--set."""
+    parser.add_argument("--set", action="append", default=[], metavar="SECTION.KEY=VALUE", help=SET_HELP)
+
+
+def add_output(parser: argparse.ArgumentParser, out: bool = True) -> None:
+    """--out, --quiet, --json, --no-figures."""
+    if out:
+        parser.add_argument("--out", metavar="DIR", help="results folder (default: results/<problem>/<verb>-<hash>)")
+        parser.add_argument("--no-figures", action="store_true", help="write numbers only")
+    parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
+    parser.add_argument("--json", action="store_true", help="print the record as JSON on standard output, nothing else")
+
+
+def report(args: argparse.Namespace, record: Any, lines: list[str]) -> None:
+    """Print the record (--json), nothing (--quiet) or the summary."""
+    if args.json:
+        sys.stdout.write(json.dumps(record, indent=2) + "\n")
+    elif not args.quiet:
+        sys.stdout.write("\n".join(lines) + "\n")
+
+
+def complain(message: str) -> None:
+    """A sentence on standard error."""
+    sys.stderr.write(f"serpenoid: {message}\n")
+
+
+class Advance(Protocol):
+    """What a progress bar offers: done so far, and a word about it."""
+
+    def __call__(self, done: int, text: str = "") -> None: ...
+
+
+@contextmanager
+def progress_bar(args: argparse.Namespace, title: str, total: int) -> Iterator[Advance]:
+    """A bar on standard error; silent with --quiet and --json, plain lines where there is no terminal."""
+    if args.quiet or args.json:
+        yield lambda done, text="": None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, TextColumn("{task.fields[note]}"), console=console) as bar:
+        task = bar.add_task(title, total=total, note="")
+
+        def advance(done: int, text: str = "") -> None:
+            bar.update(task, completed=done, note=text)
+
+        yield advance
+
+
+def output_folder(args: argparse.Namespace, default: Path) -> Path:
+    """--out or the default."""
+    return Path(args.out) if args.out else default

@@ -1,0 +1,94 @@
+"""Say what is in a results folder, in words, and name its pictures.
+
+serpenoid show results/snake10/solve-1a2b3c4d
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+from serpenoid.cli import options
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `show`."""
+    parser.add_argument("folder", metavar="RESULTS", help="a folder that simulate, solve or sweep wrote")
+    options.add_output(parser, out=False)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, report."""
+    from serpenoid.errors import InputError
+    from serpenoid.results import read_record
+
+    folder = Path(args.folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
+    if (folder / "sweep.json").exists():
+        record = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
+        lines = _sweep_lines(folder, record)
+    elif (folder / "set.json").exists():
+        record = json.loads((folder / "set.json").read_text(encoding="utf-8"))
+        lines = [f"gait {g['gait']}: {g['random']:.4f} -> {g['improved']:.4f} ({g['status']})" for g in record["gaits"]]
+    else:
+        record = read_record(folder)
+        lines = _lines(record)
+    pictures = sorted(path.name for path in folder.iterdir() if path.suffix in {".png", ".svg", ".gif"})
+    options.report(args, record, [*lines, f"files             {', '.join(_files(folder))}", *_pictures(pictures)])
+    return 0
+
+
+def _lines(record: dict[str, Any]) -> list[str]:
+    body, gait = record["body"], record["gait"]
+    lines = [
+        f"{record['kind']}: {record['status']} ({record['message']})",
+        f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
+        f"body              {body['vertices']} vertices, {len(body['joints'])} joints, {body['length_m']:.4g} m",
+        f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
+        f"gait              {', '.join(f'{k} {_short(v)}' for k, v in gait.items() if k != 'family')}",
+        f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
+        f"heading change    {_short(record['heading_change_rad'])} rad",
+        f"dissipation T*E   {_short(record['dissipation'])}",
+    ]
+    if record["kind"] == "optimum":
+        kkt = max(record["kkt"].values())
+        lines += [
+            f"cost              {_short(record['cost'])} at c = {record['c']:g}",
+            f"certificate       KKT {kkt:.1e}, re-simulation {_short(record['resimulation_error'])}, "
+            f"polishing gain {_short(record['polishing_gain'])}",
+        ]
+    summary = record.get("multi_start")
+    if summary:
+        found = ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in summary["optima"])
+        lines.append(f"optima found      {found or 'none'}; failed starts: {len(summary['failures'])}")
+    return lines
+
+
+def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
+    with (folder / "sweep.csv").open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    lines = [f"sweep of {record['problem']}: {record['solved']} points solved, {record['failed']} failed"]
+    lines.append(f"{'c':>8}{'displacement':>14}{'dissipation':>13}{'cost':>11}")
+    for row in rows:
+        if row["status"] != "solved":
+            lines.append(f"{float(row['c']):8.3f}  {row['message']}")
+            continue
+        numbers = [float(row[key]) for key in ("c", "displacement_body_lengths", "dissipation", "cost")]
+        lines.append(f"{numbers[0]:8.3f}{numbers[1]:14.6f}{numbers[2]:13.6f}{numbers[3]:11.6f}")
+    return lines
+
+
+def _files(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.iterdir() if p.suffix in {".json", ".csv"}) or ["none"]
+
+
+def _pictures(names: list[str]) -> list[str]:
+    return [f"pictures          {', '.join(names)}"] if names else ["pictures          none (it was run --no-figures)"]
+
+
+def _short(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,125 @@
+"""Find the optimal gait of a problem file, certified, with its joint table.
+
+    serpenoid solve problems/snake10.toml --c 1.0
+    serpenoid solve problems/snake10.toml --c 1.0 --starts 100 --seed 7
+    serpenoid solve problems/snake10.toml --improve 12      # the paper's set: 12 random gaits, each improved within
+                                                            # +-30 % of its own parameters, 24 gaits in all
+
+minimises -displacement + c * dissipation over the gait's six parameters, with the body's motion as constraints.
+`c` weighs the normalised dissipation T * E (total weight 1, lengths in body lengths, time in cycles), so it does not
+depend on the number of steps; 0 .. 2.5 is the range of Even et al.
+
+An optimum counts only if step-by-step simulation reaches the same poses to 1e-8, the KKT conditions hold to 1e-8, and
+a derivative-free search around it gains less than 1e-6. Exit code 1: no such optimum was found. Ctrl-C keeps the best
+so far and exits with 130.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from serpenoid.cli import options
+
+if TYPE_CHECKING:
+    from serpenoid.optimise.multistart import MultiStart
+    from serpenoid.optimise.solution import Solution
+    from serpenoid.problem import Problem
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `solve`."""
+    options.add_problem(parser)
+    parser.add_argument("--c", type=float, metavar="C", help="dissipation coefficient (default: the problem file's)")
+    parser.add_argument("--starts", type=int, default=12, metavar="N", help="random start gaits (default 12)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random gaits (default 0)")
+    parser.add_argument("--improve", type=int, metavar="N", help="instead: N random gaits and each one improved")
+    parser.add_argument("--within", type=float, default=0.3, metavar="F", help="with --improve: +-F (default 0.3)")
+    options.add_output(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Solve, write, report."""
+    from serpenoid.errors import InputError
+    from serpenoid.problem import load
+
+    assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
+    problem = load(args.problem, assignments)
+    if args.starts < 1 or (args.improve is not None and args.improve < 1):
+        raise InputError("--starts and --improve need a positive number.")
+    return _improve(args, problem) if args.improve else _solve(args, problem)
+
+
+def _solve(args: argparse.Namespace, problem: Problem) -> int:
+    from serpenoid.optimise.solve import solve
+    from serpenoid.results import default_folder, write_solution
+    from serpenoid.status import Status
+
+    with options.progress_bar(args, "starts", args.starts) as advance:
+        result = solve(
+            problem,
+            args.starts,
+            args.seed,
+            progress=lambda done, best: advance(done, "" if best is None else f"best cost {best.cost:.6f}"),
+        )
+    best = result.best
+    folder = options.output_folder(args, default_folder(problem, "solve", args.starts, args.seed))
+    figures = not args.no_figures and best.trajectory.status.ok
+    record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
+    stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
+    options.report(args, record, [*_lines(best, result), f"written to        {folder}"])
+    if stopped:
+        options.complain(f"stopped after {len(result.solutions)} of {args.starts} starts; the best is in {folder}")
+        return 130
+    if not best.status.ok:
+        options.complain(best.status.value)
+        return 1
+    return 0
+
+
+def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
+    optima = [
+        {"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.model_dump(mode="json")}
+        for o in result.optima
+    ]
+    failures = [s.status.name.lower() for s in result.failures]
+    costs = [s.cost if s.status.ok else None for s in result.solutions]
+    return {"starts": args.starts, "seed": args.seed, "optima": optima, "failures": failures, "costs": costs}
+
+
+def _lines(best: Solution, result: MultiStart) -> list[str]:
+    gait = best.gait
+    gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
+    optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
+    seconds = sum(s.seconds for s in result.solutions)
+    return [
+        f"status            {best.status.name.lower()}: {best.status.value}",
+        f"displacement      {best.trajectory.displacement:.6f} body lengths per cycle",
+        f"dissipation T*E   {best.trajectory.dissipation:.6f}",
+        f"cost              {best.cost:.6f} at c = {best.c:g}",
+        f"heading change    {best.trajectory.heading_change:+.6f} rad",
+        f"gait              sigma {gait.sigma:.4f}, centre ({gait.x_c:.4f}, {gait.y_c:.4f}), theta {gait.theta:.4f}, "
+        f"a {gait.a:.4f}, xi {gait.xi:.4f}",
+        f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
+        f"polishing gain {gain}",
+        f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
+        f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s)",
+    ]
+
+
+def _improve(args: argparse.Namespace, problem: Problem) -> int:
+    from serpenoid.gait_set import write_gait_set
+    from serpenoid.optimise.solve import improve
+    from serpenoid.results import default_folder
+
+    with options.progress_bar(args, "gaits", args.improve) as advance:
+        pairs = improve(problem, args.improve, args.within, args.seed, advance)
+    folder = options.output_folder(args, default_folder(problem, "improve", args.improve, args.within, args.seed))
+    record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})
+    lines = [f"{'gait':8}{'random':>10}{'improved':>10}  [body lengths per cycle]"]
+    lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
+    options.report(args, record, [*lines, f"written to {folder}"])
+    if len(pairs) < args.improve:
+        options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
+        return 130
+    return 0 if all(pair.solution.status.ok for pair in pairs) else 1

@@ -1,0 +1,122 @@
+"""Solve the family of optimal gaits over the dissipation coefficient c; Pareto front and cost of transport.
+
+    serpenoid sweep problems/snake10.toml --c 0:2.5:26
+    serpenoid sweep problems/gait-a.toml problems/gait-b.toml problems/gait-c.toml --c 0:2.5:26 --jobs 2
+
+`--c first:last:count` or a comma-separated list. The family is continued from both ends with warm starts; the better
+answer is taken at every c. Solved points are kept: the same command goes on where it was killed. A point that fails is
+recorded with its reason in sweep.csv, and the sweep goes on (exit code 1 at the end).
+
+The cost of transport is (p_idle + dissipation) / displacement, with p_idle the idle energy per cycle in units of the
+normalised dissipation; with [power] in the problem file also in SI.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from serpenoid.cli import options
+
+if TYPE_CHECKING:
+    from serpenoid.problem import Problem
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `sweep`."""
+    parser.add_argument("problems", nargs="+", metavar="PROBLEM", help="problem file(s)")
+    options.add_set(parser)
+    parser.add_argument("--c", default="0:2.5:26", metavar="A:B:N", help="values of c (default 0:2.5:26)")
+    parser.add_argument("--starts", type=int, default=4, metavar="N", help="random starts at each end (default 4)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random gaits (default 0)")
+    parser.add_argument("--no-polish", action="store_true", help="leave out the derivative-free check of every point")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="problem files solved at once (default 1)")
+    options.add_output(parser)
+
+
+def parse_values(text: str) -> list[float]:
+    """`a:b:n` or `x,y,z` as numbers; InputError with the rule."""
+    import math
+
+    from serpenoid.errors import InputError
+
+    try:
+        if ":" in text:
+            first, last, count = text.split(":")
+            n = int(count)
+            values = [float(first) + i * (float(last) - float(first)) / max(n - 1, 1) for i in range(n)]
+        else:
+            values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if not values or not all(math.isfinite(v) and v >= 0 for v in values):
+        raise InputError(f"--c {text}: write first:last:count or a list like 0,0.5,1, all of them >= 0.")
+    return [round(v, 12) for v in values]
+
+
+def run(args: argparse.Namespace) -> int:
+    """Sweep every problem, write, report."""
+    from serpenoid.problem import load
+
+    values = parse_values(args.c)
+    problems = [load(path, args.set) for path in args.problems]
+    folders = [_folder(args, problem, values) for problem in problems]
+    if len(problems) == 1 or args.jobs <= 1:
+        summaries = []
+        for problem, folder in zip(problems, folders, strict=True):
+            with options.progress_bar(args, f"{problem.name}", 2 * len(values)) as advance:
+                summaries.append(sweep_one(problem, values, folder, vars(args), advance))
+            if not summaries[-1]["complete"]:
+                break
+    else:
+        summaries = _in_parallel(args, problems, values, folders)
+    options.report(args, summaries, [line for summary in summaries for line in _lines(summary)])
+    if not all(s["complete"] for s in summaries):
+        options.complain("stopped; solved points are kept, the same command goes on from there.")
+        return 130
+    return 1 if any(s["failed"] for s in summaries) else 0
+
+
+def sweep_one(problem: Problem, values: list[float], folder: Path, settings: dict, advance: Any = None) -> dict:
+    """One problem's sweep with its folder; returns the summary."""
+    from serpenoid.family import sweep
+    from serpenoid.family_results import write_sweep
+
+    polish = not settings["no_polish"]
+    result = sweep(problem, values, settings["starts"], settings["seed"], folder, polish, advance)
+    return write_sweep(folder, result, figures=not settings["no_figures"])
+
+
+def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], folders: list[Path]) -> list[dict]:
+    from joblib import Parallel, delayed
+
+    settings = {key: getattr(args, key) for key in ("starts", "seed", "no_polish", "no_figures")}
+    pool = Parallel(n_jobs=args.jobs, return_as="generator_unordered")
+    tasks = (delayed(sweep_one)(p, values, f, settings) for p, f in zip(problems, folders, strict=True))
+    summaries = []
+    with options.progress_bar(args, "problems", len(problems)) as advance:
+        for summary in pool(tasks):
+            summaries.append(summary)
+            advance(len(summaries), summary["problem"])
+    return sorted(summaries, key=lambda s: s["problem"])
+
+
+def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> Path:
+    from serpenoid.results import default_folder
+
+    default = default_folder(problem, "sweep", values, args.starts, args.seed)
+    if args.out and len(args.problems) > 1:
+        return Path(args.out) / problem.name
+    return options.output_folder(args, default)
+
+
+def _lines(summary: dict) -> list[str]:
+    window = summary["idle_for_minimum_between_1_and_2"]
+    shown = f"{window[0]:.3f} .. {window[1]:.3f} per cycle" if window else "none"
+    return [
+        f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed",
+        f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
+        f"  cost of transport least between c = 1 and 2 for idle energy {shown} (units of T * E)",
+        f"  written to {summary['folder']}",
+    ]

@@ -1,0 +1,41 @@
+"""A sweep's folder: sweep.csv, one folder per solved point, sweep.json and the pictures of the family."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from serpenoid.family import Sweep, write_sweep_table
+from serpenoid.files import provenance, write_json
+from serpenoid.performance import idle_for_minimum
+from serpenoid.results import write_solution
+
+
+def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict[str, Any]:
+    """Write everything and return the summary."""
+    folder = Path(folder)
+    for solution in result.solved:
+        write_solution(folder / f"c-{solution.c!r}", solution, figures=False)
+    write_sweep_table(folder / "sweep.csv", result)
+    solved = result.solved
+    shown = result.displacement if solved else [float("nan")]
+    window = idle_for_minimum(result.c, result.displacement, result.dissipation, 1.0, 2.0) if solved else None
+    summary = {
+        "kind": "sweep",
+        "problem": result.problem.name,
+        "folder": str(folder),
+        "complete": result.complete,
+        "points": len(result.points),
+        "solved": len(solved),
+        "failed": len(result.points) - len(solved),
+        "displacement": [float(min(shown)), float(max(shown))] if solved else [0.0, 0.0],
+        "idle_for_minimum_between_1_and_2": window,
+        "status": "solved" if len(solved) == len(result.points) and result.complete else "incomplete",
+        "provenance": provenance(problem=result.problem.name, problem_hash=result.problem.hash),
+    }
+    write_json(folder / "sweep.json", summary)
+    if figures and len(solved) > 1:
+        from serpenoid.plot.figures import sweep_figures
+
+        sweep_figures(folder, result)
+    return summary

@@ -1,0 +1,31 @@
+"""SE(2) by numbers: poses (x, y, heading) and how relative motions compose. Shapes: (..., 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.body import Floats
+
+
+def rotation(heading: Floats | float) -> Floats:
+    """Rotation matrices, shape (..., 2, 2)."""
+    c, s = np.cos(heading), np.sin(heading)
+    return np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
+
+
+def accumulate(relative: Floats, start: Floats | None = None) -> Floats:
+    """Poses reached by relative motions, (..., T, 3) -> (..., T + 1, 3), beginning at `start` (default origin)."""
+    first = np.zeros(3) if start is None else np.asarray(start, float)
+    zero = np.zeros((*relative.shape[:-2], 1))
+    heading = first[2] + np.concatenate([zero, np.cumsum(relative[..., 2], -1)], -1)
+    c, s = np.cos(heading[..., :-1]), np.sin(heading[..., :-1])
+    dx = c * relative[..., 0] - s * relative[..., 1]
+    dy = s * relative[..., 0] + c * relative[..., 1]
+    x = first[0] + np.concatenate([zero, np.cumsum(dx, -1)], -1)
+    y = first[1] + np.concatenate([zero, np.cumsum(dy, -1)], -1)
+    return np.stack([x, y, heading], -1)
+
+
+def place(poses: Floats, points: Floats) -> Floats:
+    """Body-frame points (..., N, 2) in the world: shape (..., N, 2)."""
+    return np.einsum("...ij,...nj->...ni", rotation(poses[..., 2]), points) + poses[..., None, :2]

@@ -1,0 +1,1 @@
+"""Symbols in, symbols out: chain kinematics, dissipation, step energy, geometric momentum; and their compilation."""

@@ -1,0 +1,89 @@
+"""Compiled evaluation: named Functions to C, cached on disk by content; CasADi's virtual machine where no compiler is.
+
+The cache key is the C source, the compiler and its flags. Two processes that compile the same thing wait for each other
+(file lock); a library is written beside its place and renamed into it. SERPENOID_COMPILE=0 switches compilation off,
+SERPENOID_CACHE moves the cache.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import logging
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import casadi as ca
+import filelock
+import platformdirs
+
+from serpenoid.files import atomic
+
+FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
+log = logging.getLogger(__name__)
+
+
+def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
+    """The same functions, evaluated as machine code where a C compiler exists, else as they are."""
+    compiler = find_compiler()
+    if compiler is None:
+        return list(functions)
+    try:
+        library = _library(functions, compiler)
+    except (OSError, subprocess.SubprocessError, filelock.Timeout) as error:
+        log.warning("compiling failed, using CasADi's virtual machine: %s", error)
+        return list(functions)
+    return [ca.external(function.name(), str(library)) for function in functions]
+
+
+def find_compiler() -> str | None:
+    """Path of the C compiler, or None where there is none or SERPENOID_COMPILE=0."""
+    if os.environ.get("SERPENOID_COMPILE", "1") == "0":
+        return None
+    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or shutil.which("clang")
+
+
+def cache_folder() -> Path:
+    """Where compiled libraries are kept."""
+    return Path(os.environ.get("SERPENOID_CACHE") or platformdirs.user_cache_dir("serpenoid"))
+
+
+def generate_c(functions: Sequence[ca.Function]) -> str:
+    """C source of `functions`, each under its own name."""
+    generator = ca.CodeGenerator("functions.c")
+    for function in functions:
+        generator.add(function)
+    return generator.dump()
+
+
+def _library(functions: Sequence[ca.Function], compiler: str) -> Path:
+    source = generate_c(functions)
+    key = hashlib.sha256("\0".join([source, compiler, *FLAGS]).encode()).hexdigest()[:24]
+    folder = cache_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    library = folder / f"{functions[0].name()}-{key}.so"
+    if library.exists():
+        return library
+    with filelock.FileLock(folder / f"{key}.lock", timeout=300):
+        if not library.exists():
+            _build(source, compiler, library)
+    with contextlib.suppress(OSError):
+        (folder / f"{key}.lock").unlink()
+    return library
+
+
+def _build(source: str, compiler: str, library: Path) -> None:
+    begin = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder, atomic(library) as target:
+        path = Path(folder) / "functions.c"
+        path.write_text(source, encoding="utf-8")
+        command = [compiler, *FLAGS, str(path), "-o", str(target), "-lm"]
+        result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=280)
+        if result.returncode != 0:
+            raise subprocess.SubprocessError(result.stderr[-2000:])
+    log.info("compiled %s in %.1f s", library.name, time.perf_counter() - begin)

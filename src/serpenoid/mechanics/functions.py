@@ -1,0 +1,146 @@
+"""The model's public, named casadi.Functions, for one Structure; every other number is an input.
+
+Legend: N vertices, m joints, M elements. `parameters` = edges (N - 1), weights (N), anisotropy ratio: (2 N, 1).
+Lengths in body lengths, weights summing to one. Poses are relative: body frame of t + 1 in that of t, (x, y, heading).
+
+    joint_angles   (coordinates (3), parameters) -> joint_angles (m)
+    gait_joint_angles (gait (6), phase [cycles], parameters) -> joint_angles (m)
+    shape          (joint_angles (m), parameters) -> vertices (2, N), elements (4, M) in the body frame
+    shape_elements (vertices (2, N)) -> elements (4, M): positions above unit tangents, in the vertices' frame
+    step_energy    (before (4, M), after (4, M), pose (3), parameters) -> energy
+    step_momentum  (before, after, pose, parameters) -> momentum (3): rotation, translation
+    step_moments   (before, after, parameters) -> moments (30)
+    step           (before, after, guess, parameters) -> pose (3), residual, curvature, energy
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+
+from serpenoid.mechanics import energy, kinematics, planar
+from serpenoid.mechanics.momentum import momentum
+from serpenoid.model import Structure
+
+CSE = {"cse": True}
+
+
+def split_parameters(parameters: ca.SX | ca.MX, structure: Structure) -> tuple:
+    """(edges (N - 1), vertex weights (N), anisotropy ratio)."""
+    n = structure.vertices
+    return parameters[: n - 1], parameters[n - 1 : 2 * n - 1], parameters[2 * n - 1]
+
+
+@lru_cache(maxsize=64)
+def joint_angles(structure: Structure) -> ca.Function:
+    """Serpenoid shape coordinates to joint angles."""
+    coordinates, parameters = ca.SX.sym("coordinates", 3), _parameters(structure)
+    edges, _, _ = split_parameters(parameters, structure)
+    angles = kinematics.serpenoid_joint_angles(coordinates, edges, structure)
+    names = (["coordinates", "parameters"], ["joint_angles"])
+    return ca.Function("joint_angles", [coordinates, parameters], [angles], *names, CSE)
+
+
+@lru_cache(maxsize=64)
+def gait_joint_angles(structure: Structure) -> ca.Function:
+    """Elliptical gait and phase to joint angles."""
+    q, phase, parameters = ca.SX.sym("gait", 6), ca.SX.sym("phase"), _parameters(structure)
+    edges, _, _ = split_parameters(parameters, structure)
+    coordinates = kinematics.ellipse_coordinates(q, phase)
+    angles = kinematics.serpenoid_joint_angles(coordinates, edges, structure)
+    names = (["gait", "phase", "parameters"], ["joint_angles"])
+    return ca.Function("gait_joint_angles", [q, phase, parameters], [angles], *names, CSE)
+
+
+@lru_cache(maxsize=1)
+def relative_pose() -> ca.Function:
+    """Pose of the second argument in the frame of the first."""
+    a, b = ca.SX.sym("a", 3), ca.SX.sym("b", 3)
+    value = ca.vertcat(energy.planar_rotation(a[2]).T @ (b[:2] - a[:2]), b[2] - a[2])
+    return ca.Function("relative_pose", [a, b], [value], ["from", "to"], ["pose"])
+
+
+@lru_cache(maxsize=64)
+def shape(structure: Structure) -> ca.Function:
+    """Joint angles to vertices and dissipation elements in the body frame."""
+    angles, parameters = ca.SX.sym("joint_angles", len(structure.joints)), _parameters(structure)
+    edges, weights, _ = split_parameters(parameters, structure)
+    points, unit = kinematics.vertices(angles, edges, weights, structure)
+    names = (["joint_angles", "parameters"], ["vertices", "elements"])
+    outputs = [points, kinematics.elements(points, unit, structure)]
+    return ca.Function("shape", [angles, parameters], outputs, *names, CSE)
+
+
+@lru_cache(maxsize=64)
+def shape_elements(structure: Structure, dimension: int = 2) -> ca.Function:
+    """Vertices to dissipation elements, in the plane or in space."""
+    points = ca.SX.sym("vertices", dimension, structure.vertices)
+    found = kinematics.elements(points, kinematics.unit_edges(points), structure)
+    return ca.Function("shape_elements", [points], [found], ["vertices"], ["elements"], CSE)
+
+
+@lru_cache(maxsize=64)
+def step_energy(structure: Structure, dimension: int = 2) -> ca.Function:
+    """Energy of one step at a given relative pose."""
+    before, after, pose, parameters = _step_symbols(structure, dimension)
+    moved = energy.move(pose, after)
+    value = energy.step_energy(before, moved, *_medium(parameters, structure))
+    return ca.Function("step_energy", [before, after, pose, parameters], [value], STEP_INPUTS, ["energy"], CSE)
+
+
+@lru_cache(maxsize=64)
+def step_momentum(structure: Structure, dimension: int = 2) -> ca.Function:
+    """Geometric momentum of one step at a given relative pose: (rotation, translation)."""
+    before, after, pose, parameters = _step_symbols(structure, dimension)
+    value = momentum(before, after, pose, *_medium(parameters, structure))
+    return ca.Function("step_momentum", [before, after, pose, parameters], [value], STEP_INPUTS, ["momentum"], CSE)
+
+
+@lru_cache(maxsize=64)
+def step_moments(structure: Structure) -> ca.Function:
+    """The planar step's 30 moments."""
+    before, after, _, parameters = _step_symbols(structure, 2)
+    value = planar.moments(before, after, *_medium(parameters, structure))
+    names = (["before", "after", "parameters"], ["moments"])
+    return ca.Function("step_moments", [before, after, parameters], [value], *names, CSE)
+
+
+@lru_cache(maxsize=64)
+def step(structure: Structure) -> ca.Function:
+    """The planar step: the relative pose that makes the energy stationary, found by CasADi's root finder."""
+    size = (4, structure.elements)
+    before, after = ca.MX.sym("before", *size), ca.MX.sym("after", *size)
+    guess, parameters = ca.MX.sym("guess"), ca.MX.sym("parameters", 2 * structure.vertices)
+    m = step_moments(structure)(before, after, parameters)
+    phi = planar.root_finder()(guess, m)
+    b, residual, curvature, value = _reduced()(phi, m)
+    outputs = [ca.vertcat(b, phi), residual, curvature, value]
+    names = (["before", "after", "guess", "parameters"], ["pose", "residual", "curvature", "energy"])
+    return ca.Function("step", [before, after, guess, parameters], outputs, *names)
+
+
+STEP_INPUTS = ["before", "after", "pose", "parameters"]
+
+
+def _reduced() -> ca.Function:
+    phi, m = ca.SX.sym("phi"), ca.SX.sym("m", planar.MOMENTS)
+    b = planar.translation_at(phi, m)
+    slope = planar.turning_moment(phi, m)
+    outputs = [b, slope, ca.gradient(slope, phi), planar.energy_from_moments(phi, b, m)]
+    return ca.Function("reduced", [phi, m], outputs, CSE)
+
+
+def _parameters(structure: Structure) -> ca.SX:
+    return ca.SX.sym("parameters", 2 * structure.vertices)
+
+
+def _step_symbols(structure: Structure, dimension: int) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    size = (2 * dimension, structure.elements)
+    pose = ca.SX.sym("pose", 3 if dimension == 2 else 6)
+    return ca.SX.sym("before", *size), ca.SX.sym("after", *size), pose, _parameters(structure)
+
+
+def _medium(parameters: ca.SX, structure: Structure) -> tuple[ca.SX, ca.SX]:
+    _, weights, anisotropy_ratio = split_parameters(parameters, structure)
+    return kinematics.element_weights(weights, structure), anisotropy_ratio

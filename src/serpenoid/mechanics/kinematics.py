@@ -1,0 +1,82 @@
+"""Chain kinematics: shape coordinates -> joint angles -> vertices in the body frame -> dissipation elements.
+
+kappa(s) = w1 sin(2 pi xi s) + w2 cos(2 pi xi s);  psi(s) = integral of kappa;  joint angle = psi_{j+1} - psi_j.
+The body frame has its origin at the weighted centroid and its first axis along the mean edge angle.
+
+Legend: N vertices, m joints, M elements; everything is casadi.SX. Source: Even et al., Sec. III; docs/theory.md.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from serpenoid.model import Structure
+
+
+def ellipse_coordinates(q: ca.SX, phase: ca.SX) -> ca.SX:
+    """Shape coordinates (w1, w2, xi) of the elliptical gait q = (sigma, x_c, y_c, theta, a, xi) at `phase` [cycles]."""
+    sigma, x_c, y_c, theta, a, xi = ca.vertsplit(q)
+    x, y = a * ca.cos(2 * ca.pi * phase), a * sigma * ca.sin(2 * ca.pi * phase)
+    w1 = ca.cos(theta) * x - ca.sin(theta) * y + x_c
+    w2 = ca.sin(theta) * x + ca.cos(theta) * y + y_c
+    return ca.vertcat(w1, w2, xi)
+
+
+def serpenoid_joint_angles(coordinates: ca.SX, edges: ca.SX, structure: Structure) -> ca.SX:
+    """Joint angles (m) of the serpenoid curve with coordinates (w1, w2, xi)."""
+    w1, w2, xi = ca.vertsplit(coordinates)
+    k = 2 * ca.pi * xi
+    s = _link_midpoints(edges, structure)
+    psi = w1 * (1 - ca.cos(k * s)) / k + w2 * ca.sin(k * s) / k
+    return psi[1:] - psi[:-1]
+
+
+def vertices(joint_angles: ca.SX, edges: ca.SX, weights: ca.SX, structure: Structure) -> tuple[ca.SX, ca.SX]:
+    """Vertices (2, N) and unit edges (2, N - 1) in the body frame."""
+    link = [ca.SX(0)]
+    for j in range(len(structure.joints)):
+        link.append(link[-1] + joint_angles[j])
+    psi = ca.vertcat(*(link[i] for i, group in enumerate(structure.links) for _ in group))
+    psi -= ca.sum1(psi) / (structure.vertices - 1)
+    unit = ca.horzcat(ca.cos(psi), ca.sin(psi)).T
+    points = [ca.SX.zeros(2, 1)]
+    for j in range(structure.vertices - 1):
+        points.append(points[-1] + edges[j] * unit[:, j])
+    chain = ca.horzcat(*points)
+    return chain - chain @ weights, unit
+
+
+def unit_edges(points: ca.SX) -> ca.SX:
+    """Unit edge vectors (d, N - 1) of a chain with vertices `points` (d, N)."""
+    edge = points[:, 1:] - points[:, :-1]
+    return ca.horzcat(*(_normalised(column) for column in ca.horzsplit(edge)))
+
+
+def elements(points: ca.SX, unit: ca.SX, structure: Structure) -> ca.SX:
+    """Dissipation elements of a chain: positions above unit tangents, shape (2 d, M).
+
+    At vertices the tangent is the normalised sum of the adjacent unit edges; an end vertex has its one edge's.
+    """
+    if structure.dissipation == "edge":
+        return ca.vertcat((points[:, 1:] + points[:, :-1]) / 2, unit)
+    sums = ca.horzsplit(unit[:, 1:] + unit[:, :-1])
+    tangents = [unit[:, 0], *(_normalised(column) for column in sums), unit[:, -1]]
+    return ca.vertcat(points, ca.horzcat(*tangents))
+
+
+def element_weights(weights: ca.SX, structure: Structure) -> ca.SX:
+    """Weights (M) of the dissipation elements; a vertex shares its weight equally among its edges."""
+    if structure.dissipation == "vertex":
+        return weights
+    n = structure.vertices
+    share = [weights[k] if k in (0, n - 1) else weights[k] / 2 for k in range(n)]
+    return ca.vertcat(*(share[j] + share[j + 1] for j in range(n - 1)))
+
+
+def _link_midpoints(edges: ca.SX, structure: Structure) -> ca.SX:
+    ends = ca.vertcat(0, ca.cumsum(edges))
+    return ca.vertcat(*((ends[group[0]] + ends[group[-1] + 1]) / 2 for group in structure.links))
+
+
+def _normalised(vector: ca.SX) -> ca.SX:
+    return vector / ca.norm_2(vector)

@@ -1,0 +1,93 @@
+"""No optimum is believed before it passed three checks that IPOPT has no part in.
+
+1. Re-simulation: the root-finder, step by step, reaches the same poses to 1e-8.
+2. KKT residuals, unscaled, from the NLP's own derivatives: at most 1e-8.
+3. Polishing: a derivative-free search over gait parameters and forward simulation gains less than 1e-6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.mechanics.tables import joint_table, joint_tables
+from serpenoid.optimise.limits import worst_violation
+from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
+from serpenoid.simulation import simulate_batch, simulate_joint_angles
+from serpenoid.status import Status
+from serpenoid.trajectory import Trajectory
+
+POSE_TOLERANCE = 1e-8
+KKT_TOLERANCE = 1e-8
+GAIN_TOLERANCE = 1e-6
+TRIALS = 32
+DISTANCES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
+WIDTH = np.array([0.02, 0.1, 0.1, 0.02, 0.1, 0.02])  # a few per cent of the range of sigma, x_c, y_c, theta, a, xi
+FEASIBLE = 1e-9
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How an answer fared: largest pose difference, polishing gain (None: not tried), the re-simulated trajectory."""
+
+    status: Status
+    trajectory: Trajectory
+    table: Floats
+    resimulation_error: float
+    polishing_gain: float | None
+
+
+def certify(
+    solver: GaitSolver, answer: Answer, c: float, polish: bool = True, gait_bounds: GaitBounds | None = None
+) -> Certificate:
+    """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's)."""
+    table = joint_table(solver.model, answer.q, solver.steps)
+    trajectory = simulate_joint_angles(solver.model, table)
+    poses = answer.outcome.point.x[:-6].reshape(-1, 3)
+    error = float(np.max(np.abs(trajectory.poses[1:] - poses)))
+    gain: float | None = None
+    status = answer.outcome.status
+    if status.ok and (not trajectory.status.ok or not error <= POSE_TOLERANCE):
+        status = Status.RESIMULATION_DISAGREES
+    if status.ok and not answer.outcome.residuals.largest <= KKT_TOLERANCE:
+        status = Status.NOT_STATIONARY
+    if status.ok and polish and solver.customise is None:
+        gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
+        status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
+    return Certificate(status, trajectory, table, error, gain)
+
+
+def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds) -> Floats:
+    """-Delta + c * dissipation of gaits (B, 6) by forward simulation, plus `penalty` times every violation."""
+    lower, upper = gait_bounds
+    tables = joint_tables(solver.model, np.clip(gaits, np.maximum(lower, -1e6), upper), solver.steps)
+    batch = simulate_batch(solver.model, tables)
+    cost = -batch.displacement + c * batch.dissipation
+    outside = np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
+    outside += np.maximum(worst_violation(tables, solver.limits) - FEASIBLE, 0)
+    target = solver.heading_target()
+    if target is not None:
+        outside += np.abs(batch.poses[:, -1, 2] - target)
+    return np.where(batch.sound, cost + penalty * outside, np.inf)
+
+
+def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds) -> float:
+    """How much a derivative-free search around the answer lowers the cost (exact penalty for the constraints).
+
+    Random trial gaits at shrinking distances, the best so far in the middle; each distance is one compiled batch.
+    """
+    penalty = 10 * (1 + float(np.max(np.abs(answer.outcome.point.lam_g))))
+    lower, upper = gait_bounds
+    width = np.where(upper > lower, WIDTH, 0.0)
+    rng = np.random.default_rng(0)
+    best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds)[0])
+    lowest = first
+    for distance in DISTANCES:
+        trials = best + distance * width * rng.standard_normal((TRIALS, best.size))
+        trials = np.clip(trials, lower, upper)
+        costs = gait_costs(solver, trials, c, penalty, gait_bounds)
+        if costs.min() < lowest:
+            lowest, best = float(costs.min()), trials[costs.argmin()]
+    return first - lowest

@@ -1,0 +1,58 @@
+"""Solved points of a continuation on disk, so that an interrupted sweep does not solve them again."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.files import atomic
+from serpenoid.optimise.ipopt import Outcome, Point
+from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.status import Status
+
+
+@dataclass(frozen=True)
+class ChainStore:
+    """Primal-dual points `<chain>-<c>.npz` in a folder."""
+
+    folder: Path
+    chain: str
+
+    def save(self, c: float, answer: Answer) -> None:
+        """Write one point, whole or not at all."""
+        p, rows = answer.outcome.point, np.array(answer.rows, int)
+        with atomic(self._path(c)) as target:
+            np.savez(
+                target,
+                x=p.x,
+                lam_x=p.lam_x,
+                lam_g=p.lam_g,
+                rows=rows,
+                iterations=answer.iterations,
+                seconds=answer.seconds,
+            )
+
+    def load(self, c: float, solver: GaitSolver) -> Answer | None:
+        """The stored answer with its residuals evaluated afresh, or None where there is none that can be read."""
+        try:
+            with np.load(self._path(c)) as data:
+                point = Point(data["x"], data["lam_x"], data["lam_g"])
+                rows, iterations = tuple(data["rows"].tolist()), int(data["iterations"])
+                seconds = float(data["seconds"])
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+            return None
+        _, ipopt = solver.prepared(len(rows))
+        parameters = solver.parameters(c, list(rows))
+        bounds = solver.bounds(list(rows))
+        if point.x.shape != bounds.lbx.shape or point.lam_g.shape != bounds.lbg.shape:
+            return None
+        residuals = ipopt.residuals(point, parameters, bounds)
+        objective = float(ipopt.functions["f"](point.x, parameters))
+        outcome = Outcome(Status.SOLVED, "Stored", point, objective, residuals, iterations, {"total": seconds})
+        return Answer(outcome, point.x[-6:], iterations, seconds, rows)
+
+    def _path(self, c: float) -> Path:
+        return self.folder / f"{self.chain}-{c!r}.npz"

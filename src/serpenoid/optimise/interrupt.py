@@ -1,0 +1,78 @@
+"""Ctrl-C while IPOPT runs: a handler sets a flag, and the iteration callback asks IPOPT to stop.
+
+IPOPT swallows KeyboardInterrupt and exceptions raised in callbacks; both are stored and acted upon after it returns.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+import casadi as ca
+
+
+class StopFlag:
+    """True once Ctrl-C was pressed inside `catch_interrupt`."""
+
+    def __init__(self) -> None:
+        self.stopped = False
+
+    def __bool__(self) -> bool:
+        return self.stopped
+
+
+@contextmanager
+def catch_interrupt() -> Iterator[StopFlag]:
+    """Turn SIGINT into a flag inside the block (main thread only; elsewhere the flag never rises)."""
+    flag = StopFlag()
+    if threading.current_thread() is not threading.main_thread():
+        yield flag
+        return
+
+    def raise_flag(_signal: int, _frame: FrameType | None) -> None:
+        flag.stopped = True
+
+    previous = signal.signal(signal.SIGINT, raise_flag)
+    try:
+        yield flag
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+class IterationCallback(ca.Callback):
+    """Called by IPOPT after every iteration with the current point."""
+
+    def __init__(self, sizes: tuple[int, int, int], observe: Callable[[float], None] | None) -> None:
+        ca.Callback.__init__(self)
+        self.sizes, self.observe = sizes, observe
+        self.flag: StopFlag | None = None
+        self.error: Exception | None = None
+        self.construct("iteration", {})
+
+    def get_n_in(self) -> int:
+        return ca.nlpsol_n_out()
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, i: int) -> str:
+        return ca.nlpsol_out(i)
+
+    def get_name_out(self, _i: int) -> str:
+        return "ret"
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        nx, ng, np_ = self.sizes
+        rows = {"f": 1, "x": nx, "lam_x": nx, "g": ng, "lam_g": ng, "lam_p": np_}[ca.nlpsol_out(i)]
+        return ca.Sparsity.dense(rows, 1)
+
+    def eval(self, arguments: list) -> list:
+        try:
+            if self.observe is not None:
+                self.observe(float(arguments[1]))
+        except Exception as error:  # noqa: BLE001 - stored here, raised again by the caller after IPOPT has returned
+            self.error = error
+        return [1 if self.error is not None or self.flag else 0]

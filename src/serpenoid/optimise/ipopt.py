@@ -1,0 +1,169 @@
+"""IPOPT on a GaitNLP: options measured for these problems, a stop flag, and the KKT residuals of what came back."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.optimise.interrupt import IterationCallback, StopFlag
+from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.status import Status
+
+OPTIONS = {
+    "ipopt.tol": 1e-9,
+    "ipopt.constr_viol_tol": 1e-10,
+    "ipopt.dual_inf_tol": 1e-9,
+    "ipopt.compl_inf_tol": 1e-9,
+    "ipopt.acceptable_iter": 0,
+    "ipopt.mu_init": 1e-2,  # the start satisfies the momentum equations already
+    "ipopt.mu_linear_decrease_factor": 0.1,
+    "ipopt.mu_superlinear_decrease_power": 1.7,
+    "ipopt.bound_relax_factor": 0.0,  # a limit is a limit
+    "ipopt.mumps_pivot_order": 0,  # AMD: METIS takes longer to order these banded systems than to factor them
+    "ipopt.mumps_permuting_scaling": 0,
+    "ipopt.mumps_scaling": 0,
+    "ipopt.max_iter": 500,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+    "calc_lam_p": False,
+    "no_nlp_grad": True,
+}
+WARM = {
+    "ipopt.warm_start_init_point": "yes",
+    "ipopt.mu_init": 1e-6,
+    "ipopt.warm_start_bound_push": 1e-8,
+    "ipopt.warm_start_slack_bound_push": 1e-8,
+    "ipopt.warm_start_mult_bound_push": 1e-8,
+}
+OUTCOMES = {
+    "Solve_Succeeded": Status.SOLVED,
+    "User_Requested_Stop": Status.STOPPED,
+    "Infeasible_Problem_Detected": Status.INFEASIBLE,
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """A primal-dual point of the NLP."""
+
+    x: Floats
+    lam_x: Floats
+    lam_g: Floats
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """lower and upper bounds of variables and constraints."""
+
+    lbx: Floats
+    ubx: Floats
+    lbg: Floats
+    ubg: Floats
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """KKT residuals, unscaled, largest absolute value of each."""
+
+    stationarity: float
+    feasibility: float
+    complementarity: float
+
+    @property
+    def largest(self) -> float:
+        """The largest of the three."""
+        return max(self.stationarity, self.feasibility, self.complementarity)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What IPOPT returned; `timing` in seconds, by part."""
+
+    status: Status
+    ipopt_status: str
+    point: Point
+    objective: float
+    residuals: Residuals
+    iterations: int
+    timing: dict[str, float]
+
+
+class Ipopt:
+    """A prepared solver for one GaitNLP; bounds, start and parameters are given per solve."""
+
+    def __init__(self, nlp: GaitNLP, options: dict | None = None) -> None:
+        self.functions = nlp.functions()
+        nx, np_ = nlp.variables.numel(), nlp.parameters.numel()
+        self._callback = IterationCallback((nx, sum(nlp.constraint_counts), np_), self._observe)
+        self._watcher: Callable[[float], None] | None = None
+        x, p = nlp.variables, nlp.parameters
+        problem = {"x": x, "p": p, "f": self.functions["f"](x, p), "g": self.functions["g"](x, p)}
+        given = {"jac_g": self.functions["jac_g"], "grad_f": self.functions["grad_f"]}
+        given |= {"hess_lag": self.functions["hess_lag"], "iteration_callback": self._callback}
+        # a fresh barrier and a warm one are two configurations of the same problem
+        self._cold = ca.nlpsol("cold", "ipopt", problem, OPTIONS | given | (options or {}))
+        self._warm_arguments = (problem, OPTIONS | given | WARM | (options or {}))
+        self._warm: ca.Function | None = None
+
+    def solve(
+        self,
+        start: Point | Floats,
+        parameters: Floats,
+        bounds: Bounds,
+        flag: StopFlag | None = None,
+        watch: Callable[[float], None] | None = None,
+    ) -> Outcome:
+        """Solve from a primal start (array) or warm from a primal-dual Point."""
+        if isinstance(start, Point):
+            solver, arguments = self._warm_solver(), {"x0": start.x, "lam_x0": start.lam_x, "lam_g0": start.lam_g}
+        else:
+            solver, arguments = self._cold, {"x0": start}
+        self._callback.flag, self._callback.error, self._watcher = flag, None, watch
+        begin = time.perf_counter()
+        result = solver(p=parameters, lbx=bounds.lbx, ubx=bounds.ubx, lbg=bounds.lbg, ubg=bounds.ubg, **arguments)
+        wall = time.perf_counter() - begin
+        if self._callback.error is not None:
+            raise self._callback.error
+        stats = solver.stats()
+        point = Point(*(result[key].full()[:, 0] for key in ("x", "lam_x", "lam_g")))
+        status = OUTCOMES.get(stats["return_status"], Status.NOT_CONVERGED)
+        residuals = self.residuals(point, parameters, bounds)
+        evaluation = sum(value for key, value in stats.items() if key.startswith("t_wall_nlp"))
+        timing = {"total": wall, "function_evaluation": evaluation, "linear_algebra_and_ipopt": wall - evaluation}
+        objective = float(result["f"])
+        return Outcome(status, stats["return_status"], point, objective, residuals, stats["iter_count"], timing)
+
+    def residuals(self, point: Point, parameters: Floats, bounds: Bounds) -> Residuals:
+        """KKT residuals of a point, from the NLP's own functions and not from IPOPT's report."""
+        _, gradient = self.functions["grad_f"](point.x, parameters)
+        g, jacobian = self.functions["jac_g"](point.x, parameters)
+        slope = (gradient + jacobian.T @ ca.DM(point.lam_g)).full()[:, 0] + point.lam_x
+        value = g.full()[:, 0]
+        violation = [bounds.lbg - value, value - bounds.ubg, bounds.lbx - point.x, point.x - bounds.ubx]
+        feasibility = max(float(np.max(v, initial=0.0)) for v in violation)
+        pairs = [(point.lam_x, point.x, bounds.lbx, bounds.ubx), (point.lam_g, value, bounds.lbg, bounds.ubg)]
+        complementarity = max(_complementarity(*pair) for pair in pairs)
+        return Residuals(float(np.max(np.abs(slope), initial=0.0)), feasibility, complementarity)
+
+    def _warm_solver(self) -> ca.Function:
+        if self._warm is None:
+            self._warm = ca.nlpsol("warm", "ipopt", *self._warm_arguments)
+        return self._warm
+
+    def _observe(self, objective: float) -> None:
+        if self._watcher is not None:
+            self._watcher(objective)
+
+
+def _complementarity(multiplier: Floats, value: Floats, lower: Floats, upper: Floats) -> float:
+    """Largest |multiplier * distance to its bound| (positive: upper, negative: lower; equalities: none)."""
+    free = lower < upper
+    gap = np.where(multiplier > 0, upper - value, value - lower)
+    gap = np.where(np.isfinite(gap), gap, 1.0)
+    return float(np.max(np.abs(multiplier * gap)[free], initial=0.0))

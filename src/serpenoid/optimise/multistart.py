@@ -1,0 +1,127 @@
+"""Many starts, one summary: the certified local optima, how often each was found, and how many starts failed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.gaits import EllipseGait
+from serpenoid.optimise.certify import certify
+from serpenoid.optimise.interrupt import StopFlag
+from serpenoid.optimise.ipopt import Point
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
+from serpenoid.status import Status
+
+SAME_COST = 1e-6  # optima whose costs differ by less are one: mirror images and half turns of theta are equal in cost
+Progress = Callable[[int, "Solution | None"], None]
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A distinct local optimum: its best solution and how many starts reached it."""
+
+    solution: Solution
+    count: int
+
+
+@dataclass(frozen=True)
+class MultiStart:
+    """All solutions in the order of their starts; `optima` distinct and certified, best first."""
+
+    solutions: tuple[Solution, ...]
+    optima: tuple[Optimum, ...]
+
+    @property
+    def best(self) -> Solution:
+        """The best certified optimum, else the first failure (a stopped one first)."""
+        if self.optima:
+            return self.optima[0].solution
+        return min(self.solutions, key=lambda s: s.status is not Status.STOPPED)
+
+    @property
+    def failures(self) -> tuple[Solution, ...]:
+        """Starts that did not end in a certified optimum."""
+        return tuple(s for s in self.solutions if not s.status.ok)
+
+
+def solve_one(
+    solver: GaitSolver,
+    start: Floats | Point,
+    c: float,
+    gait_bounds: GaitBounds | None = None,
+    polish: bool = False,
+    flag: StopFlag | None = None,
+    watch: Callable[[float], None] | None = None,
+    rows: tuple[int, ...] = (),
+) -> tuple[Solution, Answer]:
+    """Optimise from one start and certify the answer."""
+    answer = solver.solve(start, c, gait_bounds, rows, flag, watch)
+    return as_solution(solver, answer, c, polish, gait_bounds), answer
+
+
+def as_solution(
+    solver: GaitSolver, answer: Answer, c: float, polish: bool, gait_bounds: GaitBounds | None = None
+) -> Solution:
+    """Certify an answer and write it as a Solution."""
+    check = certify(solver, answer, c, polish, gait_bounds)
+    outcome = answer.outcome
+    return Solution(
+        status=check.status,
+        problem=solver.problem,
+        c=c,
+        gait=EllipseGait.from_parameters(answer.q),
+        table=check.table,
+        trajectory=check.trajectory,
+        residuals=outcome.residuals,
+        resimulation_error=check.resimulation_error,
+        polishing_gain=check.polishing_gain,
+        ipopt_status=outcome.ipopt_status,
+        iterations=answer.iterations,
+        seconds=answer.seconds,
+        timing=outcome.timing,
+    )
+
+
+def solve_many(
+    solver: GaitSolver, starts: Floats, c: float, flag: StopFlag | None = None, progress: Progress | None = None
+) -> MultiStart:
+    """Optimise from every start (S, 6); polish the best of each distinct optimum."""
+    found: list[tuple[Solution, Answer]] = []
+    for i, start in enumerate(starts):
+        if flag:
+            break
+        found.append(solve_one(solver, start, c, flag=flag))
+        if progress is not None:
+            progress(i + 1, _best([s for s, _ in found]))
+    return MultiStart(*_summary(solver, found, c, flag))
+
+
+def _summary(
+    solver: GaitSolver, found: list[tuple[Solution, Answer]], c: float, flag: StopFlag | None
+) -> tuple[tuple[Solution, ...], tuple[Optimum, ...]]:
+    solutions = [s for s, _ in found]
+    groups = list(_groups(solutions))
+    optima = []
+    for group in groups:
+        polished = solutions[group[0]] if flag else as_solution(solver, found[group[0]][1], c, polish=True)
+        if polished.status.ok:
+            optima.append(Optimum(polished, len(group)))
+        for index in group:
+            solutions[index] = replace(solutions[index], status=polished.status, polishing_gain=polished.polishing_gain)
+    return tuple(solutions), tuple(optima)
+
+
+def _groups(solutions: list[Solution]) -> Iterator[list[int]]:
+    """Indices of solved starts with the same cost, best first."""
+    good = sorted((i for i, s in enumerate(solutions) if s.status.ok), key=lambda i: solutions[i].cost)
+    costs = np.array([solutions[i].cost for i in good])
+    cuts = np.flatnonzero(np.diff(costs) > SAME_COST) + 1
+    return (list(part) for part in np.split(np.array(good, int), cuts) if part.size)
+
+
+def _best(solutions: list[Solution]) -> Solution | None:
+    return min((s for s in solutions if s.status.ok), key=lambda s: s.cost, default=None)

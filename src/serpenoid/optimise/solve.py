@@ -1,0 +1,91 @@
+"""The optimiser's front door: many random starts, one start, or the paper's set of improved random gaits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.gaits import EllipseGait
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
+from serpenoid.optimise.multistart import MultiStart, solve_many, solve_one
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solver import Customise, GaitSolver
+from serpenoid.optimise.starts import random_gaits, within
+from serpenoid.problem import Problem
+from serpenoid.simulation import simulate_joint_angles
+from serpenoid.trajectory import Trajectory
+
+Progress = Callable[[int, Solution | None], None]
+
+
+def solve(
+    problem: Problem,
+    starts: int = 12,
+    seed: int = 0,
+    customise: Customise | None = None,
+    progress: Progress | None = None,
+) -> MultiStart:
+    """Optimise a problem's gait from `starts` random gaits (the problem's own gait is the first start).
+
+    `customise(nlp)` may add objectives and constraints to every `GaitNLP` before it is solved. `progress(done, best)`
+    is called after each start. Ctrl-C ends the search and returns what there is.
+    """
+    solver = GaitSolver(problem, customise)
+    gaits = random_gaits(solver, starts, seed)
+    if isinstance(problem.gait, EllipseGait):
+        gaits[0] = _inside(solver, problem.gait.parameters)
+    with catch_interrupt() as flag:
+        return solve_many(solver, gaits, problem.task.c, flag, progress)
+
+
+def solve_from(problem: Problem, gait: EllipseGait, customise: Customise | None = None) -> Solution:
+    """Optimise from one gait; the answer is certified with polishing."""
+    solver = GaitSolver(problem, customise)
+    with catch_interrupt() as flag:
+        return solve_one(solver, _inside(solver, gait.parameters), problem.task.c, polish=True, flag=flag)[0]
+
+
+@dataclass(frozen=True)
+class Improved:
+    """A random gait (q, joint table, motion) and the best gait within a fraction of its own parameters."""
+
+    q: Floats
+    table: Floats
+    trajectory: Trajectory
+    solution: Solution
+
+
+def improve(
+    problem: Problem,
+    count: int = 12,
+    fraction: float = 0.3,
+    seed: int = 0,
+    progress: Callable[[int], None] | None = None,
+) -> list[Improved]:
+    """The paper's set: `count` random gaits, each improved within +-`fraction` of its own parameters."""
+    solver = GaitSolver(problem)
+    result: list[Improved] = []
+    with catch_interrupt() as flag:
+        for q in random_gaits(solver, count, seed):
+            if flag:
+                break
+            result.append(_improve_one(solver, q, fraction, flag))
+            if progress is not None:
+                progress(len(result))
+    return result
+
+
+def _improve_one(solver: GaitSolver, q: Floats, fraction: float, flag: StopFlag) -> Improved:
+    bounds = within(solver, q, fraction)
+    solution, _ = solve_one(solver, q, solver.problem.task.c, bounds, polish=True, flag=flag)
+    table = joint_table(solver.model, q, solver.steps)
+    return Improved(q, table, simulate_joint_angles(solver.model, table), solution)
+
+
+def _inside(solver: GaitSolver, q: Floats) -> Floats:
+    lower, upper = solver.gait_bounds()
+    return np.clip(q, lower, upper)

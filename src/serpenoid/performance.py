@@ -1,0 +1,49 @@
+"""Measures of performance: cost of transport, Pareto front, and the idle power that decides where the optimum lies.
+
+Normalised cost of transport: (p_idle + dissipation) / Delta, with p_idle the idle energy per cycle in units of the
+normalised dissipation T * E. In SI: CoT = P / (m g v) with electrical P = P_idle + k * dissipation / cycle duration.
+Along a family of gaits that minimise -Delta + c * dissipation it is least where p_idle = Delta / c - dissipation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.problem import Problem
+
+GRAVITY = 9.81  # m / s^2
+
+
+def normalised_cost_of_transport(displacement: Floats, dissipation: Floats, idle: float) -> Floats:
+    """(idle + dissipation) / displacement, element by element."""
+    return (idle + np.asarray(dissipation)) / np.asarray(displacement)
+
+
+def electrical_cost_of_transport(problem: Problem, displacement: float, dissipation: float) -> float | None:
+    """P / (m g v), dimensionless; None where the problem lacks mass, cycle duration or [power]."""
+    power, mass, duration = problem.power, problem.body.mass_kg, problem.task.cycle_duration_s
+    if power is None or mass is None or duration is None or displacement <= 0:
+        return None
+    energy = power.idle_W * duration + power.dissipation_J * dissipation
+    return energy / (mass * GRAVITY * displacement * problem.body.total_length_m)
+
+
+def pareto_front(displacement: Floats, dissipation: Floats) -> np.ndarray:
+    """True for points that no other point beats in both displacement (more) and dissipation (less), shape (n,)."""
+    more = displacement[None] >= displacement[:, None]
+    less = dissipation[None] <= dissipation[:, None]
+    strictly = (displacement[None] > displacement[:, None]) | (dissipation[None] < dissipation[:, None])
+    return np.asarray(~(more & less & strictly).any(axis=1))
+
+
+def idle_for_minimum(c: Floats, displacement: Floats, dissipation: Floats, low: float, high: float) -> Range | None:
+    """Idle levels for which the cost of transport is least at a c strictly inside (low, high); None: no such level."""
+    levels = np.concatenate([[0.0], np.geomspace(1e-4, 10.0, 4000)])
+    costs = (levels[:, None] + dissipation[None]) / displacement[None]
+    best = c[costs.argmin(axis=1)]
+    inside = levels[(best > low) & (best < high)]
+    return (float(inside.min()), float(inside.max())) if inside.size else None
+
+
+Range = tuple[float, float]

@@ -1,0 +1,141 @@
+"""Results folders: solution.json, joint_table.csv, trajectory.csv and figures, each file whole or absent."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.errors import InputError
+from serpenoid.files import provenance, short_hash, write_csv, write_json
+from serpenoid.gaits import EllipseGait
+from serpenoid.gaits.table import write_table
+from serpenoid.performance import electrical_cost_of_transport
+from serpenoid.problem import Problem
+from serpenoid.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from serpenoid.optimise.solution import Solution
+    from serpenoid.simulation.problem import Simulation
+
+
+def default_folder(problem: Problem, verb: str, *options: Any) -> Path:
+    """`results/<problem>/<verb>-<hash>`; the hash changes with the problem and the options."""
+    return Path("results") / problem.name / f"{verb}-{short_hash(problem.hash, *options)}"
+
+
+def write_simulation(folder: str | Path, simulation: Simulation, figures: bool = True) -> dict[str, Any]:
+    """Write a simulation's folder and return its record."""
+    problem, trajectory = simulation.problem, simulation.trajectory
+    record = _record(problem, trajectory, problem.gait, "simulation", trajectory.status.name, trajectory.status.value)
+    record["provenance"] = provenance(problem=problem.name, problem_hash=problem.hash)
+    _write(Path(folder), record, simulation.table, trajectory)
+    if figures:
+        from serpenoid.plot.figures import simulation_figures
+
+        gait = problem.gait if isinstance(problem.gait, EllipseGait) else None
+        simulation_figures(Path(folder), problem, trajectory, simulation.table, gait)
+    return record
+
+
+def write_solution(
+    folder: str | Path, solution: Solution, figures: bool = True, summary: dict[str, Any] | None = None
+) -> dict[str, Any]:
+    """Write an optimum's folder and return its record; `summary` (of a multi-start, say) is added to it."""
+    record = solution_record(solution) | (summary or {})
+    _write(Path(folder), record, solution.table, solution.trajectory)
+    if figures:
+        from serpenoid.plot.figures import solution_figures
+
+        solution_figures(Path(folder), solution)
+    return record
+
+
+def solution_record(solution: Solution) -> dict[str, Any]:
+    """What solution.json holds of an optimum."""
+    problem = solution.problem
+    status = solution.status
+    record = _record(problem, solution.trajectory, solution.gait, "optimum", status.name, status.value)
+    residuals = solution.residuals
+    record |= {
+        "cost": _number(solution.cost),
+        "c": solution.c,
+        "kkt": {
+            "stationarity": residuals.stationarity,
+            "feasibility": residuals.feasibility,
+            "complementarity": residuals.complementarity,
+        },
+        "resimulation_error": _number(solution.resimulation_error),
+        "polishing_gain": solution.polishing_gain,
+        "ipopt_status": solution.ipopt_status,
+        "iterations": solution.iterations,
+        "wall_time_s": solution.seconds,
+        "timing_s": solution.timing,
+        "provenance": provenance(problem=problem.name, problem_hash=problem.hash),
+    }
+    return record
+
+
+def read_record(folder: str | Path) -> dict[str, Any]:
+    """Read a results folder's solution.json."""
+    path = Path(folder) / "solution.json"
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{folder}: no solution.json there. Name a folder that `solve` or `simulate` wrote.") from None
+    except (ValueError, OSError) as error:
+        raise InputError(f"{path}: cannot be read ({error}).") from None
+    if not isinstance(record, dict) or "status" not in record:
+        raise InputError(f"{path}: is not a solution of this package.")
+    return record
+
+
+def _record(
+    problem: Problem, trajectory: Trajectory, gait: Any, kind: str, status: str, message: str
+) -> dict[str, Any]:
+    body, task = problem.body, problem.task
+    per_cycle = trajectory.displacement
+    return {
+        "kind": kind,
+        "status": status.lower(),
+        "message": message,
+        "displacement_body_lengths": _number(per_cycle),
+        "forward_displacement_body_lengths": _number(trajectory.forward_displacement),
+        "heading_change_rad": _number(trajectory.heading_change),
+        "dissipation": _number(trajectory.dissipation),
+        "energy_raw": _number(trajectory.energy_raw),
+        "cost_of_transport": electrical_cost_of_transport(problem, per_cycle, trajectory.dissipation),
+        "cycles": len(trajectory.step_energy) // trajectory.steps_per_cycle,
+        "gait": gait.model_dump(mode="json"),
+        "body": {
+            "vertices": body.vertices,
+            "edge_lengths": body.edges_m.tolist(),
+            "weights": body.vertex_weights.tolist(),
+            "joints": list(body.joint_vertices),
+            "length_m": body.total_length_m,
+            "mass_kg": body.mass_kg,
+            "joint_limit_deg": body.joint_limit_deg,
+        },
+        "steps": trajectory.steps_per_cycle,
+        "cycle_duration_s": task.cycle_duration_s,
+        "anisotropy_ratio": problem.medium.anisotropy_ratio,
+        "dissipation_at": problem.medium.dissipation,
+        "largest_step_residual": _number(trajectory.residual),
+    }
+
+
+def _write(folder: Path, record: dict[str, Any], table: Floats, trajectory: Trajectory) -> None:
+    """Tables first, solution.json last: a folder that has it is complete."""
+    write_table(folder / "joint_table.csv", table)
+    n = trajectory.vertices.shape[1]
+    header = ["step", "x", "y", "heading", *(f"{axis}_{k}" for k in range(n) for axis in "xy")]
+    rows = np.hstack([trajectory.poses, trajectory.vertices.reshape(len(trajectory.poses), -1)])
+    write_csv(folder / "trajectory.csv", header, ([i, *row] for i, row in enumerate(rows.tolist())))
+    write_json(folder / "solution.json", record)
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,107 @@
+"""From shapes to motion in the plane: relative poses of all steps, then their composition.
+
+Legend: B gaits, T steps per cycle, R rows, N vertices, m joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid import group
+from serpenoid.body import Floats
+from serpenoid.model import Model
+from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
+from serpenoid.status import Status
+from serpenoid.trajectory import Trajectory
+
+
+def simulate_joint_angles(
+    model: Model, table: Floats, cycles: int = 1, start: Floats | None = None, closed: bool = True
+) -> Trajectory:
+    """Simulate a joint table, shape (T, m) [rad], for whole cycles; `closed=False` plays the rows once, as they are.
+
+    `start` is the first pose (x, y, heading), default the origin. Source: Even et al., Alg. 1.
+    """
+    table = np.asarray(table, float)
+    rows = np.concatenate([table, table[:1]]) if closed else table
+    if not np.isfinite(rows).all():
+        return _failed(Status.BAD_SHAPE, rows.shape[0], model)
+    vertices, elements = shape_rows(model, rows)
+    m = model.structure.elements
+    steps = solve_steps(model, elements[:, :-m], elements[:, m:])
+    return _assemble(model, vertices, steps, cycles if closed else 1, start)
+
+
+def simulate_vertices(model: Model, vertices: Floats, start: Floats | None = None) -> Trajectory:
+    """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame; only their shape counts."""
+    shapes = body_frame(model, np.asarray(vertices, float))
+    lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
+    if not np.isfinite(shapes).all() or (lengths <= 0).any():
+        return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
+    elements = elements_of_vertices(model, shapes)
+    m = model.structure.elements
+    steps = solve_steps(model, elements[:, :-m], elements[:, m:])
+    return _assemble(model, shapes, steps, 1, start)
+
+
+def body_poses(model: Model, vertices: Floats) -> Floats:
+    """Pose (weighted centroid, mean edge angle, unwrapped over rows) of chains (R, N, 2): shape (R, 3)."""
+    centroid = np.einsum("rni,n->ri", vertices, model.body.vertex_weights)
+    edge = np.diff(vertices, axis=1)
+    angles = np.unwrap(np.arctan2(edge[..., 1], edge[..., 0]), axis=1)
+    return np.column_stack([centroid, np.unwrap(angles.mean(axis=1))])
+
+
+def body_frame(model: Model, vertices: Floats) -> Floats:
+    """Chains (R, N, 2) moved to the body frame."""
+    poses = body_poses(model, vertices)
+    return np.einsum("rji,rnj->rni", group.rotation(poses[:, 2]), vertices - poses[:, None, :2])
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Many gaits simulated for one cycle: poses (B, T + 1, 3), dissipation (B,), residual (B,), sound (B,)."""
+
+    poses: Floats
+    dissipation: Floats
+    residual: Floats
+    sound: np.ndarray
+
+    @property
+    def displacement(self) -> Floats:
+        """Distance of the centroid over the cycle, shape (B,) [body lengths]."""
+        return np.hypot(self.poses[:, -1, 0], self.poses[:, -1, 1])
+
+
+def simulate_batch(model: Model, tables: Floats) -> Batch:
+    """Simulate B joint tables, shape (B, T, m) [rad], for one cycle each, in one compiled call."""
+    b, t, _ = tables.shape
+    steps = solve_cycles(model, tables)
+    relative = steps.relative.reshape(b, t, 3)
+    dissipation = t * steps.energy.reshape(b, t).sum(1)
+    residual = steps.residual.reshape(b, t).max(1)
+    sound = np.asarray(steps.sound.reshape(b, t).all(1))
+    poses = group.accumulate(relative)
+    for i in np.flatnonzero(~sound):
+        single = simulate_joint_angles(model, tables[i])
+        poses[i], dissipation[i], residual[i] = single.poses, single.dissipation, single.residual
+        sound[i] = single.status.ok
+    return Batch(poses, dissipation, residual, sound)
+
+
+def _assemble(model: Model, shapes: Floats, steps: Steps, cycles: int, start: Floats | None) -> Trajectory:
+    per_cycle = steps.relative.shape[0]
+    poses = group.accumulate(np.tile(steps.relative, (cycles, 1)), start)
+    rows = np.concatenate([np.tile(shapes[:-1], (cycles, 1, 1)), shapes[-1:]])
+    status = Status.SOLVED if steps.sound.all() else Status.STEP_UNSOLVED
+    residual = float(np.max(steps.residual, initial=0.0))
+    energy = np.tile(steps.energy, cycles)
+    return Trajectory(status, poses, group.place(poses, rows), energy, residual, per_cycle)
+
+
+def _failed(status: Status, rows: int, model: Model) -> Trajectory:
+    n = model.body.vertices
+    unknown = np.full((rows, 3), np.nan)
+    return Trajectory(status, unknown, np.full((rows, n, 2), np.nan), np.full(rows - 1, np.nan), np.inf, rows - 1)

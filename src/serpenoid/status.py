@@ -1,0 +1,24 @@
+"""How a computation ended: a value with a sentence and a remedy, not an exception from five layers below."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Status(Enum):
+    """Outcome of a simulation or of an optimisation; the text says what to do."""
+
+    SOLVED = "solved"
+    STOPPED = "stopped by the user; the last iterate is kept and is no optimum"
+    STEP_UNSOLVED = "a step has no root within the tolerance: use more steps per cycle, or a smaller amplitude"
+    BAD_SHAPE = "a shape has an edge of length zero or a number that is not finite: check the joint table"
+    NOT_CONVERGED = "IPOPT did not converge: try another start (--seed), fewer constraints or a lower amplitude"
+    INFEASIBLE = "the constraints cannot all be met: relax a limit or a bound"
+    RESIMULATION_DISAGREES = "step-by-step simulation does not confirm the optimum: use more steps per cycle"
+    NOT_STATIONARY = "the optimality conditions do not hold to 1e-8: try another start, or free a bound"
+    NOT_A_MINIMUM = "a derivative-free search nearby found a better gait (a saddle point): try another start"
+
+    @property
+    def ok(self) -> bool:
+        """True for success."""
+        return self is Status.SOLVED

@@ -1,0 +1,63 @@
+"""A simulated (or re-simulated) motion: poses, vertices and step energies, in body lengths and cycles.
+
+Legend: R rows (T + 1 for one cycle of T steps), N vertices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.status import Status
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Motion of the body frame (weighted centroid, mean edge angle) and of every vertex.
+
+    poses (R, 3): x, y [body lengths], heading [rad]; vertices (R, N, 2) [body lengths]; step_energy (R - 1,), raw;
+    residual: largest |dE/d turn| of any step (weights sum to one, lengths in body lengths).
+    """
+
+    status: Status
+    poses: Floats
+    vertices: Floats
+    step_energy: Floats
+    residual: float
+    steps_per_cycle: int
+
+    @property
+    def net_motion(self) -> Floats:
+        """(x, y, heading) of the last pose relative to the first, in the first body frame, shape (3,)."""
+        dx, dy, turn = self.poses[-1] - self.poses[0]
+        c, s = np.cos(self.poses[0, 2]), np.sin(self.poses[0, 2])
+        return np.array([c * dx + s * dy, c * dy - s * dx, turn])
+
+    @property
+    def displacement(self) -> float:
+        """Distance of the centroid between first and last row [body lengths]."""
+        return float(np.hypot(*self.net_motion[:2]))
+
+    @property
+    def forward_displacement(self) -> float:
+        """Signed part of the displacement along the mean heading [body lengths]."""
+        mean = self.poses[:, 2].mean()
+        dx, dy = self.poses[-1, :2] - self.poses[0, :2]
+        return float(np.cos(mean) * dx + np.sin(mean) * dy)
+
+    @property
+    def heading_change(self) -> float:
+        """Turn between first and last row [rad]."""
+        return float(self.net_motion[2])
+
+    @property
+    def energy_raw(self) -> float:
+        """Sum of the step energies; it falls as 1 / T for a fixed gait."""
+        return float(self.step_energy.sum())
+
+    @property
+    def dissipation(self) -> float:
+        """T times E: normalised dissipation, converges as T grows."""
+        return self.steps_per_cycle * self.energy_raw
