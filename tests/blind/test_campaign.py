@@ -14,9 +14,10 @@ from blind.catalogue import CATALOGUE, Effect, draw
 from blind.folder import write
 from blind.gaits import progress
 from blind.outside import OUTSIDE
-from blind.snake import JOINT_LIMIT, SPEED_LIMIT, TICK
+from blind.snake import EDGES, JOINT_LIMIT, MASSES, SPEED_LIMIT, TICK
 
 SEED = 11
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,12 @@ def test_folder_follows_the_format(tmp_path: Path) -> None:
         empty = np.array([[cell == "" for cell in motion[f"x_{k}"]] for k in range(12)])
         assert empty.all(axis=0).any()
         assert 0.005 < empty.mean() < 0.2
+
+
+def test_the_robot_is_the_one_of_the_problem_file() -> None:
+    body = tomllib.loads((ROOT / "problems" / "snake10.toml").read_text())["body"]
+    np.testing.assert_allclose(body["weights"], MASSES)
+    np.testing.assert_allclose(body["edge_lengths"], EDGES, atol=1e-6)
 
 
 def test_first_gait_moves_tail_first_and_the_others_head_first(null: Campaign) -> None:
