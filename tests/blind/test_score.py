@@ -11,6 +11,7 @@ import pytest
 
 from blind.campaign import Campaign, make
 from blind.catalogue import CATALOGUE, Effect
+from blind.handful import HANDFUL
 from blind.score import Name, answer, confusion, coverage, judge, wilson
 from blind.separation import STARTS, separation
 from blind.strength import floor, strength
@@ -154,6 +155,13 @@ def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path
     for row in rows:
         expected = {True: "missed", False: "right" if row["strengths"][0] < 1 else "unscored"}
         assert row["outcome"] == expected[row["strengths"][0] >= 3]
+
+
+@pytest.mark.parametrize("index", range(1, len(HANDFUL)))
+def test_the_handful_is_strong(index: int) -> None:
+    study = Study("handful", Path("unused"), "unused")
+    c = make(int(study.digest("seed", index)[:15], 16), study.hidden(index))
+    assert strength(c, c.effects[0], floor(c)) >= 6
 
 
 def test_a_diagnosis_that_fails_is_recorded(tmp_path: Path) -> None:
