@@ -188,7 +188,8 @@ def run(study: Study, count: int, jobs: int) -> dict[str, Any]:
             row = done.result()
             rows.append(row)
             sys.stderr.write(f"{n}/{count} {row['identity']} {row['outcome']} ({row['seconds']:.0f} s)\n")
-    summary = summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
+    command = f"python -m blind.study --kind {study.kind} --count {count} --model {study.model} --key {study.key}"
+    summary = {"command": command} | summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
     _atomic(study.out / f"{study.kind}.json", summary)
     return summary
 

@@ -91,16 +91,18 @@ def test_every_effect_leaves_a_trace_in_the_files(name: str, null: Campaign) -> 
     strongest = max((kind.draw(rng, place) for _ in range(20)), key=lambda p: abs(next(iter(p.values()))))
     if name == "speed_saturation":
         strongest = {"max_speed": 0.3}
-    c = make(SEED, [Effect(name, place, strongest)])
-    marker = max(np.nanmax(np.abs(a.film.markers - b.film.markers)) for a, b in zip(c.trials, null.trials, strict=True))
-    clock = max(np.abs(a.log.time - b.log.time).max() for a, b in zip(c.trials, null.trials, strict=True))
+    c = make(SEED, [Effect(name, place, strongest)], settings_used=3)
+    marker = max(
+        np.nanmax(np.abs(a.film.markers - b.film.markers)) for a, b in zip(c.trials, null.trials, strict=False)
+    )
+    clock = max(np.abs(a.log.time - b.log.time).max() for a, b in zip(c.trials, null.trials, strict=False))
     assert marker > 1e-3 or clock > 1e-3
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_every_outside_cause_changes_the_motion(name: str, null: Campaign) -> None:
-    c = make(SEED, name)
-    assert max(np.abs(a.path - b.path).max() for a, b in zip(c.trials, null.trials, strict=True)) > 2e-3
+    c = make(SEED, name, settings_used=3)
+    assert max(np.abs(a.path - b.path).max() for a, b in zip(c.trials, null.trials, strict=False)) > 2e-3
 
 
 def test_names_and_places_are_drawn_uniformly() -> None:
