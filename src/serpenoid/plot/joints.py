@@ -1,0 +1,83 @@
+"""Joint angles and joint speeds of a joint table over the cycle, with the limits they must keep.
+
+Legend: T rows, m joints; the row after the last is the first again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.ticker import MaxNLocator
+
+from serpenoid.body import Floats
+from serpenoid.plot.style import ANGLE_MAP, CHAIN_MAP, GREY, RED, SMALL, colour_bar, dress
+
+X_LABEL = "phase [cycles]"
+
+
+def joint_colours(count: int) -> Floats:
+    """A colour for each joint from tail to head, shape (m, 4)."""
+    return CHAIN_MAP(np.arange(count) / max(count - 1, 1))
+
+
+def joint_angles(table: Floats, ax: Axes, limit_deg: float | None = None, title: str = "Joint angles") -> Axes:
+    """A line per joint, (T, m) [rad], closed at phase 1; limits dashed."""
+    steps, count = table.shape
+    closed = np.rad2deg(np.concatenate([table, table[:1]]))
+    for j, colour in enumerate(joint_colours(count)):
+        ax.plot(np.arange(steps + 1) / steps, closed[:, j], color=colour, linewidth=1.6)
+    _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(closed).max()))
+    ax.set_xlim(0, 1)
+    return dress(ax, title, X_LABEL, "joint angle [deg]")
+
+
+def speeds_rpm(table: Floats, cycle_duration_s: float) -> Floats:
+    """Mean joint speed of every step, shape (T, m) [rpm]."""
+    return (np.roll(table, -1, axis=0) - table) * table.shape[0] / cycle_duration_s * 60 / (2 * np.pi)
+
+
+def joint_speeds(
+    table: Floats, ax: Axes, cycle_duration_s: float, limit_rpm: float | None = None, title: str = "Joint speeds"
+) -> Axes:
+    """A line per joint at the middle of its steps; limits dashed."""
+    steps, count = table.shape
+    speeds = speeds_rpm(table, cycle_duration_s)
+    for j, colour in enumerate(joint_colours(count)):
+        ax.plot((np.arange(steps) + 0.5) / steps, speeds[:, j], color=colour, linewidth=1.6)
+    _limits(ax, limit_rpm, f"limit {limit_rpm:g} rpm" if limit_rpm else "", float(np.abs(speeds).max()))
+    ax.set_xlim(0, 1)
+    return dress(ax, title, X_LABEL, "joint speed [rpm]")
+
+
+def joint_map(table: Floats, ax: Axes, title: str = "Joint table") -> Axes:
+    """The table as a picture: phase to the right, joints from tail (below) to head (above), colour for the angle."""
+    steps, count = table.shape
+    degrees = np.rad2deg(table)
+    reach = float(np.abs(degrees).max()) or 1.0
+    edges = np.arange(steps + 1) / steps, np.arange(count + 1) + 0.5
+    mesh: QuadMesh = ax.pcolormesh(*edges, degrees.T, cmap=ANGLE_MAP, vmin=-reach, vmax=reach)
+    mesh.set_rasterized(True)
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=min(count, 10), min_n_ticks=1))
+    colour_bar(ax, ANGLE_MAP, -reach, reach, "joint angle [deg]", pad=0.02, aspect=30)
+    return dress(ax, title, X_LABEL, "joint (1 = next to the tail)", grid=False)
+
+
+def joint_bar(ax: Axes | list[Axes], count: int) -> None:
+    """Colour bar that names the joints' colours."""
+    first = ax if isinstance(ax, Axes) else ax[0]
+    bar = colour_bar(first, CHAIN_MAP, 0.5, count + 0.5, "joint (1 = next to the tail)", pad=0.02, aspect=30)
+    bar.locator = MaxNLocator(integer=True, nbins=min(count, 10), min_n_ticks=1)
+    bar.update_ticks()
+
+
+def _limits(ax: Axes, limit: float | None, name: str, reach: float) -> None:
+    """Dashed lines at +-limit, named; a limit far above the data is drawn all the same: the margin is the message."""
+    ax.axhline(0, color=GREY, linewidth=0.8)
+    top = 1.08 * reach or 1.0
+    if limit:
+        ax.axhline(limit, color=RED, linewidth=1.3, linestyle="--")
+        ax.axhline(-limit, color=RED, linewidth=1.3, linestyle="--")
+        top = max(top, 1.22 * limit)
+        ax.text(0.99, limit, name, transform=ax.get_yaxis_transform(), ha="right", va="bottom", color=RED, fontsize=SMALL)
+    ax.set_ylim(-top, top)

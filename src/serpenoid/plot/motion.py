@@ -1,0 +1,68 @@
+"""Bodies along the path: shapes at a few phases in the world, over the trace of the centre of mass.
+
+Legend: R rows, N vertices; lengths in body lengths.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from serpenoid import group
+from serpenoid.body import Floats
+from serpenoid.plot.body import draw_body, shapes
+from serpenoid.plot.style import GREY, INK, PHASE_MAP, SMALL, dress
+from serpenoid.trajectory import Trajectory
+
+NICE = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0])
+
+
+def over_cycles(trajectory: Trajectory, cycles: int) -> tuple[Floats, Floats]:
+    """Poses (R, 3) and vertices (R, N, 2) of `cycles` cycles: each repeats the first one's relative motions."""
+    steps = trajectory.steps_per_cycle
+    poses, chains = trajectory.poses[: steps + 1], trajectory.vertices[: steps + 1]
+    c, s = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
+    move = np.diff(poses, axis=0)
+    relative = np.stack([c * move[:, 0] + s * move[:, 1], c * move[:, 1] - s * move[:, 0], move[:, 2]], -1)
+    long = group.accumulate(np.tile(relative, (cycles, 1)), poses[0])
+    frames = shapes(poses, chains)
+    return long, group.place(long, np.concatenate([np.tile(frames[:-1], (cycles, 1, 1)), frames[-1:]]))
+
+
+def motion(
+    trajectory: Trajectory,
+    ax: Axes,
+    cycles: int = 1,
+    bodies: int = 8,
+    title: str = "Shapes along the path",
+    body_length_m: float | None = None,
+) -> Axes:
+    """Bodies at `bodies` even moments from start to end, the centroid's trace, start and end, a scale bar."""
+    poses, chains = over_cycles(trajectory, cycles)
+    steps = trajectory.steps_per_cycle
+    rows = np.unique(np.linspace(0, len(poses) - 1, bodies).round().astype(int))
+    for row in rows:
+        phase = 1.0 if row == len(poses) - 1 else row % steps / steps
+        draw_body(chains[row], ax, PHASE_MAP(phase))
+    ax.plot(*poses[:, :2].T, color=INK, linewidth=1.6, zorder=4, label="centre of mass")
+    ax.plot(*poses[:1, :2].T, "o", markersize=7, color="white", markeredgecolor=INK, zorder=5, label="start")
+    ax.plot(*poses[-1:, :2].T, "s", markersize=7, color=INK, zorder=5, label="end")
+    ax.plot([], [], "o", markersize=8, color=GREY, label="head")
+    points = np.concatenate([chains[rows].reshape(-1, 2), poses[:, :2]])
+    _frame(points, ax, body_length_m)
+    return dress(ax, title, "x [body lengths]", "y [body lengths]")
+
+
+def _frame(points: Floats, ax: Axes, body_length_m: float | None) -> None:
+    """Equal axes around the points, with room below for the scale bar."""
+    low, high = points.min(0), points.max(0)
+    pad = 0.06 * float((high - low).max())
+    bar = float(NICE[np.searchsorted(NICE, 0.22 * (high[0] - low[0]), side="right") - 1])
+    x, y = low[0], low[1] - 1.3 * pad
+    ax.plot([x, x + bar], [y, y], color=INK, linewidth=3, solid_capstyle="butt")
+    metres = f" = {bar * body_length_m:.2g} m" if body_length_m else ""
+    words = f"{bar:g} body length{'s' if bar > 1 else ''}{metres}"
+    ax.text(x + bar + 0.3 * pad, y, words, fontsize=SMALL, va="center", color=INK)
+    ax.set_xlim(low[0] - pad, high[0] + pad)
+    ax.set_ylim(y - 0.7 * pad, high[1] + pad)
+    ax.set_aspect("equal")

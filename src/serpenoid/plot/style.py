@@ -1,0 +1,68 @@
+"""One look for every picture: colours that the colour-blind tell apart (Okabe and Ito 2008), sizes, labels.
+
+Nothing here touches matplotlib's global state, so figures can be made in threads.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, RED, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"
+INK, GREY, FAINT = "#222222", "#7F7F7F", "#E4E4E4"
+SMALL, NORMAL, LARGE = 8.0, 9.0, 10.5
+
+
+def _cut(name: str, low: float, high: float) -> Colormap:
+    """Part of a colour map whose lightness grows steadily, without the ends that vanish on white."""
+    return ListedColormap(colormaps[name](np.linspace(low, high, 256)), name=f"{name}-cut")
+
+
+PHASE_MAP = _cut("plasma", 0.0, 0.86)  # phase within the cycle
+CHAIN_MAP = _cut("viridis", 0.0, 0.88)  # place along the body, or the coefficient c
+ANGLE_MAP = colormaps["PuOr_r"]  # signed angles
+
+
+def figure(width: float, height: float) -> Figure:
+    """An empty white figure of `width` x `height` inches that lays its axes out without overlaps."""
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def dress(ax: Axes, title: str, x: str, y: str, grid: bool = True) -> Axes:
+    """Title, axis labels (with units), light grid, no box."""
+    if title:
+        ax.set_title(title, fontsize=LARGE, loc="left", color=INK)
+    ax.set_xlabel(x, fontsize=NORMAL, color=INK)
+    ax.set_ylabel(y, fontsize=NORMAL, color=INK)
+    ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.spines[["left", "bottom"]].set_color(GREY)
+    if grid:
+        ax.grid(color=FAINT, linewidth=0.7)
+    ax.set_axisbelow(True)
+    return ax
+
+
+def legend_above(ax: Axes, columns: int) -> None:
+    """Legend in a line above the axes, where no data can be."""
+    ax.legend(
+        loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=columns, frameon=False, fontsize=SMALL,
+        borderaxespad=0.1, handletextpad=0.5, columnspacing=1.4,
+    )  # fmt: skip
+
+
+def colour_bar(ax: Axes, colours: Colormap, low: float, high: float, label: str, **options: Any) -> Colorbar:
+    """Colour bar beside `ax` for numbers from `low` to `high`."""
+    shown = ScalarMappable(Normalize(low, high), colours)
+    bar = ax.get_figure(root=True).colorbar(shown, ax=ax, **options)  # type: ignore[union-attr]
+    bar.set_label(label, fontsize=NORMAL, color=INK)
+    bar.ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
+    bar.outline.set_visible(False)  # type: ignore[operator]
+    return bar
