@@ -1,0 +1,50 @@
+"""The SDK's port with a monotonic clock, reads that sleep, and an end to babble.
+
+The SDK times out on the wall clock, polls without sleeping, and reads on as long as bytes keep coming.
+Of `dynamixel_sdk`, this file knows the port; `bus.py` knows the packets. Nothing else imports it.
+"""
+
+from __future__ import annotations
+
+import time
+
+from dynamixel_sdk import PortHandler
+
+from serpenoid.robot.faults import BusFault
+
+READ_SLICE_S = 0.002  # a read sleeps this long for its bytes before the SDK looks at its own timeout
+BABBLE_FACTOR = 3.0  # an exchange may last this many times its timeout before the bus counts as babbling
+
+
+class SerialLink(PortHandler):
+    """A PortHandler that `bus.py` opens after it holds the port's lock."""
+
+    def __init__(self, port_name: str) -> None:
+        super().__init__(port_name)
+        self._babble_deadline = float("inf")
+
+    def getCurrentTime(self) -> float:  # noqa: N802 (the SDK's name)
+        return time.monotonic() * 1000.0
+
+    def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802
+        opened = super().setupPort(cflag_baud)
+        self.ser.exclusive = True
+        self.ser.timeout = READ_SLICE_S
+        self.ser.write_timeout = 0.5
+        return opened
+
+    def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
+        super().setPacketTimeout(packet_length)
+        self._watch_for_babble()
+
+    def setPacketTimeoutMillis(self, msec: float) -> None:  # noqa: N802
+        super().setPacketTimeoutMillis(msec)
+        self._watch_for_babble()
+
+    def readPort(self, length: int) -> bytes:  # noqa: N802
+        if self.getCurrentTime() > self._babble_deadline:
+            raise BusFault("the bus never falls silent: another master, a wrong baud rate, or noise on the line.")
+        return self.ser.read(length) if length > 0 else b""
+
+    def _watch_for_babble(self) -> None:
+        self._babble_deadline = self.packet_start_time + BABBLE_FACTOR * self.packet_timeout + 50.0
