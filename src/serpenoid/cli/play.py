@@ -56,10 +56,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _report(outcome: Outcome, folder: Path | None) -> None:
-    lines = [f"{outcome.status}: {outcome.reason}.".replace("..", "."), f"motors: {outcome.torque}."]
+    lines = [f"{outcome.status}: {outcome.reason}.".replace("..", ".").replace("?.", "?"), f"motors: {outcome.torque}."]
     lines.append(f"schedule: {outcome.timing}.")
     if outcome.numbers.get("failed_exchanges"):
-        lines.append(f"bus: {outcome.numbers['failed_exchanges']} exchanges failed and were repeated.")
+        failed = ", ".join(f"servo {servo}: {count}" for servo, count in outcome.numbers["failed_exchanges"].items())
+        lines.append(f"bus: exchanges that failed and were repeated: {failed}.")
     if folder is not None:
         lines.append(f"recording: {folder}")
     stream = sys.stdout if outcome.status == "done" and outcome.torque_off else sys.stderr

@@ -6,17 +6,17 @@ packet handler and their answers collected here, one by one.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Self, TypeVar
 
 import dynamixel_sdk as sdk
-import serial
 
 from serpenoid.robot.control_table import LOAD_PER_UNIT, REGISTERS, VOLT_PER_UNIT, WATCHDOG_TRIPPED, Register
 from serpenoid.robot.faults import BusFault, PortLost
-from serpenoid.robot.serial_link import SerialLink
+from serpenoid.robot.serial_link import PORT_ERRORS, SerialLink
 
 ALERT_BIT = 0x80
 ATTEMPTS = 3
@@ -66,7 +66,7 @@ class Bus:
     def __init__(self, port_name: str, baud_rate: int) -> None:
         self._link = SerialLink(port_name)
         self._packets = sdk.Protocol2PacketHandler()
-        self.failed_exchanges = 0
+        self.failures: Counter[int] = Counter()  # by servo ID; each was repeated
         with self._guard("opening"):
             if not self._link.setBaudRate(baud_rate):
                 raise BusFault(f"{port_name}: this computer cannot do {baud_rate} baud.")
@@ -82,7 +82,7 @@ class Bus:
     def close(self) -> None:
         try:
             self._link.closePort()
-        except (OSError, AttributeError):
+        except PORT_ERRORS:
             self._link.is_open = False
 
     def scan(self) -> dict[int, tuple[int, int]]:
@@ -129,7 +129,7 @@ class Bus:
         states = dict(self._sync_read(servo_ids))
         for servo_id in servo_ids:
             if servo_id not in states:
-                self.failed_exchanges += 1
+                self.failures[servo_id] += 1
                 states[servo_id] = self._retry(lambda i=servo_id: self._read_state(i))  # type: ignore[misc]
         return states
 
@@ -209,8 +209,9 @@ class Bus:
                     return exchange()
             except PortLost:
                 raise
-            except BusFault:
-                self.failed_exchanges += 1
+            except BusFault as fault:
+                if fault.servo_id is not None:
+                    self.failures[fault.servo_id] += 1
         with self._guard("exchange"):
             return exchange()
 
@@ -219,7 +220,7 @@ class Bus:
         """Turn what pyserial and the SDK raise into faults, and leave the port ready for the torque-off."""
         try:
             yield
-        except (serial.SerialException, OSError) as error:
+        except PORT_ERRORS as error:
             message = f"{self._link.port_name}: the port is lost while {doing} ({error})."
             raise PortLost(message, servo_id) from error
         except (IndexError, TypeError, ValueError) as error:  # the SDK indexes into packets that are too short

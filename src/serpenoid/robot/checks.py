@@ -34,7 +34,7 @@ class Refusal:
 
 def check_table(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float) -> list[Refusal]:
     """All that is wrong with playing `angles` (T, m) [rad] on `robot`, at `voltage` [V] at the servos."""
-    refusals = _check_shape(angles, robot) or _check_finite(angles)
+    refusals = _check_shape(angles, robot) or check_finite(angles)
     if refusals:
         return refusals
     ticks = to_ticks(angles, robot)
@@ -86,7 +86,8 @@ def _check_shape(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
     ]
 
 
-def _check_finite(angles: NDArray[np.float64]) -> list[Refusal]:
+def check_finite(angles: NDArray[np.float64]) -> list[Refusal]:
+    """The first ten cells of `angles` (T, m) that are not finite."""
     bad = np.argwhere(~np.isfinite(angles))
     limit = "angles must be finite numbers"
     remedy = "Solve or export the gait again; a failed solution has no table to play."

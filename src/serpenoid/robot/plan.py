@@ -117,11 +117,15 @@ class Plan:
 
 def make_plan(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, cycles: int, pause_s: float) -> Plan:
     """Plan a checked table (`checks.check_table` first: shape and finiteness are its matter)."""
-    if cycles < 1:
-        raise InputError(f"--cycles must be at least 1, got {cycles}.")
+    check_repetition(cycles, pause_s)
+    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s)
+
+
+def check_repetition(cycles: int, pause_s: float) -> None:
+    if not 1 <= cycles <= 10000:
+        raise InputError(f"--cycles must be between 1 and 10000, got {cycles}.")
     if not 0 <= pause_s <= 600:
         raise InputError(f"--pause must be between 0 and 600 seconds, got {pause_s}.")
-    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s)
 
 
 def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float) -> NDArray[np.float64]:

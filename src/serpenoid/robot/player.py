@@ -20,6 +20,7 @@ from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
 from serpenoid.robot.timing import RowTiming
 
 LOW_VOLTAGE_READINGS = 3  # a moment's sag is no empty battery
+LATE_ROWS = 5  # running, each more than a row period late
 STANDSTILL_TICKS = 3  # between two readings
 MISSED_SHARE = 0.1  # of a row's time: later than this is a missed deadline
 
@@ -34,6 +35,7 @@ class Player:
         self._ids = plan.robot.ids
         self._errors: dict[int, int] = {}
         self._low_readings = 0
+        self._late_rows = 0
         self._next_health = 0
         self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
 
@@ -62,6 +64,7 @@ class Player:
             self._stop.check()
             self._bus.write(servo_id, "goal_position", states[servo_id].position)
             self._bus.write(servo_id, "torque_enable", 1)
+        for servo_id in self._ids:  # last, and together: a watchdog waits for packets to its own servo
             self._bus.write(servo_id, "bus_watchdog", self._plan.watchdog_units)
 
     def _approach(self) -> None:
@@ -100,6 +103,7 @@ class Player:
             late = self._send(row, start + row.time)
             if late > plan.watchdog_s:
                 self._refuse_after_trip(late)
+            self._refuse_slipped(late)
             self._read_until(row, start + row.time, start + end)
         self._read(RowCommand(plan.duration_s, "end", plan.cycles - 1, len(plan.ticks), plan.ticks[0]))
 
@@ -168,6 +172,15 @@ class Player:
         if tripped:
             text = f"this computer stalled for {late:.2f} s and the bus watchdogs of servos {tripped} stopped them"
             raise RobotFault(f"{text}. Close what keeps it busy, then play again.")
+
+    def _refuse_slipped(self, late: float) -> None:
+        """One late row is a hitch; a row of them is another gait than the one that was asked for."""
+        self._late_rows = self._late_rows + 1 if late > self._plan.row_period_s else 0
+        if self._late_rows >= LATE_ROWS:
+            worst = self._bus.failures.most_common(1)
+            blame = f"servo {worst[0][0]} failed {worst[0][1]} exchanges" if worst else "this computer is too busy"
+            text = f"{LATE_ROWS} rows running left more than a whole row late: {blame}"
+            raise RobotFault(f"{text}. Check its cable, play a longer cycle, or close what keeps this computer busy.")
 
     def _positions(self, states: Mapping[int, ServoState]) -> NDArray[np.int64]:
         return np.array([states[servo_id].position for servo_id in self._ids])

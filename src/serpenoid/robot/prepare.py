@@ -23,6 +23,7 @@ def set_up(bus: Bus, plan: Plan, stop: StopWatcher) -> None:
     for servo_id in ids:
         bus.write(servo_id, "torque_enable", 0)
         bus.write(servo_id, "bus_watchdog", 0)  # clears a trip that an earlier, killed run left behind
+        bus.write(servo_id, "profile_acceleration", 0)
     for register, values in plan.settings().items():
         for servo_id, value in zip(ids, values, strict=True):
             stop.check()
@@ -31,9 +32,8 @@ def set_up(bus: Bus, plan: Plan, stop: StopWatcher) -> None:
 
 
 def set_profile(bus: Bus, plan: Plan, velocity: Sequence[int]) -> None:
-    """Profile registers; they are RAM, and a tripped watchdog sets them to 0, which means full speed."""
+    """Profile Velocity is RAM, and a tripped watchdog sets it to 0, which means full speed: write it every time."""
     for servo_id, value in zip(plan.robot.ids, velocity, strict=True):
-        bus.write(servo_id, "profile_acceleration", 0)
         bus.write(servo_id, "profile_velocity", value)
 
 

@@ -8,9 +8,17 @@ from __future__ import annotations
 
 import time
 
+import serial
 from dynamixel_sdk import PortHandler
 
 from serpenoid.robot.faults import BusFault
+
+try:  # what a port raises when its cable is out: on POSIX also an error that is no OSError
+    import termios
+
+    PORT_ERRORS: tuple[type[BaseException], ...] = (serial.SerialException, OSError, termios.error)
+except ImportError:
+    PORT_ERRORS = (serial.SerialException, OSError)
 
 READ_SLICE_S = 0.002  # a read sleeps this long for its bytes before the SDK looks at its own timeout
 BABBLE_FACTOR = 3.0  # an exchange may last this many times its timeout before the bus counts as babbling

@@ -71,17 +71,27 @@ def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Pro
         try:
             player.run()
         except RobotFault as fault:
-            outcome.status, outcome.reason = "failed", str(fault)
+            outcome.status, outcome.reason = "failed", _named(fault, plan)
         except StopRequested as request:
             outcome.status, outcome.reason = "stopped", f"stopped by the user {request}".rstrip()
         finally:
             stop.disarm()
             outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress)
         outcome.timing = player.timing.sentence()
-        outcome.numbers = player.timing.summary() | {"failed_exchanges": bus.failed_exchanges}
+        outcome.numbers = player.timing.summary() | {
+            "failed_exchanges": {str(servo): count for servo, count in sorted(bus.failures.items())}
+        }
     finally:
         bus.close()
     return outcome
+
+
+def _named(fault: RobotFault, plan: Plan) -> str:
+    """The bus knows servo IDs; the user also thinks in joints."""
+    servo_id = fault.servo_id if isinstance(fault, BusFault) else None
+    if servo_id not in plan.robot.ids:
+        return str(fault)
+    return str(fault).replace(f"servo {servo_id}", plan.robot.joint_label(plan.robot.ids.index(servo_id)), 1)
 
 
 def switch_off(bus: Bus, port: str, plan: Plan, progress: Progress) -> tuple[bool, str]:

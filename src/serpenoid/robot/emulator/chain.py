@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 from serpenoid.robot.emulator import packets
@@ -33,6 +33,7 @@ class Chain:
         self.instructions = 0
         self.parser = packets.Parser()
         self.torque_since: float | None = None
+        self._spent: set[Fault] = set()  # faults that happen once
         self._byte_s = BITS_PER_BYTE / baud_rate
         self._free_at = 0.0
         self._last_byte = 0.0
@@ -62,13 +63,24 @@ class Chain:
     def _dispatch(self, packet: packets.Packet, now: float) -> list[Reply]:
         self.instructions += 1
         self.advance(now)
-        listening = [servo for servo in self.servos if not self._has("silent", servo, now)]
+        listening = [servo for servo in self.servos if not self._has("deaf", servo, now)]
         for servo in listening:
-            servo.hear(now)
+            if servo.id in _addressed(packet):
+                servo.hear(now)
         answers = self._answers(packet, listening)
         if self.torque_since is None and any(servo.torque for servo in self.servos):
             self.torque_since = now
+        answers = self._until_silence(packet, answers, now)
         return [self._send(servo, answer, now) for servo, answer in answers]
+
+    def _until_silence(
+        self, packet: packets.Packet, answers: list[tuple[EmulatedServo, bytes]], now: float
+    ) -> list[tuple[EmulatedServo, bytes]]:
+        """In a sync or bulk read each servo waits for the answer before its own: one silent servo silences the rest."""
+        silent = [self._has("silent", servo, now) for servo, _ in answers]
+        if packet.instruction in (packets.SYNC_READ, packets.BULK_READ) and any(silent):
+            return answers[: silent.index(True)]
+        return [answer for answer, is_silent in zip(answers, silent, strict=True) if not is_silent]
 
     def _answers(self, packet: packets.Packet, servos: list[EmulatedServo]) -> list[tuple[EmulatedServo, bytes]]:
         by_id = {servo.id: servo for servo in servos}
@@ -119,18 +131,18 @@ class Chain:
                 by_id[servo_id].write(address, data)
 
     def _send(self, servo: EmulatedServo, answer: bytes, now: float) -> Reply:
-        delay = servo.table["return_delay_time"] * 2e-6
+        late = 0.0
         for fault in self.faults:
             if fault.servo not in (None, servo.id) or not fault.active(self.elapsed(now)):
                 continue
             if fault.kind == "delay":
-                delay += fault.value
+                late += fault.value
             hit = fault.kind in ("crc", "noise") and self._random.random() < fault.value
             if hit:
                 place = len(answer) - 1 if fault.kind == "crc" else self._random.randrange(len(answer))
                 answer = answer[:place] + bytes([answer[place] ^ self._random.randrange(1, 256)]) + answer[place + 1 :]
-        self._free_at = max(self._free_at, now) + delay + len(answer) * self._byte_s
-        return Reply(self._free_at, answer)
+        self._free_at = max(self._free_at, now) + servo.table["return_delay_time"] * 2e-6 + len(answer) * self._byte_s
+        return Reply(self._free_at + late, answer)
 
     def _has(self, kind: str, servo: EmulatedServo, now: float) -> bool:
         return any(f.kind == kind and f.servo == servo.id and f.active(self.elapsed(now)) for f in self.faults)
@@ -139,8 +151,21 @@ class Chain:
         for servo in self.servos:
             if fault.kind == "overheat" and servo.id == fault.servo:
                 servo.temperature = round(fault.value)
+            if fault.kind == "reset" and servo.id == fault.servo and fault not in self._spent:
+                self._spent.add(fault)
+                servo.reset()
             if fault.kind == "voltage":
                 servo.supply_voltage = fault.value
+
+
+def _addressed(packet: packets.Packet) -> Container[int]:
+    """The servos that a packet speaks to: these are the ones whose watchdogs it feeds."""
+    data = packet.parameters
+    if packet.instruction in (packets.SYNC_READ, packets.BULK_READ):
+        return {servo_id for servo_id, _, _ in _questions(packet)}
+    if packet.instruction == packets.SYNC_WRITE:
+        return set(data[4 :: int.from_bytes(data[2:4], "little") + 1])
+    return range(256) if packet.id == packets.BROADCAST else (packet.id,)
 
 
 def _questions(packet: packets.Packet) -> list[tuple[int, int, int]]:

@@ -9,7 +9,9 @@ from serpenoid.errors import InputError
 
 # kind -> (needs a servo, default value, what happens)
 KINDS: dict[str, tuple[bool, float, str]] = {
-    "silent": (True, 0.0, "the servo no longer answers or listens"),
+    "silent": (True, 0.0, "the servo obeys but no longer answers"),
+    "deaf": (True, 0.0, "the servo neither hears nor answers; its watchdog alone stops it"),
+    "reset": (True, 0.0, "the servo loses power for a moment: RAM and torque are gone, no error is left"),
     "crc": (True, 1.0, "this share of the servo's answers has a wrong checksum"),
     "delay": (True, 0.1, "the servo answers this many seconds late"),
     "overheat": (True, 80.0, "the servo's temperature jumps to this many degrees"),

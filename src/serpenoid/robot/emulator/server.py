@@ -86,6 +86,7 @@ class PtyServer:
             data = os.read(self._master, 4096)
             if self._speed() == self.baud_rate:
                 self._replies += self.chain.receive(data, time.monotonic())
+                self._replies.sort(key=lambda reply: reply.due)  # a late answer comes after its neighbours
             else:
                 self.deaf_bytes += len(data)
 

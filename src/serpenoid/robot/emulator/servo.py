@@ -93,6 +93,13 @@ class EmulatedServo:
             self.table["profile_velocity"] = self.table["profile_acceleration"] = 0
         return error
 
+    def reset(self) -> None:
+        """RAM returns to its initial values; EEPROM and the shaft stay."""
+        self.table.reset_ram()
+        self._registered = None
+        self.motion.rest()
+        self._protect()
+
     def _drive(self, duration: float) -> None:
         table = self.table
         profile = table["profile_velocity"], table["profile_acceleration"]
@@ -164,11 +171,7 @@ class EmulatedServo:
         return self.write(*registered), b""
 
     def _reboot(self, _: bytes) -> tuple[int, bytes]:
-        """RAM returns to its initial values; EEPROM and the shaft stay."""
-        self.table.reset_ram()
-        self._registered = None
-        self.motion.rest()
-        self._protect()
+        self.reset()
         return 0, b""
 
     def _clear(self, _: bytes) -> tuple[int, bytes]:
