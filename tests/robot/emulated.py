@@ -106,10 +106,10 @@ def start(*words: object) -> subprocess.Popen[str]:
     )
 
 
-def play_words(table: Path, port: str, log: Path, cycles: int = 3, duration: float = 0.8) -> list[object]:
+def play_words(table: Path, port: str, log: Path, cycles: int = 3, pause: float = 0.1) -> list[object]:
     return [
         *("play", table, "--robot", ROBOT_FILE, "--port", port, "--log", log),
-        *("--cycles", cycles, "--cycle-duration", duration, "--pause", 0.1),
+        *("--cycles", cycles, "--cycle-duration", 0.8, "--pause", pause),
     ]
 
 

@@ -19,7 +19,8 @@ from serpenoid.robot.faults import BusFault, PortLost
 from serpenoid.robot.serial_link import PORT_ERRORS, SerialLink
 
 ALERT_BIT = 0x80
-ATTEMPTS = 3
+ATTEMPTS_AT_REST = 6  # nothing moves: a slow answer is worth waiting for
+ATTEMPTS_IN_MOTION = 3  # 0.1 s: then the watchdogs must not be the first to notice
 NO_ANSWER = "no answer"
 FIRST_STATE = REGISTERS["present_load"]
 LAST_STATE = REGISTERS["present_temperature"]
@@ -66,6 +67,7 @@ class Bus:
     def __init__(self, port_name: str, baud_rate: int) -> None:
         self._link = SerialLink(port_name)
         self._packets = sdk.Protocol2PacketHandler()
+        self.attempts = ATTEMPTS_AT_REST
         self.failures: Counter[int] = Counter()  # by servo ID; each was repeated
         with self._guard("opening"):
             if not self._link.setBaudRate(baud_rate):
@@ -143,6 +145,7 @@ class Bus:
     def torque_off(self, servo_ids: Iterable[int]) -> list[int]:
         """Switch every motor off, all at once and then one by one; return the IDs that did not confirm."""
         torque = REGISTERS["torque_enable"]
+        self.attempts = ATTEMPTS_AT_REST
         for _ in range(2):
             with self._guard("torque off"):
                 self._packets.writeTxOnly(self._link, sdk.BROADCAST_ID, torque.address, torque.size, [0])
@@ -203,7 +206,7 @@ class Bus:
         return value
 
     def _retry(self, exchange: Callable[[], T]) -> T:
-        for _ in range(ATTEMPTS - 1):
+        for _ in range(self.attempts - 1):
             try:
                 with self._guard("exchange"):
                     return exchange()

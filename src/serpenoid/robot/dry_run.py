@@ -27,7 +27,7 @@ def describe(plan: Plan) -> Iterator[str]:
     for row in plan.rows():
         place = f"cycle {row.cycle} step {row.step:3d} {row.phase}"
         yield f"{row.time:9.3f} s  {place:<22} goal_position = {_row(row.goals)}"
-    yield f"{plan.duration_s:9.3f} s  torque_enable = 0 on every servo"
+    yield f"{plan.end_s:9.3f} s  torque_enable = 0 on every servo"
 
 
 def _row(values: Iterable[int]) -> str:  # one format for lists and arrays

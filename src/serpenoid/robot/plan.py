@@ -61,6 +61,11 @@ class Plan:
         return self.cycles * (self.cycle_duration_s + self.pause_s)
 
     @property
+    def end_s(self) -> float:
+        """When torque goes off: the last row has at least a row's time to be reached."""
+        return self.duration_s + max(0.0, self.row_period_s - self.pause_s)
+
+    @property
     def readings_per_row(self) -> int:
         return max(1, ceil(self.row_period_s / READING_INTERVAL_S - 1e-9))
 

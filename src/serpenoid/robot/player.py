@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid.robot.bus import Bus, ServoHealth, ServoState
+from serpenoid.robot.bus import ATTEMPTS_IN_MOTION, Bus, ServoHealth, ServoState
 from serpenoid.robot.checks import check_start, check_table
 from serpenoid.robot.control_table import name_hardware_errors
 from serpenoid.robot.faults import RobotFault
@@ -45,6 +45,7 @@ class Player:
         set_up(self._bus, self._plan, self._stop)
         self._refuse_bad_start()
         self._switch_on()
+        self._bus.attempts = ATTEMPTS_IN_MOTION
         self._approach()
         self._play()
 
@@ -95,7 +96,7 @@ class Player:
     def _play(self) -> None:
         plan = self._plan
         rows = list(plan.rows())
-        ends = [row.time for row in rows[1:]] + [plan.duration_s]
+        ends = [row.time for row in rows[1:]] + [plan.end_s]
         start = time.monotonic() + plan.row_period_s
         for row, end in zip(rows, ends, strict=True):
             self._progress(f"cycle {row.cycle + 1} of {plan.cycles}, step {row.step} of {len(plan.ticks)}")
@@ -105,7 +106,8 @@ class Player:
                 self._refuse_after_trip(late)
             self._refuse_slipped(late)
             self._read_until(row, start + row.time, start + end)
-        self._read(RowCommand(plan.duration_s, "end", plan.cycles - 1, len(plan.ticks), plan.ticks[0]))
+        self._stop.wait_until(start + plan.end_s)
+        self._read(RowCommand(plan.end_s, "end", plan.cycles - 1, len(plan.ticks), plan.ticks[0]))
 
     def _send(self, row: RowCommand, due: float | None = None) -> float:
         """Send one row; return how late [s] it left."""
@@ -164,7 +166,7 @@ class Player:
         self._low_readings = self._low_readings + 1 if volts < minimum else 0
         if self._low_readings >= LOW_VOLTAGE_READINGS:
             raise RobotFault(
-                f"battery: {volts:.1f} V at the servos; `minimum_V` is {minimum:g} V. Charge it and play again."
+                f"battery: {volts:.1f} V at the servos, `minimum_V` is {minimum:g} V. Charge it and play again."
             )
 
     def _refuse_after_trip(self, late: float) -> None:
