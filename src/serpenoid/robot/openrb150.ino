@@ -46,16 +46,32 @@ using namespace ControlTableItem;
 int32_t goals[JOINTS];
 DYNAMIXEL::XELInfoSyncWrite_t goalOf[JOINTS];
 DYNAMIXEL::InfoSyncWriteInst_t goalPacket;
+uint8_t off = 0;
+DYNAMIXEL::XELInfoSyncWrite_t offOf[JOINTS];
+DYNAMIXEL::InfoSyncWriteInst_t offPacket;
 uint16_t present = 0;
 uint8_t nextLook = 0;
 uint32_t streamStart = 0;
 uint32_t nextSample = 0;
 
+void prepare(DYNAMIXEL::InfoSyncWriteInst_t &packet, DYNAMIXEL::XELInfoSyncWrite_t *parts, uint16_t item, uint16_t size) {
+  packet.packet.p_buf = nullptr;
+  packet.packet.is_completed = false;
+  packet.addr = item;
+  packet.addr_length = size;
+  packet.p_xels = parts;
+  packet.xel_count = JOINTS;
+  packet.is_info_changed = true;
+}
+
+// All at once, so that a servo that does not answer keeps no other waiting; then one by one, which asks for an answer.
 void torqueOffAll() {
   for (uint8_t attempt = 0; attempt < 2; attempt++) {
-    for (uint8_t j = 0; j < JOINTS; j++) {
-      dxl.torqueOff(ID[j]);
-    }
+    offPacket.is_info_changed = true;
+    dxl.syncWrite(&offPacket);
+  }
+  for (uint8_t j = 0; j < JOINTS; j++) {
+    dxl.torqueOff(ID[j]);
   }
   digitalWrite(LED_BUILTIN, LOW);
 }
@@ -271,14 +287,11 @@ void setup() {
   for (uint8_t j = 0; j < JOINTS; j++) {
     goalOf[j].id = ID[j];
     goalOf[j].p_data = (uint8_t *)&goals[j];
+    offOf[j].id = ID[j];
+    offOf[j].p_data = &off;
   }
-  goalPacket.packet.p_buf = nullptr;
-  goalPacket.packet.is_completed = false;
-  goalPacket.addr = 116;
-  goalPacket.addr_length = 4;
-  goalPacket.p_xels = goalOf;
-  goalPacket.xel_count = JOINTS;
-  goalPacket.is_info_changed = true;
+  prepare(goalPacket, goalOf, 116, 4);
+  prepare(offPacket, offOf, 64, 1);
   torqueOffAll();
 }
 
