@@ -13,7 +13,7 @@ from serpenoid.robot.checks import check_start, check_table
 from serpenoid.robot.control_table import name_hardware_errors
 from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.log import ServoLog
-from serpenoid.robot.plan import READING_INTERVAL_S, Plan, RowCommand
+from serpenoid.robot.plan import READING_INTERVAL_S, Plan, RowCommand, read_time_s
 from serpenoid.robot.prepare import refuse, set_profile, set_up
 from serpenoid.robot.stop import StopWatcher
 from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
@@ -36,6 +36,9 @@ class Player:
         self._errors: dict[int, int] = {}
         self._low_readings = 0
         self._late_rows = 0
+        self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
+        self._gave_up = False
+        self.given_up_readings = 0
         self._next_health = 0
         self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
 
@@ -125,7 +128,15 @@ class Player:
             if k and time.monotonic() > due + READING_INTERVAL_S:
                 continue
             self._stop.wait_until(due)
-            self._read(row)
+            if self._leaves_time_to_read(end):
+                self._read(row)
+
+    def _leaves_time_to_read(self, end: float) -> bool:
+        """After a hitch one reading is given up, so that the next row leaves in time; never two running."""
+        tight = time.monotonic() + self._reading_s > end
+        self._gave_up = tight and not self._gave_up
+        self.given_up_readings += self._gave_up
+        return not self._gave_up
 
     def _read(self, row: RowCommand) -> dict[int, ServoState]:
         before = time.monotonic()
