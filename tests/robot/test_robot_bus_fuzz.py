@@ -11,8 +11,8 @@ from emulated import gait, make_chain, robot
 from test_robot_emulator import corrupted
 
 from serpenoid.robot import player as player_module
-from serpenoid.robot import serial_link, stop
-from serpenoid.robot.bus import Bus
+from serpenoid.robot import stop
+from serpenoid.robot.bus import Bus, link
 from serpenoid.robot.faults import BusFault, RobotFault
 from serpenoid.robot.log import ServoLog
 from serpenoid.robot.plan import make_plan
@@ -55,7 +55,7 @@ class MemoryPort:
         if len(here) > size:
             self.arriving.insert(0, (0.0, here[size:]))
         if len(here) < size:
-            self.clock.now += serial_link.READ_SLICE_S
+            self.clock.now += link.READ_SLICE_S
         return here[:size]
 
     def reset_input_buffer(self):
@@ -69,7 +69,7 @@ class MemoryPort:
 def rig(monkeypatch):
     """make(spoil) -> (bus, port, chain, clock)"""
     clock = Clock()
-    for module in (serial_link, player_module, stop):
+    for module in (link, player_module, stop):
         monkeypatch.setattr(module, "time", clock)
 
     def make(spoil, spoil_question=None):

@@ -98,7 +98,7 @@ FAULTS = {
     "silent:4@0.6": r"joint_4 \(ID 4\): no answer",
     "crc:4@0.6": r"joint_4 \(ID 4\): a corrupt answer",
     "delay:4@0.6=0.3": r"joint_4 \(ID 4\): no answer",
-    "delay:4@0.6=0.1": r"joint_4 \(ID 4\): |servo 4 failed",  # late answers meet later questions
+    "delay:4@0.6=0.1": r"joint_4 \(ID 4\)|servo 4 failed",  # late answers meet later questions
     "overheat:4@0.6": r"joint_4 \(ID 4\) protects itself: overheating",
     "voltage@0.6=9.0": "battery: 9.0 V at the servos, `minimum_V` is 9.9 V",
     "voltage@0.6=5.5": "input voltage out of its limits",
@@ -110,7 +110,7 @@ FAULTS = {
 @pytest.mark.parametrize("fault", FAULTS)
 def test_fault_ends_with_torque_off_a_message_and_a_readable_log(tmp_path, fault):
     with emulator(tmp_path, fault) as rig:
-        done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
+        done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=6))
         assert done.returncode == 1
         assert re.search(FAULTS[fault], done.stderr), done.stderr
         assert "Traceback" not in done.stderr
@@ -135,7 +135,7 @@ def test_cable_that_stays_out_leaves_the_servos_stopped_by_their_watchdogs_and_s
     with emulator(tmp_path, "unplug@0.6") as rig:
         done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
         assert done.returncode == 1
-        assert "bus watchdogs stop them within 0.20 s, but they may hold. CUT THE BATTERY" in done.stderr
+        assert "bus watchdogs stop them within 0.50 s, but they may hold. CUT THE BATTERY" in done.stderr
         assert all(servo.table["bus_watchdog"] == -1 for servo in rig.chain.servos)
         assert all(servo.motion.velocity == 0 for servo in rig.chain.servos)
     summary = json.loads((tmp_path / "log" / "play.json").read_text())
@@ -147,7 +147,7 @@ def test_servo_that_hears_nothing_is_stopped_by_its_watchdog_and_the_others_are_
         done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
         assert done.returncode == 1
         assert "servos 4 did not confirm torque off" in done.stderr
-        time.sleep(0.3)  # the watchdog is 0.2 s
+        time.sleep(1.0)  # the watchdog is 0.5 s
         assert rig.torques == [i == 3 for i in range(10)]
         assert rig.chain.servos[3].table["bus_watchdog"] == -1
 
@@ -184,7 +184,7 @@ def test_killed_process_leaves_a_readable_log_and_the_next_run_recovers_the_serv
         wait_for_rows(tmp_path / "log" / "servo.csv")
         process.kill()
         process.communicate()
-        time.sleep(0.4)  # two watchdogs long
+        time.sleep(1.0)  # two watchdogs long
         assert all(servo.table["bus_watchdog"] == -1 for servo in rig.chain.servos)
         assert all(servo.table["profile_velocity"] == 0 for servo in rig.chain.servos)
         _, rows = read_log(tmp_path / "log" / "servo.csv")
@@ -201,7 +201,7 @@ def test_stalled_computer_is_noticed(tmp_path):
         process = start(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=50))
         wait_for_rows(tmp_path / "log" / "servo.csv")
         process.send_signal(signal.SIGSTOP)
-        time.sleep(0.6)  # three watchdogs long
+        time.sleep(1.5)  # three watchdogs long
         code, err = interrupt(process, signal.SIGCONT)
         assert code == 1
         assert "watchdog" in err

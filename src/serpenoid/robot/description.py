@@ -51,6 +51,7 @@ class MotionSettings(Record):
     cycle_duration_s: float = Field(gt=0, le=600)
     approach_speed_rpm: float = Field(default=5.0, gt=0, le=20)
     approach_limit_deg: float = Field(default=90.0, gt=0, le=360)
+    watchdog_s: float = Field(default=0.5, ge=0.2, le=2.5)  # silence after which a servo stops by itself
     arrival_tolerance_deg: float = Field(default=3.0, gt=0, le=30)
 
 

@@ -25,7 +25,6 @@ from serpenoid.robot.description import Robot
 from serpenoid.robot.ticks import to_ticks
 
 READING_INTERVAL_S = 0.1  # the servos are read at least this often, which also feeds their watchdogs
-SHORTEST_WATCHDOG_S = 0.2
 SPEED_RESERVE = 1.2  # profile velocity over the table's own peak speed: room to catch up with a late row
 BITS_PER_BYTE = 10
 RETURN_DELAY_UNITS = 10  # 20 us before a servo answers
@@ -71,9 +70,8 @@ class Plan:
 
     @property
     def watchdog_units(self) -> int:
-        """Bus Watchdog (98): three missed rows or readings."""
-        interval = max(SHORTEST_WATCHDOG_S, 3 * self.row_period_s / self.readings_per_row)
-        return min(127, ceil(interval / WATCHDOG_UNIT_S))
+        """Bus Watchdog (98)."""
+        return ceil(self.robot.motion.watchdog_s / WATCHDOG_UNIT_S - 1e-9)
 
     @property
     def watchdog_s(self) -> float:

@@ -20,7 +20,9 @@ from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
 from serpenoid.robot.timing import RowTiming
 
 LOW_VOLTAGE_READINGS = 3  # a moment's sag is no empty battery
-LATE_ROWS = 5  # running, each more than a row period late
+UNRELIABLE = 6.0  # failed readings of one servo, each answered one taking back this share of one:
+FADING = 0.25
+SLIPPED_S = 0.5  # rows' time that leaves more than a row late, less what leaves in time
 STANDSTILL_TICKS = 3  # between two readings
 MISSED_SHARE = 0.1  # of a row's time: later than this is a missed deadline
 
@@ -35,7 +37,8 @@ class Player:
         self._ids = plan.robot.ids
         self._errors: dict[int, int] = {}
         self._low_readings = 0
-        self._late_rows = 0
+        self._slipped_s = 0.0
+        self._unreliability = [0.0] * len(self._ids)
         self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
         self._gave_up = False
         self.given_up_readings = 0
@@ -139,12 +142,13 @@ class Player:
         return not self._gave_up
 
     def _read(self, row: RowCommand) -> dict[int, ServoState]:
-        before = time.monotonic()
+        before, failures = time.monotonic(), self._bus.failures.copy()
         states = self._bus.read_states(self._ids)
         moment = (before + time.monotonic()) / 2
         healths = self._look_after(states)
         self._log.write(moment, (row.phase, row.cycle, row.step), row.goals, states, self._errors)
         self._refuse_sick(healths, states)
+        self._refuse_unreliable({i for i in self._ids if self._bus.failures[i] > failures[i]})
         return states
 
     def _look_after(self, states: Mapping[int, ServoState]) -> dict[int, ServoHealth]:
@@ -186,13 +190,23 @@ class Player:
             text = f"this computer stalled for {late:.2f} s and the bus watchdogs of servos {tripped} stopped them"
             raise RobotFault(f"{text}. Close what keeps it busy, then play again.")
 
+    def _refuse_unreliable(self, failed: set[int]) -> None:
+        """A servo that answers only when asked again, reading after reading; single failures fade away."""
+        for j, i in enumerate(self._ids):
+            score = self._unreliability[j] + (1.0 if i in failed else -FADING)
+            self._unreliability[j] = max(0.0, score)
+            if score >= UNRELIABLE:
+                text = "answers late or corrupt, reading after reading"
+                raise RobotFault(f"{self._plan.robot.joint_label(j)} {text}. Check its cable and its plugs.")
+
     def _refuse_slipped(self, late: float) -> None:
         """One late row is a hitch; a row of them is another gait than the one that was asked for."""
-        self._late_rows = self._late_rows + 1 if late > self._plan.row_period_s else 0
-        if self._late_rows >= LATE_ROWS:
+        period = self._plan.row_period_s
+        self._slipped_s = max(0.0, self._slipped_s + (period if late > period else -period))
+        if self._slipped_s > SLIPPED_S:
             worst = self._bus.failures.most_common(1)
             blame = f"servo {worst[0][0]} failed {worst[0][1]} exchanges" if worst else "this computer is too busy"
-            text = f"{LATE_ROWS} rows running left more than a whole row late: {blame}"
+            text = f"row after row leaves more than a whole row late: {blame}"
             raise RobotFault(f"{text}. Check its cable, play a longer cycle, or close what keeps this computer busy.")
 
     def _positions(self, states: Mapping[int, ServoState]) -> NDArray[np.int64]:

@@ -79,7 +79,8 @@ def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Pro
             outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress)
         outcome.timing = player.timing.sentence()
         outcome.numbers = player.timing.summary() | {
-            "failed_exchanges": {str(servo): count for servo, count in sorted(bus.failures.items())}
+            "given_up_readings": player.given_up_readings,
+            "failed_exchanges": {str(servo): count for servo, count in sorted(bus.failures.items())},
         }
     finally:
         bus.close()

@@ -9,56 +9,32 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any, Self, TypeVar
 
 import dynamixel_sdk as sdk
 
-from serpenoid.robot.control_table import LOAD_PER_UNIT, REGISTERS, VOLT_PER_UNIT, WATCHDOG_TRIPPED, Register
+from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink
+from serpenoid.robot.bus.readings import (
+    FIRST_HEALTH,
+    FIRST_STATE,
+    HEALTH_BYTES,
+    STATE_BYTES,
+    Answer,
+    ServoHealth,
+    ServoState,
+    decode,
+    decode_health,
+    decode_state,
+)
+from serpenoid.robot.control_table import REGISTERS
 from serpenoid.robot.faults import BusFault, PortLost
-from serpenoid.robot.serial_link import PORT_ERRORS, SerialLink
 
 ALERT_BIT = 0x80
 ATTEMPTS_AT_REST = 6  # nothing moves: a slow answer is worth waiting for
-ATTEMPTS_IN_MOTION = 3  # 0.1 s: then the watchdogs must not be the first to notice
+ATTEMPTS_IN_MOTION = 5  # 0.2 s: the watchdogs must not be the first to notice
 NO_ANSWER = "no answer"
-FIRST_STATE = REGISTERS["present_load"]
-LAST_STATE = REGISTERS["present_temperature"]
-STATE_BYTES = LAST_STATE.end - FIRST_STATE.address
-FIRST_HEALTH = REGISTERS["torque_enable"]
-HEALTH_BYTES = REGISTERS["bus_watchdog"].end - FIRST_HEALTH.address
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class ServoState:
-    """One reading: load [-1..1], position [ticks], voltage [V], temperature [deg C], the status packet's alert bit."""
-
-    position: int
-    load: float
-    voltage: float
-    temperature: int
-    alert: bool
-
-
-@dataclass(frozen=True)
-class ServoHealth:
-    """What a servo says of itself: is the motor on, hardware error bits, has its bus watchdog tripped."""
-
-    torque: bool
-    hardware_error: int
-    watchdog_tripped: bool
-
-
-@dataclass(frozen=True)
-class Answer:
-    """A status packet's data, or the reason why there is none."""
-
-    servo_id: int | None
-    data: bytes = b""
-    alert: bool = False
-    reason: str = ""
 
 
 class Bus:
@@ -100,7 +76,7 @@ class Bus:
     def read(self, servo_id: int, register: str) -> int:
         item = REGISTERS[register]
         data = self._retry(lambda: self._read_once(servo_id, item.address, item.size).data)
-        return _decode(data, item)
+        return decode(data, item)
 
     def write(self, servo_id: int, register: str, value: int) -> None:
         """Write and wait for the servo's own word that it took the value."""
@@ -137,10 +113,7 @@ class Bus:
 
     def read_health(self, servo_id: int) -> ServoHealth:
         """Torque, hardware error and watchdog of one servo, in one exchange."""
-        answer = self._retry(lambda: self._read_once(servo_id, FIRST_HEALTH.address, HEALTH_BYTES))
-        value = _unpack(answer.data, FIRST_HEALTH.address)
-        tripped = value("bus_watchdog") == WATCHDOG_TRIPPED
-        return ServoHealth(bool(value("torque_enable")), value("hardware_error_status"), tripped)
+        return decode_health(self._retry(lambda: self._read_once(servo_id, FIRST_HEALTH.address, HEALTH_BYTES)).data)
 
     def torque_off(self, servo_ids: Iterable[int]) -> list[int]:
         """Switch every motor off, all at once and then one by one; return the IDs that did not confirm."""
@@ -169,11 +142,11 @@ class Bus:
                 if answer.reason == NO_ANSWER:
                     return
                 if answer.servo_id in ids and not answer.reason:
-                    yield answer.servo_id, _decode_state(answer.data, answer.alert)
+                    yield answer.servo_id, decode_state(answer.data, answer.alert)
 
     def _read_state(self, servo_id: int) -> ServoState:
         answer = self._read_once(servo_id, FIRST_STATE.address, STATE_BYTES)
-        return _decode_state(answer.data, answer.alert)
+        return decode_state(answer.data, answer.alert)
 
     def _read_once(self, servo_id: int, address: int, size: int) -> Answer:
         with self._guard("read", servo_id):
@@ -234,28 +207,3 @@ class Bus:
 
 def _reason(result: int) -> str:
     return NO_ANSWER if result == sdk.COMM_RX_TIMEOUT else "a corrupt answer (its checksum or length is wrong)"
-
-
-def _decode(data: bytes, item: Register) -> int:
-    return int.from_bytes(data, "little", signed=item.signed)
-
-
-def _unpack(data: bytes, start: int) -> Callable[[str], int]:
-    """Registers by name out of a block that was read from address `start`."""
-
-    def value(name: str) -> int:
-        register = REGISTERS[name]
-        return _decode(data[register.address - start : register.end - start], register)
-
-    return value
-
-
-def _decode_state(data: bytes, alert: bool) -> ServoState:
-    value = _unpack(data, FIRST_STATE.address)
-    return ServoState(
-        position=value("present_position"),
-        load=value("present_load") * LOAD_PER_UNIT,
-        voltage=value("present_input_voltage") * VOLT_PER_UNIT,
-        temperature=value("present_temperature"),
-        alert=alert,
-    )
