@@ -46,12 +46,13 @@ def test_gait_is_played_on_schedule_and_recorded(tmp_path):
         rig.check_limits()
     header, rows = read_log(tmp_path / "log" / "servo.csv")
     assert header == ["t_s", "phase", "cycle", "step", *(f"{g}_{j}" for g in GROUPS for j in range(1, 11))]
-    check_schedule(rows)
+    summary = json.loads((tmp_path / "log" / "play.json").read_text())
+    check_schedule(rows, summary["timing"]["given_up_readings"])
     check_values(rows)
     check_summary(tmp_path / "log")
 
 
-def check_schedule(rows):
+def check_schedule(rows, given_up):
     """Phases in order; every row of both cycles; row i of cycle n at t0 + n (cycle + pause) + i cycle / T."""
     phases = [row["phase"] for row in rows]
     assert phases.count("end") == 1
@@ -63,10 +64,13 @@ def check_schedule(rows):
         "pause",
     ]
     played = [row for row in rows if row["phase"] == "play"]
-    assert [(int(row["cycle"]), int(row["step"])) for row in played] == [(n, i) for n in range(2) for i in range(20)]
+    places = [(int(row["cycle"]), int(row["step"])) for row in played]
+    every = [(n, i) for n in range(2) for i in range(20)]
+    assert places == [place for place in every if place in places]
+    assert len(every) - len(places) <= given_up  # a busy machine gives readings up, and says so
     assert {row["step"] for row in rows if row["phase"] == "pause"} == {"20"}
     times = np.array([float(row["t_s"]) for row in played])
-    due = np.array([n * 1.1 + i * 0.04 for n in range(2) for i in range(20)])
+    due = np.array([n * 1.1 + i * 0.04 for n, i in places])
     # a busy machine may hold a row back, but never sends one early, and most leave in time: half a row is 20 ms
     late = times - times[0] - (due - due[0])
     assert np.median(np.abs(late)) < 0.02

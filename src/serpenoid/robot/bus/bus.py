@@ -134,15 +134,19 @@ class Bus:
         return True
 
     def _sync_read(self, servo_ids: Sequence[int]) -> Iterator[tuple[int, ServoState]]:
+        """Servos answer in the order asked; one out of turn is a late answer to an earlier question, and old."""
         with self._guard("sync read"):
             ids = list(servo_ids)
             self._packets.syncReadTx(self._link, FIRST_STATE.address, STATE_BYTES, ids, len(ids), False)
-            for _ in ids:
+            waiting = list(ids)
+            while waiting:
                 answer = self._receive(STATE_BYTES)
                 if answer.reason == NO_ANSWER:
                     return
-                if answer.servo_id in ids and not answer.reason:
-                    yield answer.servo_id, decode_state(answer.data, answer.alert)
+                if answer.servo_id in (waiting[0], None):
+                    servo_id = waiting.pop(0)
+                    if not answer.reason:
+                        yield servo_id, decode_state(answer.data, answer.alert)
 
     def _read_state(self, servo_id: int) -> ServoState:
         answer = self._read_once(servo_id, FIRST_STATE.address, STATE_BYTES)

@@ -71,7 +71,8 @@ class Chain:
         if self.torque_since is None and any(servo.torque for servo in self.servos):
             self.torque_since = now
         answers = self._until_silence(packet, answers, now)
-        return [self._send(servo, answer, now) for servo, answer in answers]
+        in_turn = packet.instruction in (packets.SYNC_READ, packets.BULK_READ)
+        return [self._send(servo, answer, now, in_turn) for servo, answer in answers]
 
     def _until_silence(
         self, packet: packets.Packet, answers: list[tuple[EmulatedServo, bytes]], now: float
@@ -130,7 +131,8 @@ class Chain:
             if len(data) == size and size and servo_id in by_id:
                 by_id[servo_id].write(address, data)
 
-    def _send(self, servo: EmulatedServo, answer: bytes, now: float) -> Reply:
+    def _send(self, servo: EmulatedServo, answer: bytes, now: float, in_turn: bool) -> Reply:
+        """`in_turn`: the servos behind this one wait for its answer, so a delay is theirs too."""
         late = 0.0
         for fault in self.faults:
             if fault.servo not in (None, servo.id) or not fault.active(self.elapsed(now)):
@@ -142,7 +144,10 @@ class Chain:
                 place = len(answer) - 1 if fault.kind == "crc" else self._random.randrange(len(answer))
                 answer = answer[:place] + bytes([answer[place] ^ self._random.randrange(1, 256)]) + answer[place + 1 :]
         self._free_at = max(self._free_at, now) + servo.table["return_delay_time"] * 2e-6 + len(answer) * self._byte_s
-        return Reply(self._free_at + late, answer)
+        reply = Reply(self._free_at + late, answer)
+        if in_turn:
+            self._free_at = reply.due
+        return reply
 
     def _has(self, kind: str, servo: EmulatedServo, now: float) -> bool:
         return any(f.kind == kind and f.servo == servo.id and f.active(self.elapsed(now)) for f in self.faults)
