@@ -48,8 +48,11 @@ def run(args: argparse.Namespace) -> int:
     if refusals:
         warn("refused, nothing was written:", *refusals)
         return 1
-    for path in EXPORTERS[args.format](args, table, robot):
-        sys.stdout.write(f"{path}\n")
+    try:
+        paths = EXPORTERS[args.format](args, table, robot)
+    except OSError as error:
+        raise InputError(f"--out {args.out}: cannot be written ({error.strerror}).") from None
+    sys.stdout.writelines(f"{path}\n" for path in paths)
     return 0
 
 

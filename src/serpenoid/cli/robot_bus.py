@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
-from serpenoid.robot.bus import Bus
+from serpenoid.robot.bus import Bus, open_bus
 from serpenoid.robot.checks import Refusal, check_start, check_table
 from serpenoid.robot.control_table import MODEL_NAME, MODEL_NUMBER
 from serpenoid.robot.description import Robot
@@ -51,7 +51,7 @@ def _scan(args: argparse.Namespace) -> int:
     with exclusive_port(port):
         for rate in rates:
             try:
-                with Bus(port, rate) as bus:
+                with open_bus(port, rate) as bus:
                     total += _print_found(bus, rate)
             except RobotFault as fault:
                 warn(fault)
@@ -88,7 +88,7 @@ def _check(args: argparse.Namespace) -> int:
 def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tuple[list[Refusal], str]:
     """With the servos' own voltage and positions; torque stays as it is."""
     port = resolve_port(args.port)
-    with exclusive_port(port), Bus(port, robot.bus.baud_rate) as bus:
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
         try:
             refusals = identify(bus, robot)
             if refusals:
@@ -105,7 +105,7 @@ def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tu
 
 def _off(args: argparse.Namespace) -> int:
     robot, port = load_robot(args), resolve_port(args.port)
-    with exclusive_port(port), Bus(port, robot.bus.baud_rate) as bus:
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
         try:
             silent = bus.torque_off(robot.ids)
         except RobotFault as fault:
@@ -120,7 +120,7 @@ def _off(args: argparse.Namespace) -> int:
 
 def _reboot(args: argparse.Namespace) -> int:
     robot, port = load_robot(args), resolve_port(args.port)
-    with exclusive_port(port), Bus(port, robot.bus.baud_rate) as bus:
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
         for servo_id in robot.ids:
             try:
                 bus.reboot(servo_id)

@@ -16,7 +16,7 @@ def describe(plan: Plan) -> Iterator[str]:
     write, read = write_time_s(len(ids), baud) * 1000, read_time_s(len(ids), baud) * 1000
     yield f"on the bus a row takes {write:.2f} ms to write and {read:.2f} ms to read back"
     yield "ping each servo; check model, firmware, voltage, hardware errors"
-    yield "torque_enable = 0, bus_watchdog = 0 on every servo"
+    yield "torque_enable = 0, bus_watchdog = 0, profile_acceleration = 0 on every servo"
     for register, values in plan.settings().items():
         yield f"{register} = {_row(values)}   (where it differs)"
     yield f"profile_velocity = {_row(plan.approach_velocity())}   (0.229 rpm)"

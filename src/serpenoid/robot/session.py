@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from serpenoid.errors import InputError, StopRequested
+from serpenoid.errors import StopRequested
 from serpenoid.files import provenance, write_json, write_text
-from serpenoid.robot.bus import Bus
-from serpenoid.robot.faults import BusFault, PortLost, RobotFault
+from serpenoid.robot.bus import Bus, open_bus
+from serpenoid.robot.faults import BusFault, RobotFault
 from serpenoid.robot.log import ServoLog
 from serpenoid.robot.plan import Plan
 from serpenoid.robot.player import Player, Progress
@@ -62,10 +62,7 @@ def play_trial(port: str, plan: Plan, files: TrialFiles, progress: Progress) -> 
 
 def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Progress) -> Outcome:
     outcome = Outcome("done", "played to the end")
-    try:
-        bus = Bus(port, plan.robot.bus.baud_rate)
-    except PortLost as fault:
-        raise InputError(f"{fault} Is it the right port, and may you use it (group dialout)?") from None
+    bus = open_bus(port, plan.robot.bus.baud_rate)
     try:
         player = Player(bus, plan, log, stop, progress)
         try:

@@ -13,6 +13,7 @@ from typing import Any, Self, TypeVar
 
 import dynamixel_sdk as sdk
 
+from serpenoid.errors import InputError
 from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink
 from serpenoid.robot.bus.readings import (
     FIRST_HEALTH,
@@ -211,3 +212,13 @@ class Bus:
 
 def _reason(result: int) -> str:
     return NO_ANSWER if result == sdk.COMM_RX_TIMEOUT else "a corrupt answer (its checksum or length is wrong)"
+
+
+def open_bus(port_name: str, baud_rate: int) -> Bus:
+    """A Bus on a port that the user named: what cannot be opened is bad input."""
+    try:
+        return Bus(port_name, baud_rate)
+    except BusFault as fault:
+        cause = fault.__cause__ or fault
+        remedy = "Is it the right port, free, and may you use it (Linux: group dialout)?"
+        raise InputError(f"--port {port_name}: cannot be opened ({cause}). {remedy}") from None
