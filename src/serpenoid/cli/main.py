@@ -20,6 +20,9 @@ VERBS: dict[str, str] = {
     "sweep": "solve the family of optimal gaits over the dissipation coefficient",
     "show": "say what is in a results folder",
     "schema": "print the schema of a problem file",
+    "export": "write a gait for the robot: CSV, servo ticks, OpenRB-150 sketch, ROS 2",
+    "play": "play a gait on the robot and record it",
+    "robot": "find, check, rehearse and switch off the robot's servos",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
