@@ -53,7 +53,7 @@ class Tracks:
             keep &= self.time_s <= to_s
         if keep.sum() < 2:
             first, last = self.time_s[0], self.time_s[-1]
-            raise InputError(f"{self.source}: fewer than 2 frames in from_s..to_s; it runs {first:g}..{last:g} s.")
+            raise InputError(f"{self.source}: under 2 frames in from_s..to_s; it runs {first:g}..{last:g} s.")
         return Tracks(self.time_s[keep], self.names, self.floor[keep], self.source, self.unlabelled, self.scale_known)
 
 
