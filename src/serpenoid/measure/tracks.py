@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -53,8 +53,8 @@ class Tracks:
             keep &= self.time_s <= to_s
         if keep.sum() < 2:
             first, last = self.time_s[0], self.time_s[-1]
-            raise InputError(f"{self.source}: under 2 frames in from_s..to_s; it runs {first:g}..{last:g} s.")
-        return Tracks(self.time_s[keep], self.names, self.floor[keep], self.source, self.unlabelled, self.scale_known)
+            raise InputError(f"{self.source}: under 2 frames in from_s..to_s (it runs {first:g}..{last:g} s).")
+        return replace(self, time_s=self.time_s[keep], floor=self.floor[keep])
 
 
 def floor_plane(positions: Floats, up_axis: str) -> Floats:

@@ -1,0 +1,199 @@
+"""Shape and pose of a chain of rigid links from its markers and its servos together, with covariance, frame by frame.
+
+Unknowns of a frame: the weighted centroid c and the direction psi_l of every rigid link; vertices
+p_k = c + sum_j (e_j' u(psi_l(j))). Markers measure p_k with SD s_m, servos measure psi_{l+1} - psi_l with SD s_a.
+Weighted least squares by Gauss-Newton, all frames at once.
+
+Legend: F frames, N vertices, L = m + 1 links, m joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.body import Body
+from serpenoid.measure.cells import Floats
+
+Flags = NDArray[np.bool_]
+ITERATIONS = 12
+DETERMINED = 1e-6  # smallest eigenvalue of the information over its largest: below, the frame is not determined
+
+
+@dataclass(frozen=True)
+class ChainEstimate:
+    """Per frame: pose (F, 3), joint angles (F, m), their covariance (F, 3 + m, 3 + m) and whether they are determined."""
+
+    poses: Floats  # x, y [body lengths], heading [rad], unwrapped
+    joint_angles: Floats  # [rad]
+    covariance: Floats  # of (x, y, heading, joint angles)
+    vertices: Floats  # (F, N, 2) of the rigid chain [body lengths]
+    determined: Flags  # (F,)
+    marker_sd: float  # [body lengths], from the misfit of the rigid links
+    marker_residual: Floats  # (F, N, 2), NaN where hidden
+
+
+def link_of_edge(body: Body) -> NDArray[np.int64]:
+    """Which rigid link each edge belongs to, shape (N - 1,)."""
+    is_joint = np.isin(np.arange(1, body.vertices - 1), body.joint_vertices)
+    return np.concatenate([[0], np.cumsum(is_joint)]).astype(np.int64)
+
+
+def estimate_chain(
+    body: Body,
+    vertices: Floats,
+    servo: Floats | None = None,
+    servo_sd: float | None = None,
+    marker_sd: float | None = None,
+) -> ChainEstimate:
+    """Fit the chain to markers (F, N, 2) [body lengths] and servo angles (F, m) [rad]. `marker_sd` None: from the misfit."""
+    first = marker_sd or 1e-3
+    weight_servo = None if servo is None or servo_sd is None else (first / servo_sd) ** 2
+    unknowns, information, residual = _fit(body, vertices, servo, weight_servo)
+    determined = _determined(information)
+    sd = marker_sd or _misfit(
+        residual[determined],
+        np.isfinite(vertices[determined]),
+        servo_given=weight_servo is not None,
+        unknowns=unknowns.shape[1],
+        joints=body.joint_count,
+    )
+    if marker_sd is None and weight_servo is not None:
+        return estimate_chain(body, vertices, servo, servo_sd, sd)
+    return _assemble(body, unknowns, information, residual, determined, sd)
+
+
+def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | None) -> tuple[Floats, Floats, Floats]:
+    """Unknowns (F, 2 + L), information (F, 2 + L, 2 + L) per unit marker variance, residuals (F, N, 2)."""
+    seen = np.isfinite(vertices).all(axis=2)
+    unknowns = _start(body, vertices, servo)
+    bend = np.eye(body.joint_count + 1)[1:] - np.eye(body.joint_count + 1)[:-1]  # psi -> joint angles
+    has_servo = servo is not None and weight is not None
+    usable = np.isfinite(servo).all(axis=1) if has_servo and servo is not None else np.zeros(len(vertices), bool)
+    information, residual = np.empty(0), np.empty(0)
+    for _ in range(ITERATIONS):
+        points, jacobian = _vertices(body, unknowns)
+        residual = np.where(seen[..., None], vertices - points, 0.0)
+        masked = np.where(seen[..., None, None], jacobian, 0.0).reshape(len(vertices), -1, unknowns.shape[1])
+        information = np.einsum("fia,fib->fab", masked, masked)
+        gradient = np.einsum("fia,fi->fa", masked, residual.reshape(len(vertices), -1))
+        if has_servo and servo is not None and weight is not None:
+            miss = np.where(usable[:, None], servo - unknowns[:, 2:] @ bend.T, 0.0)
+            information[:, 2:, 2:] += weight * usable[:, None, None] * (bend.T @ bend)
+            gradient[:, 2:] += weight * miss @ bend
+        damped = information + 1e-9 * np.eye(unknowns.shape[1])
+        step = np.linalg.solve(damped, gradient[..., None])[..., 0]
+        unknowns = unknowns + np.clip(step, -0.5, 0.5)
+        if np.abs(step).max(initial=0.0) < 1e-12:
+            break
+    return unknowns, information, residual
+
+
+def _vertices(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
+    """Vertices (F, N, 2) and their Jacobian (F, N, 2, 2 + L)."""
+    link, n = link_of_edge(body), body.vertices
+    psi = unknowns[:, 2:]
+    unit = np.stack([np.cos(psi), np.sin(psi)], axis=2)[:, link] * body.edges[:, None]
+    reach = _reach(body)  # (N, N - 1): how much of edge j lies between centroid and vertex k
+    points = unknowns[:, None, :2] + np.einsum("kj,fji->fki", reach, unit)
+    normal = np.stack([-unit[..., 1], unit[..., 0]], axis=2)
+    jacobian = np.zeros((len(psi), n, 2, unknowns.shape[1]))
+    jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
+    for j, its_link in enumerate(link):
+        jacobian[..., 2 + its_link] += reach[None, :, j, None] * normal[:, None, j]
+    return points, jacobian
+
+
+def _reach(body: Body) -> Floats:
+    behind = np.tril(np.ones((body.vertices, body.vertices - 1)), -1)
+    return behind - body.vertex_weights @ behind
+
+
+def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
+    """Link directions from seen neighbours (else servos, else neighbouring frames), centroid to match the seen vertices."""
+    link = link_of_edge(body)
+    edge = np.diff(vertices, axis=1)
+    psi = np.full((len(vertices), body.joint_count + 1), np.nan)
+    for its_link in range(psi.shape[1]):
+        total = np.nansum(edge[:, link == its_link], axis=1)
+        psi[:, its_link] = np.where(np.abs(total).sum(axis=1) > 0, np.arctan2(total[:, 1], total[:, 0]), np.nan)
+    if servo is not None:
+        psi = _fill_by_servo(psi, servo)
+    psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
+    for its_link in range(1, psi.shape[1]):  # joint angles within half a turn
+        turns = np.round((psi[:, its_link] - psi[:, its_link - 1]) / (2 * np.pi))
+        psi[:, its_link] -= 2 * np.pi * turns
+    unknowns = np.concatenate([np.zeros((len(psi), 2)), psi], axis=1)
+    shape, _ = _vertices(body, unknowns)
+    with np.errstate(invalid="ignore"):
+        seen = np.isfinite(vertices)
+        offset = np.where(seen, vertices - shape, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+    unknowns[:, :2] = offset
+    return unknowns
+
+
+def _fill_by_servo(psi: Floats, servo: Floats) -> Floats:
+    filled = psi.copy()
+    for its_link in range(1, psi.shape[1]):
+        guess = filled[:, its_link - 1] + servo[:, its_link - 1]
+        filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
+    for its_link in range(psi.shape[1] - 2, -1, -1):
+        guess = filled[:, its_link + 1] - servo[:, its_link]
+        filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
+    return filled
+
+
+def _fill_in_time(angle: Floats) -> Floats:
+    known = np.flatnonzero(np.isfinite(angle))
+    if not len(known):
+        return np.zeros_like(angle)
+    return np.interp(np.arange(len(angle)), known, np.unwrap(angle[known]))
+
+
+def _determined(information: Floats) -> Flags:
+    eigen = np.linalg.eigvalsh(information)
+    return np.asarray(eigen[:, 0] > DETERMINED * eigen[:, -1])
+
+
+def _misfit(residual: Floats, seen: Flags, servo_given: bool, unknowns: int, joints: int) -> float:
+    """Marker SD from the misfit: sum of squares over degrees of freedom, a tenth trimmed against swapped markers."""
+    freedom = seen.sum(axis=(1, 2)) - unknowns + (joints if servo_given else 0)
+    squares = (residual**2).sum(axis=(1, 2))
+    usable = freedom > 0
+    if not usable.any():
+        return float("nan")
+    per_frame = squares[usable] / freedom[usable]
+    trimmed = np.sort(per_frame)[: max(1, int(0.9 * len(per_frame)))]
+    typical = float(np.mean(freedom[usable]))
+    return float(np.sqrt(trimmed.mean() / _trimming_bias(typical)))
+
+
+def _trimming_bias(freedom: float) -> float:
+    """Mean of chi2(freedom)/freedom below its 90th percentile."""
+    from scipy.stats import chi2
+
+    cut = chi2.ppf(0.9, freedom)
+    return float(chi2.cdf(cut, freedom + 2) / 0.9)
+
+
+def _assemble(
+    body: Body, unknowns: Floats, information: Floats, residual: Floats, determined: Flags, sd: float
+) -> ChainEstimate:
+    share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
+    m = body.joint_count
+    to_state = np.zeros((3 + m, 3 + m))
+    to_state[:2, :2] = np.eye(2)
+    to_state[2, 2:] = share
+    to_state[3:, 2:] = np.eye(m + 1)[1:] - np.eye(m + 1)[:-1]
+    state = unknowns @ to_state.T
+    safe = np.where(determined[:, None, None], information, np.eye(3 + m))
+    covariance = sd**2 * to_state @ np.linalg.inv(safe) @ to_state.T
+    poses, angles = state[:, :3].copy(), state[:, 3:].copy()
+    poses[determined, 2] = np.unwrap(poses[determined, 2])
+    points, _ = _vertices(body, unknowns)
+    for values in (poses, angles, covariance, points):
+        values[~determined] = np.nan
+    hidden = np.where(residual == 0.0, np.nan, residual)
+    return ChainEstimate(poses, angles, covariance, points, determined, sd, hidden)
