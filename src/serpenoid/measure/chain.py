@@ -24,7 +24,7 @@ DETERMINED = 1e-6  # smallest eigenvalue of the information over its largest: be
 
 @dataclass(frozen=True)
 class ChainEstimate:
-    """Per frame: pose (F, 3), joint angles (F, m), their covariance (F, 3 + m, 3 + m) and whether they are determined."""
+    """Per frame: pose (F, 3), joint angles (F, m), covariance (F, 3 + m, 3 + m), determined or not."""
 
     poses: Floats  # x, y [body lengths], heading [rad], unwrapped
     joint_angles: Floats  # [rad]
@@ -48,7 +48,7 @@ def estimate_chain(
     servo_sd: float | None = None,
     marker_sd: float | None = None,
 ) -> ChainEstimate:
-    """Fit the chain to markers (F, N, 2) [body lengths] and servo angles (F, m) [rad]. `marker_sd` None: from the misfit."""
+    """Fit to markers (F, N, 2) [body lengths] and servo angles (F, m) [rad]. `marker_sd` None: from the misfit."""
     first = marker_sd or 1e-3
     weight_servo = None if servo is None or servo_sd is None else (first / servo_sd) ** 2
     unknowns, information, residual = _fit(body, vertices, servo, weight_servo)
@@ -67,11 +67,11 @@ def estimate_chain(
 
 def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | None) -> tuple[Floats, Floats, Floats]:
     """Unknowns (F, 2 + L), information (F, 2 + L, 2 + L) per unit marker variance, residuals (F, N, 2)."""
-    seen = np.isfinite(vertices).all(axis=2)
+    seen = np.asarray(np.isfinite(vertices).all(axis=2))
     unknowns = _start(body, vertices, servo)
     bend = np.eye(body.joint_count + 1)[1:] - np.eye(body.joint_count + 1)[:-1]  # psi -> joint angles
     has_servo = servo is not None and weight is not None
-    usable = np.isfinite(servo).all(axis=1) if has_servo and servo is not None else np.zeros(len(vertices), bool)
+    usable = np.asarray(np.isfinite(servo).all(axis=1)) if servo is not None else np.zeros(len(vertices), bool)
     information, residual = np.empty(0), np.empty(0)
     for _ in range(ITERATIONS):
         points, jacobian = _vertices(body, unknowns)
@@ -112,7 +112,7 @@ def _reach(body: Body) -> Floats:
 
 
 def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
-    """Link directions from seen neighbours (else servos, else neighbouring frames), centroid to match the seen vertices."""
+    """Link directions from seen neighbours (else servos, else other frames), centroid to match the seen vertices."""
     link = link_of_edge(body)
     edge = np.diff(vertices, axis=1)
     psi = np.full((len(vertices), body.joint_count + 1), np.nan)
@@ -197,3 +197,12 @@ def _assemble(
         values[~determined] = np.nan
     hidden = np.where(residual == 0.0, np.nan, residual)
     return ChainEstimate(poses, angles, covariance, points, determined, sd, hidden)
+
+
+def chain_vertices(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
+    """Vertices (R, N, 2) of poses (R, 3) and joint angles (R, m)."""
+    share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
+    psi = np.concatenate([np.zeros((len(poses), 1)), np.cumsum(joint_angles, axis=1)], axis=1)
+    psi += (poses[:, 2] - psi @ share)[:, None]
+    points, _ = _vertices(body, np.concatenate([poses[:, :2], psi], axis=1))
+    return points

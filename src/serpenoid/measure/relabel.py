@@ -55,8 +55,8 @@ def label_vertices(
 def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:
     if len(tracks.names) != count:
         raise InputError(
-            f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: name those of the vertices, tail first, "
-            "as `markers` in [motion]."
+            f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: "
+            "name those of the vertices, tail first, as `markers` in [motion]."
         )
     return Labelled(tracks.floor[:, ::-1] if from_head else tracks.floor, (), ())
 
@@ -137,7 +137,7 @@ def _seed(tracks: Tracks, free: list[int], edges: Floats) -> list[int]:
             return [here[i] for i in chains[0]]
         if len(chains) > 1:
             raise InputError(
-                f"{tracks.source}: no marker has a name and the chain fits {len(chains)} ways round (frame {frame + 1}). "
+                f"{tracks.source}: no marker has a name and the chain fits {len(chains)} ways round. "
                 "Name at least the head or tail marker in `markers`."
             )
     raise InputError(

@@ -58,5 +58,5 @@ class Tracks:
 
 
 def floor_plane(positions: Floats, up_axis: str) -> Floats:
-    """(..., 3) file axes to (..., 2) floor, right-handed seen from above: y up -> (z, x), z up -> (x, y), x up -> (y, z)."""
+    """(..., 3) file axes to (..., 2) floor, right-handed seen from above: z up -> (x, y)."""
     return positions[..., {"y": [2, 0], "z": [0, 1], "x": [1, 2]}[up_axis]]
