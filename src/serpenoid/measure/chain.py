@@ -2,7 +2,7 @@
 
 Unknowns of a frame: the weighted centroid c and the direction psi_l of every rigid link; vertices
 p_k = c + sum_j (e_j' u(psi_l(j))). Markers measure p_k with SD s_m, servos measure psi_{l+1} - psi_l with SD s_a.
-Weighted least squares by Gauss-Newton, all frames at once.
+Weighted least squares, all frames at once.
 
 Legend: F frames, N vertices, L = m + 1 links, m joints.
 """
@@ -18,8 +18,14 @@ from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 
 Flags = NDArray[np.bool_]
-ITERATIONS = 12
-DETERMINED = 1e-6  # smallest eigenvalue of the information over its largest: below, the frame is not determined
+ITERATIONS = 60
+CONVERGED = 1e-9  # rad and body lengths: far below any marker noise
+SINGULAR = 1e-9  # smallest eigenvalue of the information over its largest: no more than rounding
+VAGUE_SD = 1.0  # rad and body lengths: what is known of a state that nothing measured
+UNCERTAIN = (
+    4.0  # a frame whose least certain direction is this much worse than usual is not determined: a hidden vertex
+)
+# in a nearly straight stretch has two mirror positions, and the fit's covariance is no longer the truth
 
 
 @dataclass(frozen=True)
@@ -65,30 +71,73 @@ def estimate_chain(
     return _assemble(body, unknowns, information, residual, determined, sd)
 
 
+def estimate_about(
+    body: Body,
+    vertices: Floats,
+    poses: Floats,
+    joint_angles: Floats,
+    marker_sd: float,
+    servo: Floats | None = None,
+    servo_sd: float | None = None,
+) -> ChainEstimate:
+    """The same by one linear step from a smooth path: unbiased to second order, where the fit frame by frame is not.
+
+    (A fit's own noise is in its Jacobian and in its covariance, and both are correlated with its error.) Where markers are
+    hidden the covariance is large instead of the frame missing: the time grid stays whole.
+    """
+    weight = None if servo is None or servo_sd is None else (marker_sd / servo_sd) ** 2
+    unknowns = _unknowns(body, poses, joint_angles)
+    _, information, gradient, _ = _normal(body, vertices, servo, weight, unknowns)
+    information = information + (marker_sd / VAGUE_SD) ** 2 * np.eye(unknowns.shape[1])
+    moved = unknowns + np.linalg.solve(information, gradient[..., None])[..., 0]
+    residual = _normal(body, vertices, None, None, moved)[3]
+    return _assemble(body, moved, information, residual, np.ones(len(poses), dtype=bool), marker_sd)
+
+
 def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | None) -> tuple[Floats, Floats, Floats]:
-    """Unknowns (F, 2 + L), information (F, 2 + L, 2 + L) per unit marker variance, residuals (F, N, 2)."""
-    seen = np.asarray(np.isfinite(vertices).all(axis=2))
+    """Unknowns (F, 2 + L), information (F, 2 + L, 2 + L) per unit marker variance, residuals (F, N, 2).
+
+    Levenberg-Marquardt, every frame with its own damping: a hidden vertex in a straight stretch is nearly singular.
+    """
     unknowns = _start(body, vertices, servo)
-    bend = np.eye(body.joint_count + 1)[1:] - np.eye(body.joint_count + 1)[:-1]  # psi -> joint angles
-    has_servo = servo is not None and weight is not None
-    usable = np.asarray(np.isfinite(servo).all(axis=1)) if servo is not None else np.zeros(len(vertices), bool)
-    information, residual = np.empty(0), np.empty(0)
+    damping = np.full(len(vertices), 1e-6)
+    cost, information, gradient, residual = _normal(body, vertices, servo, weight, unknowns)
     for _ in range(ITERATIONS):
-        points, jacobian = _vertices(body, unknowns)
-        residual = np.where(seen[..., None], vertices - points, 0.0)
-        masked = np.where(seen[..., None, None], jacobian, 0.0).reshape(len(vertices), -1, unknowns.shape[1])
-        information = np.einsum("fia,fib->fab", masked, masked)
-        gradient = np.einsum("fia,fi->fa", masked, residual.reshape(len(vertices), -1))
-        if has_servo and servo is not None and weight is not None:
-            miss = np.where(usable[:, None], servo - unknowns[:, 2:] @ bend.T, 0.0)
-            information[:, 2:, 2:] += weight * usable[:, None, None] * (bend.T @ bend)
-            gradient[:, 2:] += weight * miss @ bend
-        damped = information + 1e-9 * np.eye(unknowns.shape[1])
-        step = np.linalg.solve(damped, gradient[..., None])[..., 0]
-        unknowns = unknowns + np.clip(step, -0.5, 0.5)
-        if np.abs(step).max(initial=0.0) < 1e-12:
+        regular = information + (damping[:, None] + 1e-12)[..., None] * np.eye(unknowns.shape[1])
+        step = np.linalg.solve(regular, gradient[..., None])[..., 0]
+        tried = unknowns + np.clip(step, -0.5, 0.5)
+        new = _normal(body, vertices, servo, weight, tried)
+        better = new[0] <= cost
+        damping = np.where(better, damping / 10, np.minimum(damping * 20, 1e3))
+        unknowns = np.where(better[:, None], tried, unknowns)
+        cost = np.where(better, new[0], cost)
+        information = np.where(better[:, None, None], new[1], information)
+        gradient = np.where(better[:, None], new[2], gradient)
+        residual = np.where(better[:, None, None], new[3], residual)
+        if (np.abs(step).max(axis=1) < CONVERGED).all():
             break
     return unknowns, information, residual
+
+
+def _normal(
+    body: Body, vertices: Floats, servo: Floats | None, weight: float | None, unknowns: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Cost (F,), information, gradient and marker residuals at `unknowns`."""
+    seen = np.asarray(np.isfinite(vertices).all(axis=2))
+    points, jacobian = _vertices(body, unknowns)
+    residual = np.where(seen[..., None], vertices - points, 0.0)
+    masked = np.where(seen[..., None, None], jacobian, 0.0).reshape(len(vertices), -1, unknowns.shape[1])
+    information = np.swapaxes(masked, 1, 2) @ masked
+    gradient = np.einsum("fia,fi->fa", masked, residual.reshape(len(vertices), -1))
+    cost = (residual**2).sum(axis=(1, 2))
+    if servo is not None and weight is not None:
+        bend = np.eye(body.joint_count + 1)[1:] - np.eye(body.joint_count + 1)[:-1]  # psi -> joint angles
+        usable = np.asarray(np.isfinite(servo).all(axis=1))
+        miss = np.where(usable[:, None], servo - unknowns[:, 2:] @ bend.T, 0.0)
+        information[:, 2:, 2:] += weight * usable[:, None, None] * (bend.T @ bend)
+        gradient[:, 2:] += weight * miss @ bend
+        cost = cost + weight * (miss**2).sum(axis=1)
+    return cost, information, gradient, residual
 
 
 def _vertices(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
@@ -154,7 +203,12 @@ def _fill_in_time(angle: Floats) -> Floats:
 
 def _determined(information: Floats) -> Flags:
     eigen = np.linalg.eigvalsh(information)
-    return np.asarray(eigen[:, 0] > DETERMINED * eigen[:, -1])
+    regular = eigen[:, 0] > SINGULAR * eigen[:, -1]
+    if not regular.any():
+        return regular
+    worst = np.full(len(information), np.inf)
+    worst[regular] = np.sqrt(np.diagonal(np.linalg.inv(information[regular]), axis1=1, axis2=2)[:, 2:].max(axis=1))
+    return np.asarray(worst <= UNCERTAIN * np.median(worst[regular]))
 
 
 def _misfit(residual: Floats, seen: Flags, servo_given: bool, unknowns: int, joints: int) -> float:
@@ -201,8 +255,13 @@ def _assemble(
 
 def chain_vertices(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
     """Vertices (R, N, 2) of poses (R, 3) and joint angles (R, m)."""
+    points, _ = _vertices(body, _unknowns(body, poses, joint_angles))
+    return points
+
+
+def _unknowns(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
+    """Centroid and link directions of poses and joint angles, shape (R, 2 + L)."""
     share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
     psi = np.concatenate([np.zeros((len(poses), 1)), np.cumsum(joint_angles, axis=1)], axis=1)
     psi += (poses[:, 2] - psi @ share)[:, None]
-    points, _ = _vertices(body, np.concatenate([poses[:, :2], psi], axis=1))
-    return points
+    return np.concatenate([poses[:, :2], psi], axis=1)

@@ -23,7 +23,7 @@ from serpenoid.measure.logs import read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial import Trial, build_motion, cut_passages, schedule_start
+from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, schedule_start
 
 Progress = Callable[[int, int, str], None]
 UNIT_HINTS = {
@@ -77,7 +77,8 @@ def load_trial(file: CampaignFile, entry: TrialEntry, folder: Path, body: Body) 
     tracks = read_motion(file, entry, folder)
     motion = servo = None
     notes: list[str] = []
-    passages, metres = (), body.total_length_m if file.lengths_given else None
+    passages: tuple[Passage, ...] = ()
+    metres = body.total_length_m if file.lengths_given else None
     if tracks is not None:
         keys = file.motion_of(entry)
         labelled = _label(tracks, keys, body.edges_m if tracks.scale_known else None, body.vertices)

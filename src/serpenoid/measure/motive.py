@@ -61,7 +61,7 @@ def _header(rows: Rows, path: Path) -> _Header:
     if not first or first[0].strip() != "Format Version":
         raise InputError(
             f"{path}: row 1, column A: a Motive export starts with `Format Version`, "
-            f"got {(first or [None])[0]!r}. "
+            f"got {(first or [''])[0]!r}. "
             'Is `format = "motive"` right for this file?'
         )
     facts = {key.strip(): value.strip() for key, value in zip(first[::2], first[1::2], strict=False)}

@@ -11,14 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
+from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.chain import ChainEstimate, estimate_chain
+from serpenoid.measure.chain import ChainEstimate, estimate_about, estimate_chain
 from serpenoid.measure.clock import Offset, find_offset, interpolate
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_jumps
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
+from serpenoid.measure.smooth import smooth_states
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
+SHORTEST_RUN = 8  # frames: less is no motion
 MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion
 
 
@@ -40,13 +43,16 @@ class Motion:
     markers: Floats  # (F, N, 2) as seen, NaN hidden
     poses: Floats  # (F, 3) x, y [body lengths], heading [rad]
     joint_angles: Floats  # (F, m)
-    covariance: Floats  # (F, 3 + m, 3 + m); NaN where interpolated or missing
+    covariance: Floats  # (F, 3 + m, 3 + m) of poses and joint angles; large in directions that nothing measured
     vertices: Floats  # (F, N, 2) of the rigid chain
+    smooth_poses: Floats  # (F, 3) a smooth path through them: where to linearise, what to resimulate
+    smooth_angles: Floats  # (F, m)
     measured: NDArray[np.bool_]  # (F,) determined by this frame's own data
     interpolated: NDArray[np.bool_]  # (F,) a short gap, filled
     marker_sd: float  # [body lengths]
     gaps: tuple[Gap, ...]
     jumps: tuple[Jump, ...]
+    runs: tuple[slice, ...]  # frames between long gaps and whole-body jumps
     relabelled: tuple[tuple[str, int], ...]
     unused: tuple[str, ...]
 
@@ -114,12 +120,30 @@ def build_motion(
             estimate = estimate_chain(body, markers, servo.angles, servo.sd, estimate.marker_sd)
     gaps = find_gaps(estimate.determined, time_s)
     jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
-    estimate, interpolated = _fill(body, estimate, time_s, gaps)
-    motion = Motion(
-        time_s, markers, estimate.poses, estimate.joint_angles, estimate.covariance, estimate.vertices,
-        estimate.determined, interpolated, estimate.marker_sd, gaps, jumps, *labels,
+    runs = _runs(gaps, jumps, len(time_s))
+    if not runs:
+        raise InputError(f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape.")
+    return _motion(body, time_s, markers, servo, estimate, (gaps, jumps, runs), labels), servo, notes
+
+
+def _motion(
+    body: Body, time_s: Floats, markers: Floats, servo: ServoAlignment | None, first: ChainEstimate, cuts: tuple, labels
+) -> Motion:
+    """The final estimate, linear about the smooth path, on all frames of all runs."""
+    smooth_poses, smooth_angles = _smooth_runs(first, time_s, cuts[2])
+    known = np.isfinite(smooth_poses[:, 0])
+    poses, angles, covariance, vertices = (
+        np.full((len(time_s), *shape), np.nan)
+        for shape in ((3,), (body.joint_count,), (3 + body.joint_count,) * 2, (body.vertices, 2))
+    )
+    readings = (None, None) if servo is None else (servo.angles[known], servo.sd)
+    about = estimate_about(body, markers[known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
+    poses[known], angles[known], covariance[known] = about.poses, about.joint_angles, about.covariance
+    vertices[known] = about.vertices
+    return Motion(
+        time_s, markers, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
+        known & first.determined, known & ~first.determined, first.marker_sd, *cuts, *labels,
     )  # fmt: skip
-    return motion, servo, notes
 
 
 def align_servo(estimate: ChainEstimate, time_s: Floats, log: ServoLog) -> tuple[ServoAlignment | None, list[str]]:
@@ -191,21 +215,30 @@ def _longest_run(known: NDArray[np.bool_]) -> tuple[Passage, ...]:
     return (Passage(0, int(first), int(last)),) if last - first >= 7 else ()
 
 
-def _fill(
-    body: Body, estimate: ChainEstimate, time_s: Floats, gaps: tuple[Gap, ...]
-) -> tuple[ChainEstimate, NDArray[np.bool_]]:
-    """Short gaps between known frames filled linearly in pose and joint angles, and flagged."""
-    from serpenoid.measure.chain import chain_vertices
-
-    filled = np.zeros(len(time_s), dtype=bool)
-    poses, angles, vertices = estimate.poses.copy(), estimate.joint_angles.copy(), estimate.vertices.copy()
+def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], frames: int) -> tuple[slice, ...]:
+    """Frames between long gaps and whole-body jumps; a run neither begins nor ends in a gap."""
+    known = np.ones(frames, dtype=bool)
     for gap in gaps:
-        if not gap.short or gap.first == 0 or gap.last == len(time_s) - 1:
-            continue
-        ends, inside = [gap.first - 1, gap.last + 1], slice(gap.first, gap.last + 1)
-        for values in (poses, angles):
-            for column in values.T:
-                column[inside] = np.interp(time_s[inside], time_s[ends], column[ends])
-        vertices[inside] = chain_vertices(body, poses[inside], angles[inside])
-        filled[inside] = True
-    return replace(estimate, poses=poses, joint_angles=angles, vertices=vertices), filled
+        if not gap.short or gap.first == 0 or gap.last == frames - 1:
+            known[gap.first : gap.last + 1] = False
+    cuts = {jump.frame for jump in jumps if jump.vertex is None}
+    runs, first = [], 0
+    for frame in range(1, frames + 1):
+        if frame == frames or frame in cuts or known[frame] != known[frame - 1]:
+            if known[first] and frame - first >= SHORTEST_RUN:
+                runs.append(slice(first, frame))
+            first = frame
+    return tuple(runs)
+
+
+def _smooth_runs(estimate: ChainEstimate, time_s: Floats, runs: tuple[slice, ...]) -> tuple[Floats, Floats]:
+    """Smooth poses and joint angles on every frame of every run (short gaps bridged); NaN elsewhere."""
+    poses, angles = np.full_like(estimate.poses, np.nan), np.full_like(estimate.joint_angles, np.nan)
+    for run in runs:
+        rows = np.flatnonzero(estimate.determined[run]) + run.start
+        smooth = smooth_states(
+            time_s[rows], estimate.poses[rows], estimate.joint_angles[rows], estimate.covariance[rows]
+        )
+        for target, values in zip((poses, angles), smooth, strict=True):
+            target[run] = interpolate(time_s[rows], values, time_s[run])
+    return poses, angles
