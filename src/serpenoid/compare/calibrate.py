@@ -131,7 +131,7 @@ def robust_sd(solution: Solution) -> Floats:
 
 
 def autocorrelation(left: tuple[Whitened, ...], lags: int = 40) -> Floats:
-    """Of the white defects, averaged over components and segments; within +-2/sqrt(3 S) of zero if the model is right."""
+    """Of the white defects, over components and segments; within +-2/sqrt(3 S) of zero if the model is right."""
     total, power = np.zeros(lags), 0.0
     for w in left:
         power += float((w.defect**2).sum())
@@ -205,8 +205,8 @@ def _complaints(solution: Solution, sd: Floats, correlation: Floats) -> tuple[st
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
     if solution.noise_scale > 1.5:
         found.append(
-            f"what is left is {solution.noise_scale:.1f} times the measurement noise: the model is wrong somewhere, and the "
-            "noise interval means little; use the robust one or the spread over trials, and run `serpenoid diagnose`"
+            f"what is left is {solution.noise_scale:.1f} times the measurement noise: the model is wrong somewhere, "
+            "and the noise interval means little; look at the robust one and the spread over trials"
         )
     return tuple(found)
 

@@ -99,7 +99,7 @@ def whiten(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], 
 
 def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float]:
     """J' J, J' e and e' e of the white defects."""
-    jacobian = np.concatenate([w.by_parameters.reshape(-1, w.by_parameters.shape[2]) for w in left])
+    jacobian = np.concatenate([w.by_parameters.reshape(w.defect.size, w.by_parameters.shape[2]) for w in left])
     defect = np.concatenate([w.defect.ravel() for w in left])
     return jacobian.T @ jacobian, jacobian.T @ defect, float(defect @ defect)
 

@@ -1,6 +1,7 @@
 """Performance ratios as in the paper, and what their mean and standard deviation hide.
 
-delta_X(i, j) = Delta_X(i) / Delta_X(j);  Xi_XY = delta_X / delta_Y = q_i / q_j,  q = Delta_X / Delta_Y  (Even et al., V)
+delta_X(i, j) = Delta_X(i) / Delta_X(j);  Xi_XY = delta_X / delta_Y = q_i / q_j,  q = Delta_X / Delta_Y
+(Even et al. 2024, Sec. V)
 
 Since Xi_ij Xi_ji = 1, the mean of Xi is at least 1 whatever the data, and a scale common to all of X cancels. For
 log-normal q with SD s of ln q: mean = exp(s^2) (off the diagonal), var = exp(4 s^2) - exp(2 s^2).

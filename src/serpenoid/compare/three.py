@@ -19,14 +19,14 @@ from serpenoid.measure.chain import chain_vertices
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion, Passage, Trial
 from serpenoid.model import Model
-from serpenoid.simulate.rollout import simulate_joint_angles
+from serpenoid.simulation import simulate_joint_angles
 
 DRAWS = 12  # shape-noise replicates: the standard deviation is then known to a fifth
 
 
 @dataclass(frozen=True)
 class Path:
-    """Poses (R, 3) and vertices (R, N, 2) in the world [body lengths], dissipation rate (R - 1,) [1/s, w and l scaled out]."""
+    """Poses (R, 3) and vertices (R, N, 2) in the world [body lengths], step energies (R - 1,)."""
 
     poses: Floats
     vertices: Floats
@@ -109,7 +109,7 @@ def simulate_path(model: Model, joint_angles: Floats, start: Floats) -> Path:
 
 
 def resimulation_sd(model: Model, motion: Motion, rows: slice, seed: int, draws: int = DRAWS) -> float:
-    """SD of the resimulated displacement: shape noise drawn from its covariance, smoothed as the data were, resimulated."""
+    """SD of the resimulated displacement: shape noise drawn from its covariance, smoothed as the data were."""
     rng = np.random.default_rng(seed)
     covariance = motion.covariance[rows, 3:, 3:]
     variance = np.diagonal(covariance, axis1=1, axis2=2)

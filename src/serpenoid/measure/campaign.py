@@ -14,6 +14,7 @@ from serpenoid.measure.logs import read_joint_table
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
 from serpenoid.measure.tracks import LengthUnit, Tracks
+from serpenoid.medium import Medium
 from serpenoid.schema import Record, load
 
 Positive = Annotated[float, Field(gt=0)]
@@ -80,13 +81,6 @@ class TrialEntry(MotionKeys):
         return self
 
 
-class MediumKeys(Record):
-    """What Sim and Resim assume of the ground where no fitted value is given."""
-
-    anisotropy_ratio: Annotated[float, Field(gt=0, le=1)] = Field(description="eps, tangential over normal")
-    dissipation: Literal["vertex", "edge"] = "vertex"
-
-
 class CampaignFile(Record):
     """`campaign.toml` as it stands."""
 
@@ -95,7 +89,7 @@ class CampaignFile(Record):
     description: str = ""
     source: str = Field(default="", description="where the data come from, shown beside every figure")
     body: Body
-    medium: MediumKeys | None = None
+    medium: Medium | None = Field(default=None, description="what Sim and Resim assume; default: what `fit` finds")
     motion: MotionKeys = MotionKeys()
     trial: tuple[TrialEntry, ...] = Field(min_length=1)
 

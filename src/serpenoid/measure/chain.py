@@ -82,8 +82,8 @@ def estimate_about(
 ) -> ChainEstimate:
     """The same by one linear step from a smooth path: unbiased to second order, where the fit frame by frame is not.
 
-    (A fit's own noise is in its Jacobian and in its covariance, and both are correlated with its error.) Where markers are
-    hidden the covariance is large instead of the frame missing: the time grid stays whole.
+    (A fit's own noise is in its Jacobian and in its covariance, and both are correlated with its error.) Where markers
+    are hidden the covariance is large instead of the frame missing: the time grid stays whole.
     """
     weight = None if servo is None or servo_sd is None else (marker_sd / servo_sd) ** 2
     unknowns = _unknowns(body, poses, joint_angles)
