@@ -18,6 +18,7 @@ import numpy as np
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.mechanics import functions
+from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Model, Structure
 
 
@@ -78,7 +79,12 @@ def linearise(model: Model, joint_angles: Floats, poses: Floats) -> Linearised:
 
 @lru_cache(maxsize=64)
 def _mapped(structure: Structure, steps: int) -> ca.Function:
-    return step_defect(structure).map(steps)
+    return _compiled(structure).map(steps)
+
+
+@lru_cache(maxsize=16)
+def _compiled(structure: Structure) -> ca.Function:
+    return compiled([step_defect(structure)])[0]
 
 
 def _stack(result: ca.DM, steps: int) -> Floats:

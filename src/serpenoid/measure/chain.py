@@ -101,22 +101,22 @@ def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | Non
     """
     unknowns = _start(body, vertices, servo)
     damping = np.full(len(vertices), 1e-6)
-    cost, information, gradient, residual = _normal(body, vertices, servo, weight, unknowns)
+    kept = list(_normal(body, vertices, servo, weight, unknowns))
+    live = np.arange(len(vertices))
     for _ in range(ITERATIONS):
-        regular = information + (damping[:, None] + 1e-12)[..., None] * np.eye(unknowns.shape[1])
-        step = np.linalg.solve(regular, gradient[..., None])[..., 0]
-        tried = unknowns + np.clip(step, -0.5, 0.5)
-        new = _normal(body, vertices, servo, weight, tried)
-        better = new[0] <= cost
-        damping = np.where(better, damping / 10, np.minimum(damping * 20, 1e3))
-        unknowns = np.where(better[:, None], tried, unknowns)
-        cost = np.where(better, new[0], cost)
-        information = np.where(better[:, None, None], new[1], information)
-        gradient = np.where(better[:, None], new[2], gradient)
-        residual = np.where(better[:, None, None], new[3], residual)
-        if (np.abs(step).max(axis=1) < CONVERGED).all():
+        regular = kept[1][live] + (damping[live, None] + 1e-12)[..., None] * np.eye(unknowns.shape[1])
+        step = np.linalg.solve(regular, kept[2][live][..., None])[..., 0]
+        tried = unknowns[live] + np.clip(step, -0.5, 0.5)
+        new = _normal(body, vertices[live], None if servo is None else servo[live], weight, tried)
+        better = new[0] <= kept[0][live]
+        damping[live] = np.where(better, damping[live] / 10, np.minimum(damping[live] * 20, 1e3))
+        unknowns[live[better]] = tried[better]
+        for old, values in zip(kept, new, strict=True):
+            old[live[better]] = values[better]
+        live = live[np.abs(step).max(axis=1) > CONVERGED]
+        if not len(live):
             break
-    return unknowns, information, residual
+    return unknowns, kept[1], kept[3]
 
 
 def _normal(
