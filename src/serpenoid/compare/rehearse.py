@@ -81,8 +81,8 @@ def write_trial(folder: Path, name: str, model: Model, schedule: Schedule, lab: 
 
 
 def write_campaign(
-    folder: Path, model: Model, tables: dict[str, Floats], lab: Laboratory, trials: int, seed: int, cycle_duration_s: float = 5.0,
-    cycles: int = 3, pause_s: float = 2.0,
+    folder: Path, model: Model, tables: dict[str, Floats], lab: Laboratory, trials: int, seed: int,
+    cycle_duration_s: float = 5.0, cycles: int = 3, pause_s: float = 2.0,
 ) -> dict[str, Rehearsal]:  # fmt: skip
     """A whole campaign of `trials` repeats of every table; returns the truth of every trial."""
     truths, entries = {}, []

@@ -11,10 +11,10 @@ import numpy as np
 from scipy.optimize import nnls
 
 from serpenoid.body import Floats
-from serpenoid.performance import GRAVITY
 from serpenoid.compare.three import Comparison
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.trial import Trial
+from serpenoid.performance import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -53,12 +53,18 @@ def estimate_chain(
     servo: Floats | None = None,
     servo_sd: float | None = None,
     marker_sd: float | None = None,
+    surely: Flags | None = None,
 ) -> ChainEstimate:
-    """Fit to markers (F, N, 2) [body lengths] and servo angles (F, m) [rad]. `marker_sd` None: from the misfit."""
+    """Fit to markers (F, N, 2) [body lengths] and servo angles (F, m) [rad]. `marker_sd` None: from the misfit.
+
+    `surely` (F,): frames that are known to be determined (by their markers alone).
+    """
     first = marker_sd or 1e-3
     weight_servo = None if servo is None or servo_sd is None else (first / servo_sd) ** 2
     unknowns, information, residual = _fit(body, vertices, servo, weight_servo)
     determined = _determined(information)
+    if surely is not None:
+        determined = determined | surely
     sd = marker_sd or _misfit(
         residual[determined],
         np.isfinite(vertices[determined]),

@@ -117,7 +117,7 @@ def build_motion(
         servo, complaint = align_servo(estimate, time_s, log)
         notes += complaint
         if servo is not None:
-            estimate = estimate_chain(body, markers, servo.angles, servo.sd, estimate.marker_sd)
+            estimate = estimate_chain(body, markers, servo.angles, servo.sd, estimate.marker_sd, estimate.determined)
     gaps = find_gaps(estimate.determined, time_s)
     jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
     runs = _runs(gaps, jumps, len(time_s))
