@@ -34,7 +34,7 @@ class RatioStatistics:
     bias_interval: tuple[float, float]
     s: float  # SD of ln q
     s_interval: tuple[float, float]
-    rank_correlation: float  # Spearman; nan for fewer than 3 gaits
+    rank_correlation: float  # Spearman; nan for fewer than 3 different gaits
     wrong_pairs: tuple[tuple[int, int], ...]  # i does better than j in X and worse in Y
 
     @property
@@ -61,7 +61,8 @@ def ratio_statistics(pair: str, x: Floats, y: Floats, seed: int = 0) -> RatioSta
     off = quotients[~np.eye(len(x), dtype=bool)]
     log_q = np.log(x / y)
     bias_interval, s_interval = _bootstrap(log_q, seed)
-    rank = float(spearmanr(x, y).statistic) if len(x) > 2 else float("nan")
+    varied = len(x) > 2 and np.ptp(x) > 0 and np.ptp(y) > 0
+    rank = float(spearmanr(x, y).statistic) if varied else float("nan")
     return RatioStatistics(
         pair, quotients, float(off.mean()), float(off.std(ddof=1)) if len(off) > 1 else 0.0,
         float(np.exp(log_q.mean())), bias_interval, float(log_q.std(ddof=1)), s_interval, rank, wrong_pairs(x, y),

@@ -14,7 +14,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.tracks import Tracks
 
-GATE = 0.35  # of the shortest edge: farther from its prediction, a point is not this vertex
+GATE = 0.35  # of the median edge: farther from where its path leads, a point is not this vertex
 EDGE_TOLERANCE = 0.15  # of an edge: marker noise and loose tape stay well inside, the next vertex well outside
 
 
@@ -122,8 +122,10 @@ def _continuity_cost(known: Floats, path: Floats, edges: Floats, reach: int = 12
     worst = np.nan
     for end, near in ((mine[0], seen[seen < mine[0]][-1:]), (mine[-1], seen[seen > mine[-1]][:1])):
         if len(near) and abs(int(near[0]) - int(end)) <= reach:
-            jump = float(np.linalg.norm(path[end] - known[near[0]]))
-            worst = np.fmax(worst, jump / (GATE * edges.min()))
+            inside = end + 1 if end == mine[0] else end - 1
+            speed = (path[inside % len(path)] - path[end]) * (inside - end) if np.isfinite(path[inside % len(path), 0]) else 0.0
+            jump = float(np.linalg.norm(path[end] - known[near[0]] - speed * (end - near[0])))
+            worst = np.fmax(worst, jump / (GATE * np.median(edges)))
     return float(worst)
 
 
