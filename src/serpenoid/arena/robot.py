@@ -43,9 +43,9 @@ class Robot(Record):
         default="common", description="'connected by an axle' [P]: turn together"
     )
 
-    grip: Positive = Field(default=0.6, description="rubber on foam: Coulomb friction coefficient [A]")
+    grip: Positive = Field(default=0.5, description="rubber on foam: Coulomb friction coefficient [A]")
     rolling_resistance: NotNegative = Field(
-        default=0.2, description="rolling force over load, foam and plain bearing [A]; set by the paper's 0.1865"
+        default=0.15, description="rolling force over load, foam and plain bearing [A]; set by the paper's 0.1865"
     )
     contact_time_s: Positive = Field(
         default=0.05, description="of the foam under the load: it gives half a millimetre [A]"
@@ -66,7 +66,7 @@ class Robot(Record):
     rotor_inertia: Positive = Field(default=0.008, description="seen at the output shaft, kg m^2 [A]")
     profile_s: NotNegative | None = Field(default=0.0, description="time over which a goal is approached; 0: jumps")
 
-    timestep_s: Positive = Field(default=1 / 240, description="of the contact simulation")
+    timestep_s: Positive = Field(default=1 / 360, description="of the contact simulation")
 
     @model_validator(mode="after")
     def _mass_left_for_the_board(self) -> Self:

@@ -20,7 +20,7 @@ SIDES = (1, -1)  # left, right
 HEADER = """<mujoco model="arena">
 <compiler angle="radian" autolimits="true" inertiafromgeom="true"/>
 <option timestep="{timestep}" integrator="implicitfast" cone="elliptic" solver="Newton" jacobian="sparse"
-  iterations="30" ls_iterations="30" tolerance="1e-6" impratio="20" gravity="0 0 -9.81"/>
+  iterations="30" ls_iterations="30" tolerance="1e-6" impratio="5" gravity="0 0 -9.81"/>
 <size memory="4M"/>
 <default><geom contype="0" conaffinity="0"/></default>
 <worldbody>
@@ -142,7 +142,7 @@ def _axle(assembly: Assembly, wheel: int, name: str, across: float, mass: float,
     tilt = max(mass * (half_width**2 + radius**2 / 4), 0.51 * spin)
     return (
         f'<body name="{name}" pos="{x} {y} {assembly.lift[wheel]}" euler="0 0 {toe}">'
-        f'<joint name="{name}" axis="0 1 0" damping="1e-5" frictionloss="0"/>'
+        f'<joint name="{name}" axis="0 1 0" damping="1e-5" frictionloss="0" solimpfriction="0.999 0.999 0.001"/>'
         f'<inertial pos="0 0 0" mass="{mass}" diaginertia="{tilt} {spin} {tilt}"/>'
     )
 

@@ -11,6 +11,7 @@ from serpenoid.arena.assembly import Assembly, Floats
 from serpenoid.arena.floor import Mats, force, patch_factor
 from serpenoid.arena.robot import SERVOS, TICK, WHEELS
 from serpenoid.arena.scene import compile_scene
+from serpenoid.errors import InputError
 
 REFRESH_S = 1 / 120  # how often grip and rolling resistance follow place and load
 LOAD_MEMORY_S = 0.05  # foam creeps: rolling resistance follows the load this late
@@ -69,6 +70,7 @@ class World:
         self._mujoco.mj_step(self.model, self.data)
         if self.time_s >= self._next_refresh:
             self._refresh(REFRESH_S)
+            self._check()
 
     def markers(self) -> Floats:
         """Marker positions, shape (12, 3) [m], z up."""
@@ -123,6 +125,14 @@ class World:
         self._places = np.zeros((2 * WHEELS, 3))
         self._loads = np.zeros(2 * WHEELS)
         self._next_refresh = 0.0
+
+    def _check(self) -> None:
+        """MuJoCo restarts the clock after a number that is not finite; nothing after that is a measurement."""
+        if self.data.warning.number.any():
+            raise InputError(
+                f"the arena's simulation lost its balance at {self.time_s:.2f} s. "
+                f"`timestep_s` is {self.robot.timestep_s:.5f}: halve it, or take back an extreme `[robot]` value."
+            )
 
     def _tilt_floor(self) -> None:
         slope, downhill = self.assembly.slope_rad, self.assembly.downhill_rad
