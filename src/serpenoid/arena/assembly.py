@@ -11,11 +11,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from serpenoid.arena.robot import SERVOS, WHEELS, Robot
-
-Floats = NDArray[np.float64]
+from serpenoid.body import Floats
 
 
 def _filled(shape: int | tuple[int, ...], value: float) -> Any:

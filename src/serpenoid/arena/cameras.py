@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from serpenoid.arena.assembly import Floats
 from serpenoid.arena.protocol import Cameras
 from serpenoid.arena.robot import SERVOS
+from serpenoid.body import Floats
 from serpenoid.files import atomic
 
 MARKERS = ("tail", *(f"joint_{number}" for number in range(1, SERVOS + 1)), "head")

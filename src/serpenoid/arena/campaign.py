@@ -15,18 +15,19 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.arena import mujoco_module
-from serpenoid.arena.assembly import Floats
 from serpenoid.arena.cameras import ASSET, MARKERS, film, write_motive
 from serpenoid.arena.logs import write_power_log, write_servo_log
 from serpenoid.arena.protocol import Protocol
 from serpenoid.arena.robot import WHEELS
 from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
+from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
-from serpenoid.files import atomic, short_hash, write_csv, write_json, write_text
+from serpenoid.files import atomic, short_hash, write_json, write_text
+from serpenoid.gaits.table import write_table
 
 RECEIPT = ".arena.json"  # what the folder was made from, so that it can be continued
 UNFINISHED = ".unfinished-"
-Report = Callable[[int, int, str], None]  # finished, of, the trial's name
+Report = Callable[[int, str], None]  # trials finished, name of the last
 
 
 def run_campaign(
@@ -36,21 +37,21 @@ def run_campaign(
     *,
     jobs: int = 1,
     truth: Path | None = None,
-    report: Report = lambda finished, total, name: None,
+    report: Report = lambda finished, name: None,
 ) -> Path:
     """Play what is not yet in `folder` and describe all of it in campaign.toml; raise StopRequested on Ctrl-C."""
     mujoco_module()
     _claim(folder, short_hash(protocol.model_dump(), {name: table.tolist() for name, table in tables.items()}))
     for name, table in tables.items():
-        write_csv(folder / "gaits" / f"{name}.csv", [f"joint_{n + 1}" for n in range(table.shape[1])], table.tolist())
+        write_table(folder / "gaits" / f"{name}.csv", table)
     wanted = plans(protocol)
     missing = [plan for plan in wanted if not (folder / plan.name).is_dir()]
     finished = len(wanted) - len(missing)
-    report(finished, len(wanted), "")
+    report(finished, "")
     try:
         for name in _played(protocol, tables, missing, folder, truth, jobs):
             finished += 1
-            report(finished, len(wanted), name)
+            report(finished, name)
     except KeyboardInterrupt:
         raise StopRequested(f"{folder}: the finished trials are kept; run the same command to continue.") from None
     finally:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from serpenoid.arena.assembly import Assembly, Floats, Pull
+from serpenoid.arena.assembly import Assembly, Pull
+from serpenoid.body import Floats
 
 WAVES = 8
 SHORTEST_M, LONGEST_M = 0.15, 1.2  # a mat's texture, the size of a mat

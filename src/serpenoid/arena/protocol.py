@@ -5,7 +5,6 @@ Everything random in a campaign follows from `seed` and the trial's name, so a t
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -13,10 +12,12 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from serpenoid.arena.assembly import Assembly, Floats
+from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.changes import Changes
 from serpenoid.arena.robot import SERVOS, NotNegative, Positive, Robot
+from serpenoid.body import Floats
 from serpenoid.errors import InputError
+from serpenoid.gaits.table import read_table
 from serpenoid.schema import Record, load
 
 Share = Annotated[float, Field(ge=0, lt=1)]
@@ -115,34 +116,12 @@ def load_protocol(path: str | Path) -> tuple[Protocol, dict[str, Floats]]:
 
 
 def read_joint_table(path: Path) -> Floats:
-    """Joint angles, shape (T, 10) [rad]; raise InputError with row and column."""
-    try:
-        rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such joint table. Is it relative to the protocol file?") from None
-    except (UnicodeDecodeError, IsADirectoryError):
-        raise InputError(f"{path}: not a CSV file.") from None
-    header = [f"joint_{number}" for number in range(1, SERVOS + 1)]
-    if not rows or [cell.strip() for cell in rows[0]] != header:
+    """Joint angles, shape (T, 10) [rad], within what the servos' brackets allow."""
+    table = read_table(path, SERVOS)
+    row, column = np.unravel_index(np.abs(table).argmax(), table.shape)
+    if abs(table[row, column]) > math.pi / 2:
         raise InputError(
-            f"{path}: the header must be {','.join(header)}, got {','.join(rows[0]) if rows else 'nothing'}."
+            f"{path}:{row + 2}: joint_{column + 1} must be within 90 degrees, got {table[row, column]:.4g} rad. "
+            "Links collide there, which the arena does not know."
         )
-    table = np.array(
-        [[_angle(path, row, column, cells) for column in range(SERVOS)] for row, cells in enumerate(rows[1:], 2)]
-    )
-    if len(table) < 2:
-        raise InputError(f"{path}: a gait needs at least 2 rows, got {len(table)}.")
     return table
-
-
-def _angle(path: Path, row: int, column: int, cells: list[str]) -> float:
-    try:
-        angle = float(cells[column])
-    except (ValueError, IndexError):
-        got = repr(cells[column]) if column < len(cells) else "nothing"
-        raise InputError(f"{path}: row {row}, joint_{column + 1}: must be a number of radians, got {got}.") from None
-    if not abs(angle) <= math.pi / 2:
-        raise InputError(
-            f"{path}: row {row}, joint_{column + 1}: must be within 90 degrees, got {angle} rad. Is it in degrees?"
-        )
-    return angle

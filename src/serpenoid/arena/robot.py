@@ -10,12 +10,11 @@ import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from serpenoid.body import Floats
 from serpenoid.schema import Record
 
-Floats = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
@@ -30,11 +29,11 @@ class Robot(Record):
 
     length_m: Positive = Field(default=0.92, description="nose to tail end [P]")
     mass_kg: Positive = Field(default=1.38, description="all of it [P]")
-    servo_mass_kg: Positive = Field(default=0.0572, description="one servo [D]")
+    servo_mass_kg: Positive = Field(default=0.057, description="one servo [D]")
     wheel_pair_mass_kg: Positive = Field(default=0.020, description="two wheels and their axle [A]")
-    connector_mass_kg: Positive = Field(default=0.020, description="one printed connector with screws and marker [A]")
+    connector_mass_kg: Positive = Field(default=0.0217, description="one printed connector with screws and marker [A]")
     battery_mass_kg: Positive = Field(
-        default=0.135, description="one 1500 mAh three-cell battery, in head and tail [A]"
+        default=0.140, description="one 1500 mAh three-cell battery, in head and tail [A]"
     )
     wheel_diameter_m: Positive = Field(default=0.056, description="[P]")
     wheel_offset_m: NotNegative = Field(default=0.01823, description="axle behind its joint, towards the tail [P]")

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid.arena.assembly import Floats
 from serpenoid.arena.floor import Mats
 from serpenoid.arena.protocol import Protocol
 from serpenoid.arena.robot import SERVOS, TICK
 from serpenoid.arena.world import World
+from serpenoid.body import Floats
 
 LEAD_S = 1.2  # cameras run before the first step
 TRAIL_S = 0.5  # and after the last pause

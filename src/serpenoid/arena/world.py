@@ -7,10 +7,11 @@ import math
 import numpy as np
 
 from serpenoid.arena import mujoco_module
-from serpenoid.arena.assembly import Assembly, Floats
+from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.floor import Mats, force, patch_factor
 from serpenoid.arena.robot import SERVOS, TICK, WHEELS
 from serpenoid.arena.scene import compile_scene
+from serpenoid.body import Floats
 from serpenoid.errors import InputError
 
 REFRESH_S = 1 / 120  # how often grip and rolling resistance follow place and load
@@ -79,6 +80,10 @@ class World:
     def angles(self) -> Floats:
         """What the servos read, shape (10,) [rad], in whole ticks."""
         return np.round(self.data.qpos[self._servo_q] / TICK) * TICK
+
+    def speeds(self) -> Floats:
+        """Of the servos' shafts, shape (10,) [rad/s]."""
+        return self.data.qvel[self._servo_v].copy()
 
     def duty(self) -> Floats:
         """Share of the supply voltage the servos apply, shape (10,), -1..1: what they call load."""
