@@ -42,10 +42,9 @@ class Robot(Record):
         default="common", description="'connected by an axle' [P]: turn together"
     )
 
-    grip: Positive = Field(default=0.5, description="rubber on foam: Coulomb friction coefficient [A]")
-    rolling_resistance: NotNegative = Field(
-        default=0.15, description="rolling force over load, foam and plain bearing [A]; set by the paper's 0.1865"
-    )
+    grip: Positive = Field(default=0.6, description="rubber on foam: Coulomb friction coefficient [A]")
+    rolling_resistance: NotNegative = Field(default=0.05, description="rolling force over load: bearing, foam [A]")
+    rolling_damping: NotNegative = Field(default=1.0, description="the same, growing with speed, per m/s [A]")
     contact_time_s: Positive = Field(
         default=0.05, description="of the foam under the load: it gives half a millimetre [A]"
     )

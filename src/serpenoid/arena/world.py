@@ -194,6 +194,9 @@ class World:
         torque = np.zeros(self.model.nv)
         np.add.at(torque, self._axle_v, resistance + back + np.repeat(self.assembly.bearing, 2) / 2)
         self.model.dof_frictionloss[self._axle_v] = torque[self._axle_v]
+        drag = np.zeros(self.model.nv)
+        np.add.at(drag, self._axle_v, self.robot.rolling_damping * radius**2 * self._loads)
+        self.model.dof_damping[self._axle_v] = drag[self._axle_v]
 
     def _against(self, velocity: Floats) -> Floats:
         """Factor on the grip by the side a wheel slips to; `velocity`: (24, 3) of the wheels' centres."""
