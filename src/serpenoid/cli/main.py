@@ -26,6 +26,7 @@ VERBS: dict[str, str] = {
     "export": "write a gait for the robot: CSV, servo ticks, OpenRB-150 sketch, ROS 2",
     "play": "play a gait on the robot and record it",
     "robot": "find, check, rehearse and switch off the robot's servos",
+    "arena": "play gaits in the virtual laboratory and write a campaign",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
