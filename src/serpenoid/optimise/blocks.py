@@ -52,7 +52,21 @@ class StepBlocks:
 @lru_cache(maxsize=16)
 def step_blocks(structure: Structure) -> StepBlocks:
     """The functions of `structure`, compiled where possible."""
-    first, second, third, *others = compiled([*_rows(structure), *_steps(structure), *_path(structure)])
+    return _named(compiled(_all(structure)))
+
+
+@lru_cache(maxsize=16)
+def portable_step_blocks(structure: Structure) -> StepBlocks:
+    """The same functions as they are: no reference to a compiled library on this machine."""
+    return _named(_all(structure))
+
+
+def _all(structure: Structure) -> list[ca.Function]:
+    return [*_rows(structure), *_steps(structure), *_path(structure)]
+
+
+def _named(functions: list[ca.Function]) -> StepBlocks:
+    first, second, third, *others = functions
     return StepBlocks((first, second, third), *others)
 
 
