@@ -56,6 +56,14 @@ class GaitSolver:
             pairs[EllipseGait.NAMES.index("xi")] = frequency
         return pairs[:, 0], pairs[:, 1]
 
+    def prepare(self, q: Floats) -> None:
+        """Compile what solving from gait q calls: done before Ctrl-C is caught, so that it ends a compile at once."""
+        self.start(q)
+        self.prepared(len(self._first_rows()))
+
+    def _first_rows(self) -> list[int]:
+        return even_rows(self.steps, min(FIRST_ROWS, self.steps)) if self.limits.any else []
+
     def start(self, q: Floats) -> Floats:
         """A start that satisfies all momentum equations: the simulated poses of gait q."""
         trajectory = simulate_joint_angles(self.model, joint_table(self.model, q, self.steps))
@@ -73,7 +81,7 @@ class GaitSolver:
     ) -> Answer:
         """Optimise from gait parameters (6,) or warm from a Point whose constraints had `rows`."""
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
-        chosen = list(rows) or (even_rows(self.steps, min(FIRST_ROWS, self.steps)) if self.limits.any else [])
+        chosen = list(rows) or self._first_rows()
         iterations, seconds = 0, 0.0
         for _ in range(EXCHANGES):
             _, ipopt = self.prepared(len(chosen))
