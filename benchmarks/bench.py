@@ -1,7 +1,8 @@
 """What all benchmarks share: timing side by side, switching compilation, and a Markdown report with its versions.
 
-Timings on a shared machine are noisy upwards only, so alternatives are timed in turn, round after round, and both the
-fastest and the median round are kept. Ratios are of the fastest rounds.
+Everything here runs on one core, and seconds are processor seconds of the process: on a machine that others use, wall
+time measures them. What is left of their noise goes upwards only, so alternatives are timed in turn, round after round,
+and both the fastest and the median round are kept. Ratios are of the fastest rounds.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import os
 import platform
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,6 +24,7 @@ import scipy
 from serpenoid.files import write_text
 from specimens import forget_functions
 
+clock = time.process_time
 REPORTS = Path(__file__).parents[1] / "results" / "benchmarks"
 
 
@@ -53,10 +56,10 @@ def side_by_side(work: Mapping[str, tuple[Callable[[], object], int]], rounds: i
     seconds: dict[str, list[float]] = {name: [] for name in work}
     for _ in range(rounds):
         for name, (function, calls) in work.items():
-            begin = time.perf_counter()
+            begin = clock()
             for _ in range(calls):
                 function()
-            seconds[name].append((time.perf_counter() - begin) / calls)
+            seconds[name].append((clock() - begin) / calls)
     return {name: Timing(min(values), float(np.median(values))) for name, values in seconds.items()}
 
 
@@ -76,6 +79,21 @@ def evaluation(compiled: bool) -> Iterator[None]:
         forget_functions()
 
 
+@contextmanager
+def empty_cache() -> Iterator[None]:
+    """Inside: nothing has been compiled yet."""
+    before = os.environ.get("SERPENOID_CACHE")
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["SERPENOID_CACHE"] = folder
+        forget_functions()
+        yield
+    forget_functions()
+    if before is None:
+        del os.environ["SERPENOID_CACHE"]
+    else:
+        os.environ["SERPENOID_CACHE"] = before
+
+
 def exponent(sizes: Sequence[float], seconds: Sequence[float]) -> float:
     """Slope of log time over log size."""
     return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
@@ -91,7 +109,8 @@ def report(name: str, title: str, *parts: str) -> None:
     """Print the report and write it to results/benchmarks/<name>.md."""
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     versions = f"Python {platform.python_version()}, CasADi {casadi.__version__}, NumPy {np.__version__}"
-    versions += f", SciPy {scipy.__version__}; {os.cpu_count()} cores, load {load} when written"
+    versions += f", SciPy {scipy.__version__}; {os.cpu_count()} cores, load {load} when written;"
+    versions += " processor seconds, one core"
     command = f"    PYTHONPATH=src:tests python benchmarks/{name}.py"
     text = "\n\n".join([f"# {title}", command, versions, *(part.strip() for part in parts)]) + "\n"
     write_text(REPORTS / f"{name}.md", text)
