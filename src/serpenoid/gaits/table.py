@@ -43,10 +43,8 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
         raise InputError(f"{path}: not a CSV text file ({error}).") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
-    if not rows:
-        raise InputError(f"{path}: is empty.")
-    m = joint_count or len(rows[0])
-    if rows[0] != header(m):
+    m = joint_count or (len(rows[0]) if rows else 2)
+    if not rows or rows[0] != header(m):
         names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
         raise InputError(f"{path}: the header must be {names} with {m} joints.")
     if len(rows) < 4:
