@@ -2,8 +2,8 @@
 
     PYTHONPATH=src python benchmarks/coverage.py [SEEDS]
 
-Each seed: the model's own motion (snake10, reference-like gait, eps = 0.1865, a cycle in 5 s at 120 frames a second), 0.2 mm
-marker noise, 5 % of all marker positions hidden, written as a Motive export, read, aligned, fitted; once with the
+Each seed: the model's own motion (snake10, a = 6, eps = 0.1865, a cycle in 5 s at 120 frames a second), 0.2 mm marker
+noise, 5 % of all marker positions hidden, written as a Motive export, read, aligned, fitted; once with the
 cameras alone and once with the servo log (rounded to ticks, 50 Hz, its own clock) beside it. Target: 90 to 98 %.
 Writes results/benchmarks/coverage.json.
 """
@@ -50,7 +50,8 @@ def summary(rows: np.ndarray, truth: float) -> dict[str, float]:
     covered = float((np.abs(z) <= 1.959964).mean())
     return {
         "seeds": len(rows), "covered": covered, "covered_sd": float(np.sqrt(covered * (1 - covered) / len(rows))),
-        "mean": float(rows[:, 0].mean()), "scatter": float(rows[:, 0].std(ddof=1)), "stated_sd": float(rows[:, 1].mean()),
+        "mean": float(rows[:, 0].mean()), "scatter": float(rows[:, 0].std(ddof=1)),
+        "stated_sd": float(rows[:, 1].mean()),
         "bias_in_sd": float(z.mean()), "noise_scale": float(rows[:, 2].mean()),
     }  # fmt: skip
 
