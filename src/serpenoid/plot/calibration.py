@@ -17,7 +17,7 @@ RMS_MAP = LinearSegmentedColormap.from_list("rms", [RED, "#F3D9C9", "#FFFFFF"])
 def displacement_for_eps(
     time_s: Floats, measured: Floats, eps: Floats, curves: Floats, rms: Floats, best: tuple[float, Floats], ax: Axes
 ) -> Axes:
-    """Measured displacement (R,) over simulated ones (E, R), redder where the RMS (E,) is small; best marked."""
+    """Measured displacement (R,) over simulated ones (E, R), redder where the RMS (E,) is small."""
     order = np.argsort(-rms)
     scale = max(float(rms.max()), 1e-12)
     for index in order:
