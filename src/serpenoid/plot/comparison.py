@@ -43,7 +43,7 @@ def paths(comparison: Comparison, ax: Axes) -> Axes:
     """Centroid paths and the last bodies."""
     for name, colour, path in _three(comparison):
         ax.plot(*path.poses[:, :2].T, color=colour, label=name, **LINES[name])
-        draw_body(path.vertices[-1], ax, colour, width=BODIES[name], joints=name == "Exp")
+        draw_body(path.vertices[-1], ax, colour, width=BODIES[name])
     draw_body(comparison.exp.vertices[0], ax, GREY, width=2.0)
     ax.set_aspect("equal", adjustable="datalim")
     dress(ax, "", "x [body lengths]", "y [body lengths]")
