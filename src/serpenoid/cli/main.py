@@ -32,6 +32,7 @@ VERBS: dict[str, str] = {
     "play": "play a gait on the robot and record it",
     "robot": "find, check, rehearse and switch off the robot's servos",
     "arena": "play gaits in the virtual laboratory and write a campaign",
+    "reproduce": "the paper's whole protocol in the arena, start to figures",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
