@@ -111,18 +111,19 @@ def _record(
     problem: Problem, trajectory: Trajectory, gait: Any, kind: str, status: str, message: str
 ) -> dict[str, Any]:
     body, task = problem.body, problem.task
-    per_cycle = trajectory.displacement
+    cycles = len(trajectory.step_energy) // trajectory.steps_per_cycle
+    per_cycle = trajectory.displacement / cycles, trajectory.dissipation / cycles
     return {
         "kind": kind,
         "status": status.lower(),
         "message": message,
-        "displacement_body_lengths": _number(per_cycle),
+        "displacement_body_lengths": _number(trajectory.displacement),
         "forward_displacement_body_lengths": _number(trajectory.forward_displacement),
         "heading_change_rad": _number(trajectory.heading_change),
         "dissipation": _number(trajectory.dissipation),
         "energy_raw": _number(trajectory.energy_raw),
-        "cost_of_transport": electrical_cost_of_transport(problem, per_cycle, trajectory.dissipation),
-        "cycles": len(trajectory.step_energy) // trajectory.steps_per_cycle,
+        "cost_of_transport": electrical_cost_of_transport(problem, *per_cycle),
+        "cycles": cycles,
         "gait": gait.model_dump(mode="json"),
         "body": {
             "vertices": body.vertices,
