@@ -1,0 +1,128 @@
+"""What cameras and servos report of a motion: observation effects, then noise, gaps, ticks and clocks.
+
+Order: marker displaced on the body, camera frame drifts, wrong length scale, jumps across gaps, noise, occlusion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from blind.motion import Drive
+from blind.schedule import Plan
+from blind.snake import JOINTS, TICK, VERTICES, Floats, vertices
+
+FRAMES_PER_SECOND = 120.0
+MARKER_NOISE = 0.2e-3  # m
+
+
+@dataclass(frozen=True)
+class Cameras:
+    """Parameters of the observation effects, neutral by default. `moved_marker`: vertex -> (along, left) [m]."""
+
+    moved_marker: dict[int, tuple[float, float]] = field(default_factory=dict)
+    scale_error: float = 0.0
+    clock_rate: float = 0.0
+    jump: float = 0.0
+    drift: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Clocks:
+    """Camera and servo clock at t0 [s], lead before t0 and tail after the schedule [s]."""
+
+    camera_t0: float
+    servo_t0: float
+    lead: float
+    tail: float
+
+
+@dataclass(frozen=True)
+class Film:
+    """time (F,) [s since t0], markers (F, N, 2) [m] with NaN where occluded, jumps (F, 2) [m] added at gaps."""
+
+    time: Floats
+    markers: Floats
+    jumps: Floats
+
+
+@dataclass(frozen=True)
+class ServoLog:
+    """time (R,) [s on the servo clock], cycle, step (R,), phase names, command and position (R, 10) [rad]."""
+
+    time: Floats
+    cycle: np.ndarray
+    step: np.ndarray
+    phase: np.ndarray
+    command: Floats
+    position: Floats
+
+
+def resample(time: Floats, nodes: Floats, values: Floats) -> Floats:
+    """Columns of `values` at `time`, linear between nodes, held outside."""
+    return np.column_stack([np.interp(time, nodes, column) for column in values.T])
+
+
+def seen_markers(cameras: Cameras, phi: Floats, pose: Floats, time: Floats, jumps: Floats) -> Floats:
+    """Noise-free marker positions (F, N, 2)."""
+    p = vertices(phi, pose)
+    seen = p.copy()
+    for vertex, (along, left) in cameras.moved_marker.items():
+        edge = max(vertex - 1, 0)
+        e = p[:, edge + 1] - p[:, edge]
+        e /= np.linalg.norm(e, axis=-1, keepdims=True)
+        seen[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], axis=-1)
+    seen += np.maximum(time, 0)[:, None, None] * np.array(cameras.drift)
+    return seen * (1 + cameras.scale_error) + jumps[:, None, :]
+
+
+def _gaps(rng: np.random.Generator, time: Floats) -> tuple[np.ndarray, np.ndarray]:
+    """Which markers are missing (F, N), and the frame at which the one gap of all markers ends."""
+    missing = np.zeros((len(time), VERTICES), dtype=bool)
+    for vertex in range(VERTICES):
+        for _ in range(rng.poisson(0.08 * (time[-1] - time[0]))):
+            start = rng.integers(len(time))
+            missing[start : start + int(rng.exponential(0.15) * FRAMES_PER_SECOND) + 1, vertex] = True
+    start = int(rng.uniform(0.2, 0.8) * len(time))
+    end = start + int(rng.uniform(0.08, 0.3) * FRAMES_PER_SECOND)
+    missing[start:end] = True
+    return missing, np.array([end])
+
+
+def film(rng: np.random.Generator, cameras: Cameras, drive: Drive, path: Floats, clocks: Clocks) -> Film:
+    """Markers at 120 frames a second, from before t0 until after the end."""
+    first = -clocks.lead + rng.uniform(0, 1 / FRAMES_PER_SECOND)
+    time = np.arange(first, drive.time[-1] + clocks.tail, 1 / FRAMES_PER_SECOND)
+    missing, ends = _gaps(rng, time)
+    directions = rng.uniform(0, 2 * np.pi, len(ends))
+    jumps = np.zeros((len(time), 2))
+    for end, direction in zip(ends, directions, strict=True):
+        jumps[end:] += cameras.jump * np.array([np.cos(direction), np.sin(direction)])
+    phi, pose = resample(time, drive.time, drive.phi), resample(time, drive.time, path)
+    seen = seen_markers(cameras, phi, pose, time, jumps) + rng.normal(0, MARKER_NOISE, (len(time), VERTICES, 2))
+    seen[missing] = np.nan
+    return Film(time, seen, jumps)
+
+
+def servo_log(
+    rng: np.random.Generator,
+    plan: Plan,
+    drive: Drive,
+    reading: Floats,
+    rate: float,
+    clocks: Clocks,
+    hertz: float = 60.0,
+) -> ServoLog:
+    """Rows at a slightly irregular pace; positions in ticks with a flicker of the last one."""
+    count = int((drive.time[-1] + clocks.lead + clocks.tail) * hertz)
+    time = -clocks.lead + (np.arange(count) + rng.uniform(-0.2, 0.2, count)) / hertz
+    rows, period = len(plan.table), plan.cycle_s + plan.pause_s
+    cycle = np.clip(np.floor(time / period), 0, plan.cycles - 1).astype(int)
+    into = time - cycle * period
+    step = np.clip(np.floor(into / plan.cycle_s * rows), 0, rows).astype(int)
+    phase = np.where(step == rows, "pause", "play").astype("<U8")
+    phase[time < 0], phase[time > drive.time[-1]] = "approach", "end"
+    flicker = rng.normal(0, 0.4 * TICK, (count, JOINTS))
+    position = np.round((resample(time, drive.time, reading) + flicker) / TICK) * TICK
+    return ServoLog(clocks.servo_t0 + (1 + rate) * time, cycle, step, phase, plan.table[step % rows], position)

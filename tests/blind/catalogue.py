@@ -1,0 +1,225 @@
+"""What can be hidden: names, places, how strengths are drawn, and what each does to the world. Laws: EFFECTS.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+
+from blind.cameras import Cameras
+from blind.ground import ExternalForce, Ground, Patch
+from blind.motion import Drive, paths
+from blind.schedule import Servos
+from blind.snake import JOINTS, VERTICES, WEIGHTS, Floats
+
+ACTUATION, MEDIUM, OBSERVATION = "actuation", "medium", "observation"
+Parameters = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A hidden effect: name, place (joint 1..10, vertex 0..11, or None), parameters in SI units."""
+
+    name: str
+    place: int | None = None
+    parameters: Parameters = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, object]:
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class World:
+    """Everything that decides what a campaign's data look like, apart from chance."""
+
+    ground: Ground
+    servos: Servos = Servos()
+    cameras: Cameras = Cameras()
+    gust: Callable[[int], ExternalForce] | None = None
+
+    def paths(self, drives: Sequence[Drive], trials: Sequence[int] | None = None) -> list[Floats]:
+        """Poses of each trial; a gust needs to know which trials they are (default 0, 1, ...)."""
+        if self.gust is None:
+            return paths(self.ground, list(drives))
+        numbers = trials if trials is not None else range(len(drives))
+        grounds = [replace(self.ground, external=(self.gust(i),)) for i in numbers]
+        return [paths(g, [d])[0] for g, d in zip(grounds, drives, strict=True)]
+
+
+Draw = Callable[[np.random.Generator, int | None], Parameters]
+Apply = Callable[[World, int, Parameters], World]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One entry of the catalogue. `places`: the possible ones, (None,) for a global effect."""
+
+    site: str
+    places: tuple[int | None, ...]
+    draw: Draw
+    apply: Apply
+
+
+GLOBAL: tuple[None] = (None,)
+AT_JOINT = tuple(range(1, JOINTS + 1))
+AT_VERTEX = tuple(range(VERTICES))
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _one(name: str, low: float, high: float) -> Draw:
+    return lambda rng, place: {name: _log(rng, low, high)}
+
+
+def _either(name: str, low: float, high: float) -> Draw:
+    return lambda rng, place: {name: float(rng.choice([-1, 1])) * _log(rng, low, high)}
+
+
+def _arrow(x: str, y: str, low: float, high: float) -> Draw:
+    def draw(rng: np.random.Generator, place: int | None) -> Parameters:
+        size, angle = _log(rng, low, high), rng.uniform(0, 2 * np.pi)
+        return {x: float(size * np.cos(angle)), y: float(size * np.sin(angle))}
+
+    return draw
+
+
+def _load(rng: np.random.Generator, place: int | None) -> Parameters:
+    lighter = rng.uniform() < 0.3
+    carried = float(WEIGHTS[place or 0])
+    return {"share": -carried * _log(rng, 0.1, 1.0) if lighter else _log(rng, 0.01, 0.4)}
+
+
+def _patch(rng: np.random.Generator, place: int | None) -> Parameters:
+    strength = _log(rng, 0.2, 4.0) if rng.uniform() < 0.5 else -_log(rng, 0.2, 0.9)
+    x, y = rng.uniform(-0.35, 0.35, 2)
+    return {"strength": strength, "x": float(x), "y": float(y), "radius": _log(rng, 0.12, 0.35)}
+
+
+def _exponent(rng: np.random.Generator, place: int | None) -> Parameters:
+    return {"exponent": float(np.exp(rng.choice([-1, 1]) * _log(rng, 0.03, 0.6)))}
+
+
+def _ground(**values: Callable[[int, Parameters], object]) -> Apply:
+    def apply(world: World, place: int, p: Parameters) -> World:
+        return replace(world, ground=replace(world.ground, **{k: f(place, p) for k, f in values.items()}))  # type: ignore[arg-type]
+
+    return apply
+
+
+def _servos(**values: Callable[[int, Parameters], object]) -> Apply:
+    def apply(world: World, place: int, p: Parameters) -> World:
+        old = world.servos
+        new = {k: f(place, p) for k, f in values.items()}
+        merged = {k: {**getattr(old, k), **v} if isinstance(v, dict) else v for k, v in new.items()}
+        return replace(world, servos=replace(old, **merged))  # type: ignore[arg-type]
+
+    return apply
+
+
+def _cameras(**values: Callable[[int, Parameters], object]) -> Apply:
+    def apply(world: World, place: int, p: Parameters) -> World:
+        return replace(world, cameras=replace(world.cameras, **{k: f(place, p) for k, f in values.items()}))  # type: ignore[arg-type]
+
+    return apply
+
+
+def _merge(name: str, parameter: str) -> Apply:
+    """Add {place: value} to a dictionary of the ground."""
+
+    def apply(world: World, place: int, p: Parameters) -> World:
+        merged = {**getattr(world.ground, name), place: p[parameter]}
+        return replace(world, ground=replace(world.ground, **{name: merged}))
+
+    return apply
+
+
+CATALOGUE: dict[str, Kind] = {
+    "servo_lag": Kind(ACTUATION, GLOBAL, _one("lag", 0.005, 0.15), _servos(lag=lambda k, p: p["lag"])),
+    "gain_loss": Kind(ACTUATION, AT_JOINT, _one("loss", 0.005, 0.6), _servos(loss=lambda k, p: {k: p["loss"]})),
+    "zero_offset": Kind(
+        ACTUATION, AT_JOINT, _either("offset", 0.002, 0.2), _servos(offset=lambda k, p: {k: p["offset"]})
+    ),
+    "stuck_joint": Kind(ACTUATION, AT_JOINT, _either("angle", 0.01, 0.35), _servos(stuck=lambda k, p: {k: p["angle"]})),
+    "backlash": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _servos(width=lambda k, p: {k: p["width"]})),
+    "speed_saturation": Kind(
+        ACTUATION, GLOBAL, _one("max_speed", 0.3, 1.2), _servos(max_speed=lambda k, p: p["max_speed"])
+    ),
+    "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.03, 1.0), _merge("seizure", "seizure")),
+    "load": Kind(MEDIUM, AT_VERTEX, _load, _merge("share", "share")),
+    "dry_friction": Kind(
+        MEDIUM, GLOBAL, _one("crossover_speed", 0.003, 0.5), _ground(crossover_speed=lambda k, p: p["crossover_speed"])
+    ),
+    "grip_saturation": Kind(
+        MEDIUM,
+        GLOBAL,
+        _one("saturation_speed", 0.02, 1.0),
+        _ground(saturation_speed=lambda k, p: p["saturation_speed"]),
+    ),
+    "forward_backward_asymmetry": Kind(
+        MEDIUM, GLOBAL, _either("asymmetry", 0.02, 0.8), _ground(forward_backward=lambda k, p: p["asymmetry"])
+    ),
+    "left_right_asymmetry": Kind(
+        MEDIUM, GLOBAL, _either("asymmetry", 0.02, 0.6), _ground(left_right=lambda k, p: p["asymmetry"])
+    ),
+    "toe": Kind(MEDIUM, GLOBAL, _either("angle", 0.004, 0.2), _ground(toe=lambda k, p: p["angle"])),
+    "slope": Kind(
+        MEDIUM, GLOBAL, _arrow("pull_x", "pull_y", 2e-4, 0.015), _ground(pull=lambda k, p: (p["pull_x"], p["pull_y"]))
+    ),
+    "friction_patch": Kind(MEDIUM, GLOBAL, _patch, _ground(patches=lambda k, p: (Patch(**p),))),
+    "friction_gradient": Kind(
+        MEDIUM,
+        GLOBAL,
+        _arrow("gradient_x", "gradient_y", 0.05, 1.5),
+        _ground(gradient=lambda k, p: (p["gradient_x"], p["gradient_y"])),
+    ),
+    "anisotropy_drift": Kind(MEDIUM, GLOBAL, _either("rate", 0.003, 0.08), _ground(drift_rate=lambda k, p: p["rate"])),
+    "power_law_drag": Kind(MEDIUM, GLOBAL, _exponent, _ground(exponent=lambda k, p: p["exponent"])),
+    "inertia": Kind(
+        MEDIUM, GLOBAL, _one("relaxation_time", 0.02, 2.0), _ground(inertia=lambda k, p: p["relaxation_time"])
+    ),
+    "added_mass": Kind(
+        MEDIUM, GLOBAL, _one("relaxation_time", 0.02, 2.0), _ground(added_mass=lambda k, p: p["relaxation_time"])
+    ),
+    "contact_offset": Kind(
+        MEDIUM, GLOBAL, _either("offset", 0.002, 0.03), _ground(contact_offset=lambda k, p: p["offset"])
+    ),
+    "marker_offset": Kind(
+        OBSERVATION,
+        AT_VERTEX,
+        _arrow("along", "left", 0.3e-3, 15e-3),
+        _cameras(moved_marker=lambda k, p: {k: (p["along"], p["left"])}),
+    ),
+    "length_scale": Kind(
+        OBSERVATION, GLOBAL, _either("error", 0.001, 0.04), _cameras(scale_error=lambda k, p: p["error"])
+    ),
+    "clock_offset": Kind(OBSERVATION, GLOBAL, _either("rate", 5e-4, 0.03), _cameras(clock_rate=lambda k, p: p["rate"])),
+    "position_jumps": Kind(OBSERVATION, GLOBAL, _one("size", 1e-3, 40e-3), _cameras(jump=lambda k, p: p["size"])),
+    "frame_drift": Kind(
+        OBSERVATION,
+        GLOBAL,
+        _arrow("velocity_x", "velocity_y", 1e-4, 5e-3),
+        _cameras(drift=lambda k, p: (p["velocity_x"], p["velocity_y"])),
+    ),
+}
+
+
+def draw(rng: np.random.Generator, count: int) -> list[Effect]:
+    """`count` effects with different names, names uniform over the catalogue, places uniform over the robot."""
+    names = rng.choice(sorted(CATALOGUE), size=count, replace=False)
+    found = []
+    for name in names:
+        kind = CATALOGUE[str(name)]
+        place = kind.places[int(rng.integers(len(kind.places)))]
+        found.append(Effect(str(name), place, kind.draw(rng, place)))
+    return found
+
+
+def world(eps: float, effects: Sequence[Effect]) -> World:
+    """The world with these effects in it."""
+    w = World(Ground(eps))
+    for e in effects:
+        w = CATALOGUE[e.name].apply(w, e.place if e.place is not None else -1, e.parameters)
+    return w

@@ -1,0 +1,127 @@
+"""Friction laws: what the floor does to a contact point. Formulas and names in EFFECTS.md.
+
+v_t, v_n: velocity along the tangent and to its left [m/s]; forces divided by the drag level, so in m/s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from blind.snake import WEIGHTS, Floats
+
+CREEP = 1e-3  # m/s, softens signs and norms
+POWER_SPEED = 0.1  # m/s
+
+# world positions (S, N, 2), time (S,) -> forces on the vertices (S, N, 2)
+ExternalForce = Callable[[Floats, Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Patch:
+    strength: float
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class PhaseSlip:
+    """Vertex that loses its grip between two phases of the cycle (outside the catalogue)."""
+
+    vertex: int
+    centre: float
+    width: float
+    left_over: float
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Everything medium; defaults are neutral and give F_k = -w_k (eps v_t T_k + v_n N_k)."""
+
+    eps: float
+    seizure: dict[int, float] = field(default_factory=dict)
+    share: dict[int, float] = field(default_factory=dict)
+    crossover_speed: float = 0.0
+    saturation_speed: float = np.inf
+    forward_backward: float = 0.0
+    left_right: float = 0.0
+    toe: float = 0.0
+    pull: tuple[float, float] = (0.0, 0.0)
+    patches: tuple[Patch, ...] = ()
+    gradient: tuple[float, float] = (0.0, 0.0)
+    drift_rate: float = 0.0
+    exponent: float = 1.0
+    inertia: float = 0.0
+    added_mass: float = 0.0
+    contact_offset: float = 0.0
+    phase_slips: tuple[PhaseSlip, ...] = ()
+    external: tuple[ExternalForce, ...] = ()
+
+    @property
+    def linear(self) -> bool:
+        """Is the force linear in the velocity?"""
+        odd = self.forward_backward, self.left_right, self.crossover_speed
+        return not any(odd) and np.isinf(self.saturation_speed) and self.exponent == 1
+
+    @property
+    def knows_place(self) -> bool:
+        """Does the force depend on where the body is or how it is turned?"""
+        return bool(self.patches or any(self.gradient) or any(self.pull) or self.external)
+
+    @property
+    def inertial(self) -> bool:
+        return self.inertia > 0 or self.added_mass > 0
+
+    @property
+    def drag_weights(self) -> Floats:
+        w = WEIGHTS.copy()
+        for vertex, share in self.share.items():
+            w[vertex] = max(w[vertex] + share, 0.0)
+        return w
+
+    def tangential(self, time: Floats) -> Floats:
+        """Anisotropy ratio of each vertex, (S, N)."""
+        eps = np.broadcast_to(self.eps * np.exp(self.drift_rate * time[..., None]), (*time.shape, len(WEIGHTS))).copy()
+        for vertex, s in self.seizure.items():
+            eps[..., vertex] += s * (1 - eps[..., vertex])
+        return eps
+
+    def level(self, world: Floats, phase: Floats) -> Floats:
+        """Weight of each contact (S, N): load, patch, gradient, phase slip."""
+        w = np.broadcast_to(self.drag_weights, world.shape[:-1]).copy()
+        for p in self.patches:
+            distance2 = (world[..., 0] - p.x) ** 2 + (world[..., 1] - p.y) ** 2
+            w *= 1 + p.strength * np.exp(-distance2 / (2 * p.radius**2))
+        if any(self.gradient):
+            w *= np.exp(world @ np.array(self.gradient))
+        for s in self.phase_slips:
+            away = np.abs((phase - s.centre + 0.5) % 1 - 0.5)
+            w[..., s.vertex] *= np.where(away < s.width / 2, s.left_over, 1.0)
+        return w
+
+    def force(self, level: Floats, eps: Floats, v_t: Floats, v_n: Floats) -> tuple[Floats, Floats]:
+        """Tangential and normal force on each contact."""
+        factor = level
+        if self.crossover_speed or self.exponent != 1:
+            speed = np.sqrt(v_t**2 + v_n**2 + CREEP**2)
+            factor = factor * ((speed / POWER_SPEED) ** (self.exponent - 1) + self.crossover_speed / speed)
+        f_t, f_n = -factor * eps * v_t, -factor * v_n
+        if self.forward_backward:
+            f_t = f_t * (1 - self.forward_backward * v_t / np.sqrt(v_t**2 + CREEP**2))
+        if self.left_right:
+            f_n = f_n * (1 + self.left_right * v_n / np.sqrt(v_n**2 + CREEP**2))
+        if np.isfinite(self.saturation_speed):
+            f_n = f_n / np.sqrt(1 + (v_n / self.saturation_speed) ** 2)
+        return f_t, f_n
+
+    def external_force(self, world: Floats, time: Floats) -> Floats | None:
+        """World-frame forces on the vertices (S, N, 2), or None."""
+        if not any(self.pull) and not self.external:
+            return None
+        total = WEIGHTS[:, None] * np.array(self.pull) + np.zeros_like(world)
+        for pulling in self.external:
+            total = total + pulling(world, time)
+        return total

@@ -1,0 +1,131 @@
+"""From a joint table to realised joint angles on a fine time grid: the schedule and what happens in the servos.
+
+Times are seconds since t0. The set-point is piecewise linear through the rows; each effect is a map set-point -> angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from blind.snake import JOINTS, Floats
+
+STEPS_PER_CYCLE = 2000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One trial as planned: table (T, 10) [rad], duration of a cycle and of the pause after it [s]."""
+
+    table: Floats
+    cycle_s: float
+    pause_s: float
+    cycles: int
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes: time (n + 1,) [s], set-points (n + 1, 10), phase in cycles (n + 1,), playing (n,)."""
+
+    time: Floats
+    setpoint: Floats
+    phase: Floats
+    playing: np.ndarray
+
+
+@dataclass(frozen=True)
+class Servos:
+    """Parameters of the actuation effects, neutral by default. Dictionaries: joint number -> value."""
+
+    lag: float = 0.0
+    max_speed: float = np.inf
+    width: dict[int, float] = field(default_factory=dict)
+    loss: dict[int, float] = field(default_factory=dict)
+    stuck: dict[int, float] = field(default_factory=dict)
+    offset: dict[int, float] = field(default_factory=dict)
+    varying_lag: tuple[float, float, float] | None = None  # mean lag [s], period [s], phase [rad]
+
+
+def grid(plan: Plan, steps_per_cycle: int = STEPS_PER_CYCLE) -> Grid:
+    """Nodes that meet every row of the table; a pause gets a tenth of a cycle's steps."""
+    rows = len(plan.table)
+    sub = steps_per_cycle // rows
+    n, rest = sub * rows, max(1, sub * rows // 10)
+    cycle_phase = np.arange(n + 1) / n
+    closed = np.concatenate([plan.table, plan.table[:1]])
+    position = np.minimum(cycle_phase * rows, rows - 1e-12)
+    row = position.astype(int)
+    row[np.arange(n + 1) % sub == 0] = np.minimum(np.arange(rows + 1), rows - 1)  # exact at the rows
+    part = (cycle_phase * rows - row)[:, None]
+    played = closed[row] * (1 - part) + closed[row + 1] * part
+    time, phase, points, playing = [np.zeros(1)], [np.zeros(1)], [closed[:1]], []
+    for k in range(plan.cycles):
+        start = k * (plan.cycle_s + plan.pause_s)
+        time += [start + cycle_phase[1:] * plan.cycle_s]
+        phase += [k + cycle_phase[1:]]
+        points += [played[1:]]
+        playing += [np.ones(n, dtype=bool)]
+        if plan.pause_s > 0:
+            time += [start + plan.cycle_s + np.arange(1, rest + 1) / rest * plan.pause_s]
+            phase += [np.full(rest, k + 1.0)]
+            points += [np.repeat(closed[:1], rest, axis=0)]
+            playing += [np.zeros(rest, dtype=bool)]
+    return Grid(np.concatenate(time), np.concatenate(points), np.concatenate(phase), np.concatenate(playing))
+
+
+def _lagged(time: Floats, target: Floats, lag: Floats) -> Floats:
+    """q' = (target - q) / lag, exact for a target that is linear between nodes; lag per step (n,)."""
+    q = np.empty_like(target)
+    q[0] = target[0]
+    h = np.diff(time)
+    slope = np.diff(target, axis=0) / h[:, None]
+    decay = np.exp(-h / lag)
+    for i in range(len(h)):
+        behind = lag[i] * slope[i]
+        q[i + 1] = target[i + 1] - behind + (q[i] - target[i] + behind) * decay[i]
+    return q
+
+
+def _rate_limited(time: Floats, target: Floats, max_speed: float) -> Floats:
+    q = np.empty_like(target)
+    q[0] = target[0]
+    for i, reach in enumerate(np.diff(time) * max_speed):
+        q[i + 1] = q[i] + np.clip(target[i + 1] - q[i], -reach, reach)
+    return q
+
+
+def _play(target: Floats, width: float) -> Floats:
+    """The play operator for one joint: stays until the target has crossed the gap, then follows at its edge."""
+    q = np.empty_like(target)
+    q[0] = target[0]
+    for i in range(1, len(target)):
+        q[i] = min(max(q[i - 1], target[i] - width / 2), target[i] + width / 2)
+    return q
+
+
+def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
+    """True joint angles and what the servos read (before rounding), both (n + 1, 10)."""
+    q = g.setpoint.copy()
+    if servos.lag > 0:
+        q = _lagged(g.time, q, np.full(len(g.time) - 1, servos.lag))
+    if servos.varying_lag is not None:
+        mean, period, phase = servos.varying_lag
+        middle = (g.time[1:] + g.time[:-1]) / 2
+        q = _lagged(g.time, q, mean * (1.02 + np.sin(2 * np.pi * middle / period + phase)))
+    if np.isfinite(servos.max_speed):
+        q = _rate_limited(g.time, q, servos.max_speed)
+    for joint, width in servos.width.items():
+        q[:, joint - 1] = _play(q[:, joint - 1], width)
+    for joint, loss in servos.loss.items():
+        q[:, joint - 1] *= 1 - loss
+    for joint, angle in servos.stuck.items():
+        q[:, joint - 1] = angle
+    reading = q
+    if servos.offset:
+        q = q.copy()
+        for joint, offset in servos.offset.items():
+            q[:, joint - 1] += offset
+    if q.shape[1] != JOINTS:
+        raise ValueError(f"the table needs {JOINTS} joints, got {q.shape[1]}")
+    return q, reading

@@ -1,0 +1,145 @@
+"""Right or wrong: what a diagnosis said against what was hidden.
+
+The answer is the chosen effects together with the alternatives. It is right if it contains every hidden effect that had
+to be found and each other member has a separation S_ab < 3 from a hidden one. S >= 3: the name is required; S < 1:
+"nothing" is right; between: reported, not scored.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from blind.catalogue import Effect
+
+REQUIRED, UNSEEN = 3.0, 1.0
+FAMILIES = ({"gain_loss", "stuck_joint"},)
+
+
+@dataclass(frozen=True, order=True)
+class Name:
+    """What was named and where."""
+
+    name: str
+    place: int | None = None
+
+    def __str__(self) -> str:
+        return self.name if self.place is None else f"{self.name}@{self.place}"
+
+
+def _place(value: Any) -> int | None:
+    if value is None or isinstance(value, bool):
+        return None
+    if isinstance(value, (int, float)):
+        return int(value)
+    number = re.search(r"(\d+)$", str(value))
+    return int(number.group(1)) if number else None
+
+
+def names(items: Sequence[Mapping[str, Any]]) -> list[Name]:
+    """Names in a list of effects; an item may be a combination `{effects: [...]}`."""
+    found: list[Name] = []
+    for item in items:
+        found += names(item["effects"]) if "effects" in item else [Name(str(item["name"]), _place(item.get("place")))]
+    return list(dict.fromkeys(found))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """verdict; chosen effects; the group = chosen and alternatives."""
+
+    verdict: str
+    chosen: tuple[Name, ...]
+    group: tuple[Name, ...]
+
+
+def answer(diagnosis: Mapping[str, Any]) -> Answer:
+    chosen = names(diagnosis.get("effects", []))
+    others = names(diagnosis.get("alternatives", []))
+    return Answer(str(diagnosis["verdict"]), tuple(chosen), tuple(dict.fromkeys([*chosen, *others])))
+
+
+def same_family(a: Name, b: Name) -> bool:
+    return a.place == b.place and any({a.name, b.name} <= family for family in FAMILIES)
+
+
+# S_ab of a hidden effect (by index) from a named rival
+Separation = Callable[[int, Name], float]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """outcome: right, wrong, missed (nothing named), false alarm, unscored; the separations that were needed."""
+
+    outcome: str
+    separations: dict[str, float]
+
+
+def judge(said: Answer, truth: Sequence[Effect], strengths: Sequence[float], separation: Separation) -> Judgement:
+    """For catalogue effects; with no hidden effect, naming anything is a false alarm."""
+    hidden = [Name(e.name, e.place) for e in truth]
+    must = [h for h, s in zip(hidden, strengths, strict=True) if s >= REQUIRED]
+    silent = said.verdict == "nothing" or not said.chosen
+    if not hidden or all(s < UNSEEN for s in strengths):
+        if silent:
+            return Judgement("right", {})
+        named_truth = bool(hidden) and set(said.chosen) <= set(hidden)
+        return Judgement("right name below the floor" if named_truth else "false alarm", {})
+    needed: dict[str, float] = {}
+
+    def near(member: Name, i: int) -> bool:
+        if member == hidden[i]:
+            return True
+        key = f"{hidden[i]} / {member}"
+        needed[key] = separation(i, member)
+        return needed[key] < REQUIRED
+
+    if silent:
+        return Judgement("missed" if must else "unscored", {})
+    found = all(
+        h in said.group or any(same_family(m, h) and near(m, i) for m in said.group)
+        for i, h in enumerate(hidden)
+        if h in must
+    )
+    fitting = all(any(near(m, i) for i in range(len(hidden))) for m in said.group if m not in hidden)
+    if not must:
+        return Judgement("unscored", needed)
+    return Judgement("right" if found and fitting else "wrong", needed)
+
+
+def coverage(diagnosis: Mapping[str, Any], truth: Sequence[Effect]) -> dict[str, bool]:
+    """Does each reported 95 % interval of a rightly named effect contain the truth?"""
+    hidden = {Name(e.name, e.place): e.parameters for e in truth}
+    covered: dict[str, bool] = {}
+    for item in diagnosis.get("effects", []):
+        true = hidden.get(Name(str(item["name"]), _place(item.get("place"))), {})
+        for parameter, said in item.get("parameters", {}).items():
+            if parameter not in true or said.get("at_bound"):
+                continue
+            interval = said.get("interval") or [None, None]
+            low, high = (float(v) if v is not None else s * np.inf for v, s in zip(interval, (-1, 1), strict=True))
+            covered[f"{item['name']}.{parameter}"] = bool(low <= true[parameter] <= high)
+    return covered
+
+
+def wilson(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
+    """95 % interval of a proportion (Wilson 1927); (0, 1) without trials."""
+    if trials == 0:
+        return 0.0, 1.0
+    p, n = successes / trials, trials
+    centre = (p + z**2 / (2 * n)) / (1 + z**2 / n)
+    half = z * np.sqrt(p * (1 - p) / n + z**2 / (4 * n**2)) / (1 + z**2 / n)
+    return max(0.0, float(centre - half)), min(1.0, float(centre + half))
+
+
+def confusion(pairs: Sequence[tuple[str, str]]) -> dict[str, dict[str, int]]:
+    """How often each hidden name (outer key) was answered by each chosen name."""
+    table: dict[str, dict[str, int]] = {}
+    for (hidden, chosen), count in sorted(Counter(pairs).items()):
+        table.setdefault(hidden, {})[chosen] = count
+    return table

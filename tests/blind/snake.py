@@ -1,0 +1,72 @@
+"""The ten-servo snake and the kinematics of its shapes, by angles.
+
+r_k: vertex k about the weighted centroid, in the frame of the mean edge angle; alpha_j: angle of edge j in that frame;
+tau_k: angle of the vertex tangent = mean of the adjacent edge angles. S: any leading dimensions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+SPACING = 0.92 / 11
+EDGES = np.array([SPACING / 2, *[SPACING] * 9, SPACING / 2])  # tail to head [m]
+MASS_KG = 1.38
+MASSES = np.array([0.2, *[0.098] * 10, 0.2])  # batteries in head and tail
+WEIGHTS = MASSES / MASSES.sum()
+JOINT_LIMIT = np.deg2rad(60)
+SPEED_LIMIT = 57 * 2 * np.pi / 60  # rad/s
+TICK = 2 * np.pi / 4096
+VERTICES, JOINTS = 12, 10
+
+
+@dataclass(frozen=True)
+class Shape:
+    """r, r_rate (S, N, 2) [m, m/s]; tau, tau_rate (S, N) [rad, rad/s]."""
+
+    r: Floats
+    r_rate: Floats
+    tau: Floats
+    tau_rate: Floats
+
+
+def _vertex_mean(edge: Floats) -> Floats:
+    return np.concatenate([edge[..., :1], (edge[..., :-1] + edge[..., 1:]) / 2, edge[..., -1:]], axis=-1)
+
+
+def _edge_angles(phi: Floats) -> Floats:
+    alpha = np.concatenate([np.zeros((*phi.shape[:-1], 1)), np.cumsum(phi, axis=-1)], axis=-1)
+    return alpha - alpha.mean(axis=-1, keepdims=True)
+
+
+def _chain(edge_vectors: Floats) -> Floats:
+    """Vertices about their weighted centroid from edge vectors (S, N - 1, 2)."""
+    r = np.concatenate([np.zeros((*edge_vectors.shape[:-2], 1, 2)), np.cumsum(edge_vectors, axis=-2)], axis=-2)
+    return r - (WEIGHTS @ r)[..., None, :]
+
+
+def shape(phi: Floats, phi_rate: Floats) -> Shape:
+    """Joint angles and rates (S, 10) -> the shape and its rate of change."""
+    alpha, alpha_rate = _edge_angles(phi), _edge_angles(phi_rate)
+    unit = np.stack([np.cos(alpha), np.sin(alpha)], axis=-1)
+    turned = np.stack([-unit[..., 1], unit[..., 0]], axis=-1)
+    r = _chain(EDGES[:, None] * unit)
+    r_rate = _chain((EDGES * alpha_rate)[..., None] * turned)
+    return Shape(r, r_rate, _vertex_mean(alpha), _vertex_mean(alpha_rate))
+
+
+def vertices(phi: Floats, pose: Floats) -> Floats:
+    """World positions (S, N, 2) from joint angles (S, 10) and poses (S, 3)."""
+    return to_world(shape(phi, np.zeros_like(phi)).r, pose)
+
+
+def to_world(r: Floats, pose: Floats) -> Floats:
+    """Rotate body-frame points (S, N, 2) by the heading and add the position."""
+    c, s = np.cos(pose[..., 2:]), np.sin(pose[..., 2:])
+    x = c * r[..., 0] - s * r[..., 1] + pose[..., :1]
+    y = s * r[..., 0] + c * r[..., 1] + pose[..., 1:2]
+    return np.stack([x, y], axis=-1)

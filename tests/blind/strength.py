@@ -1,0 +1,159 @@
+"""Floor F and strength S of what is hidden in a campaign, as the issue on diagnosis words them.
+
+F: start-aligned path RMS between the measurement and the true law driven by the recorded shapes [m].
+S: what the effect leaves of the true (noise-free, slip-free) path after eps and the start pose are refitted, over F.
+Effects on shapes and on markers are judged on their own rung (`shape_signature`): the worst joint's or link's RMS,
+over that rung's floor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from blind.cameras import MARKER_NOISE, resample, seen_markers
+from blind.campaign import Campaign, make
+from blind.catalogue import CATALOGUE, MEDIUM, Effect, World, world
+from blind.ground import Ground
+from blind.motion import Drive, paths
+from blind.records import record
+from blind.schedule import Grid, grid, realise
+from blind.snake import EDGES, TICK, Floats
+
+COARSE_HERTZ = 60.0
+GYRATION = 0.27  # m, of the stretched body
+READING_FLOOR = TICK * np.sqrt(1 / 12 + 0.4**2)  # rad, reading against set-point
+MARKER_ANGLE_FLOOR = 2e-3  # rad, joint angle of smoothed markers against the reading
+LINK_FLOOR = MARKER_NOISE * np.sqrt(2) / np.sqrt(11)  # m, smoothed over 11 frames
+ON_THE_PATH = ("position_jumps", "frame_drift")  # observation effects that show in the path
+
+
+def path_rms(differences: Sequence[Floats]) -> float:
+    """Root mean square over trials of each trial's mean square distance [m]; frames in gaps do not count."""
+    return float(np.sqrt(np.mean([np.nanmean((d**2).sum(axis=1)) for d in differences])))
+
+
+def floor(c: Campaign) -> float:
+    """F [m]."""
+    records = [record(c.world, t) for t in c.trials]
+    predicted = c.world.paths([r.drive for r in records])
+    return path_rms([p[:, :2] - r.pose[:, :2] for p, r in zip(predicted, records, strict=True)])
+
+
+def registered(path: Floats, target: Floats) -> Floats:
+    """Centroids (F, 2) of the poses `path` (F, 3) after the one rigid motion that brings the bodies closest.
+
+    Whole bodies, because markers show the heading: a pose counts as two points, GYRATION before and behind its centre.
+    """
+
+    def points(pose: Floats) -> Floats:
+        arm = GYRATION * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
+        return np.concatenate([pose[:, :2] + arm, pose[:, :2] - arm])
+
+    p, q = points(path), points(target)
+    a, b = p - p.mean(axis=0), q - q.mean(axis=0)
+    angle = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return (path[:, :2] - p.mean(axis=0)) @ turn + q.mean(axis=0)
+
+
+def clean_drives(c: Campaign, one_per_setting: bool = False) -> list[Drive]:
+    """The true shapes and start poses without slips, on a coarse grid that keeps the schedule's corners."""
+    trials = [t for t in c.trials if not one_per_setting or t.name.endswith("-1")]
+    drives = []
+    for t in trials:
+        steps = int(np.ceil(t.setting.plan.cycle_s * COARSE_HERTZ / 50) * 50)
+        nodes = grid(t.setting.plan, steps)
+        phi = resample(nodes.time, t.drive.time, t.drive.phi)
+        drives.append(Drive(nodes.time, phi, nodes.phase, t.drive.start))
+    return drives
+
+
+def clean_paths(c: Campaign, drives: Sequence[Drive], trials: Sequence[int]) -> list[Floats]:
+    """Noise-free poses (F, 3) as the cameras' frame shows them."""
+    found = []
+    for d, p, i in zip(drives, c.world.paths(drives, trials), trials, strict=True):
+        film = c.trials[i].film
+        moved = d.time[:, None] * np.array(c.world.cameras.drift) + resample(d.time, film.time, film.jumps)
+        found.append(p + np.column_stack([moved, np.zeros(len(moved))]))
+    return found
+
+
+@dataclass(frozen=True)
+class NullFit:
+    """What the null law leaves of the clean paths after refitting eps and start poses."""
+
+    eps: float
+    rms: float
+
+
+def null_fit(drives: Sequence[Drive], targets: Sequence[Floats]) -> NullFit:
+    """Refit eps by a bounded scalar search."""
+
+    def left(log_eps: float) -> float:
+        predicted = paths(Ground(float(np.exp(log_eps))), list(drives))
+        return path_rms([registered(p, t) - t[:, :2] for p, t in zip(predicted, targets, strict=True)])
+
+    best = minimize_scalar(left, bounds=(np.log(0.01), np.log(1.0)), method="bounded", options={"xatol": 1e-4})
+    return NullFit(float(np.exp(best.x)), float(best.fun))
+
+
+def path_strength(c: Campaign, noise_floor: float) -> float:
+    """S on the rung of motion."""
+    drives = clean_drives(c)
+    return null_fit(drives, clean_paths(c, drives, range(len(drives)))).rms / noise_floor
+
+
+def _coarse(c: Campaign) -> list[Grid]:
+    return [grid(t.setting.plan, 400) for t in c.trials if t.name.endswith("-1")]
+
+
+def shape_signature(c: Campaign, w: World) -> Floats:
+    """Noise-free residuals of the shape rung in units of their floors, shape (time, channels).
+
+    Channels: reading - set-point per joint; marker joint angle - reading per joint; link length - known length.
+    """
+    blocks = []
+    for g in _coarse(c):
+        phi, reading = realise(g, w.servos)
+        pose = np.zeros((len(g.time), 3))
+        seen = seen_markers(replace(w.cameras, drift=(0.0, 0.0)), phi, pose, g.time, np.zeros((len(g.time), 2)))
+        links = np.diff(seen, axis=1)
+        angle = np.unwrap(np.arctan2(links[..., 1], links[..., 0]), axis=1)
+        late = w.cameras.clock_rate * (g.time - g.time.mean())  # a constant offset is calibrated, not an effect
+        heard = resample(g.time - late, g.time, reading)
+        blocks.append(
+            np.column_stack(
+                [
+                    (reading - g.setpoint) / READING_FLOOR,
+                    (np.diff(angle, axis=1) - heard) / MARKER_ANGLE_FLOOR,
+                    (np.linalg.norm(links, axis=-1) - EDGES) / LINK_FLOOR,
+                ]
+            )
+        )
+    return np.concatenate(blocks)
+
+
+def worst_channel(signature: Floats) -> float:
+    """The largest RMS of a channel."""
+    return float(np.sqrt((signature**2).mean(axis=0)).max())
+
+
+def on_path_rung(effect: Effect) -> bool:
+    """Is the effect judged by the path (True) or by shapes and markers (False)?"""
+    return CATALOGUE[effect.name].site == MEDIUM or effect.name in ON_THE_PATH
+
+
+def alone(c: Campaign, effect: Effect) -> Campaign:
+    """The campaign with only this one of its effects, for the strength of each of two."""
+    return c if len(c.effects) == 1 else make(c.seed, [effect], c.identity)
+
+
+def strength(c: Campaign, effect: Effect, noise_floor: float) -> float:
+    """S of one of the hidden effects, by itself."""
+    if on_path_rung(effect):
+        return path_strength(alone(c, effect), noise_floor)
+    return worst_channel(shape_signature(c, world(c.eps, [effect])))
