@@ -19,6 +19,7 @@ VERBS: dict[str, str] = {
     "solve": "find the optimal gait of a problem file",
     "sweep": "solve the family of optimal gaits over the dissipation coefficient",
     "show": "say what is in a results folder",
+    "effects": "list the physical effects that a model can have and a diagnosis can name",
     "schema": "print the schema of a problem file",
 }
 
