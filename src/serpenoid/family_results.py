@@ -35,7 +35,8 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
     }
     write_json(folder / "sweep.json", summary)
     if figures and len(solved) > 1:
+        from serpenoid.plot.family import Family
         from serpenoid.plot.figures import sweep_figures
 
-        sweep_figures(folder, result)
+        sweep_figures(folder, Family(result.c, result.displacement, result.dissipation, result.gaits))
     return summary

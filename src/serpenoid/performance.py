@@ -7,11 +7,14 @@ Along a family of gaits that minimise -Delta + c * dissipation it is least where
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.problem import Problem
 
+Range: TypeAlias = tuple[float, float]
 GRAVITY = 9.81  # m / s^2
 
 
@@ -38,12 +41,12 @@ def pareto_front(displacement: Floats, dissipation: Floats) -> np.ndarray:
 
 
 def idle_for_minimum(c: Floats, displacement: Floats, dissipation: Floats, low: float, high: float) -> Range | None:
-    """Idle levels for which the cost of transport is least at a c strictly inside (low, high); None: no such level."""
-    levels = np.concatenate([[0.0], np.geomspace(1e-4, 10.0, 4000)])
-    costs = (levels[:, None] + dissipation[None]) / displacement[None]
-    best = c[costs.argmin(axis=1)]
-    inside = levels[(best > low) & (best < high)]
-    return (float(inside.min()), float(inside.max())) if inside.size else None
+    """Idle levels for which the cost of transport is least at a c between low and high; None if the sweep is shorter.
 
-
-Range = tuple[float, float]
+    p(c) = Delta / c - dissipation falls with c (its slope is -Delta / c^2), so the two ends bound the levels.
+    """
+    if c.size < 2 or c.min() > low or c.max() < high:
+        return None
+    ends = np.array([low, high])
+    upper, lower = np.interp(ends, c, displacement) / ends - np.interp(ends, c, dissipation)
+    return float(lower), float(upper)

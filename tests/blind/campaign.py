@@ -117,11 +117,13 @@ def _hidden(seed: int, hide: str | int | Sequence[Effect], eps: float) -> tuple[
     return tuple(effects), catalogue.world(eps, effects)
 
 
-def make(seed: int, hide: str | int | Sequence[Effect], identity: str = "campaign") -> Campaign:
+def make(
+    seed: int, hide: str | int | Sequence[Effect], identity: str = "campaign", settings_used: int = len(COMBINATIONS)
+) -> Campaign:
     """`hide`: how many catalogue effects to draw, given effects, `outside`, or the name of one outside."""
     rng = np.random.default_rng([seed, 0])
     eps, slip_scale = float(np.exp(rng.uniform(np.log(0.12), np.log(0.3)))), float(np.exp(rng.uniform(-1.4, 0.4)))
-    settings = _settings(rng)
+    settings = _settings(rng)[:settings_used]
     effects, world = _hidden(seed, hide, eps)
     planned = [(i * REPEATS + r, f"{s.label}-{r + 1}", s) for i, s in enumerate(settings) for r in range(REPEATS)]
     trials = _perform(seed, world, planned, slip_scale)

@@ -145,9 +145,9 @@ CATALOGUE: dict[str, Kind] = {
     "stuck_joint": Kind(ACTUATION, AT_JOINT, _either("angle", 0.01, 0.35), _servos(stuck=lambda k, p: {k: p["angle"]})),
     "backlash": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _servos(width=lambda k, p: {k: p["width"]})),
     "speed_saturation": Kind(
-        ACTUATION, GLOBAL, _one("max_speed", 0.3, 1.2), _servos(max_speed=lambda k, p: p["max_speed"])
+        ACTUATION, GLOBAL, _one("max_speed", 0.4, 2.0), _servos(max_speed=lambda k, p: p["max_speed"])
     ),
-    "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.03, 1.0), _merge("seizure", "seizure")),
+    "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.15, 1.0), _merge("seizure", "seizure")),
     "load": Kind(MEDIUM, AT_VERTEX, _load, _merge("share", "share")),
     "dry_friction": Kind(
         MEDIUM, GLOBAL, _one("crossover_speed", 0.003, 0.5), _ground(crossover_speed=lambda k, p: p["crossover_speed"])
@@ -159,10 +159,10 @@ CATALOGUE: dict[str, Kind] = {
         _ground(saturation_speed=lambda k, p: p["saturation_speed"]),
     ),
     "forward_backward_asymmetry": Kind(
-        MEDIUM, GLOBAL, _either("asymmetry", 0.02, 0.8), _ground(forward_backward=lambda k, p: p["asymmetry"])
+        MEDIUM, GLOBAL, _either("asymmetry", 0.004, 0.6), _ground(forward_backward=lambda k, p: p["asymmetry"])
     ),
     "left_right_asymmetry": Kind(
-        MEDIUM, GLOBAL, _either("asymmetry", 0.02, 0.6), _ground(left_right=lambda k, p: p["asymmetry"])
+        MEDIUM, GLOBAL, _either("asymmetry", 0.01, 0.5), _ground(left_right=lambda k, p: p["asymmetry"])
     ),
     "toe": Kind(MEDIUM, GLOBAL, _either("angle", 0.004, 0.2), _ground(toe=lambda k, p: p["angle"])),
     "slope": Kind(
@@ -172,19 +172,19 @@ CATALOGUE: dict[str, Kind] = {
     "friction_gradient": Kind(
         MEDIUM,
         GLOBAL,
-        _arrow("gradient_x", "gradient_y", 0.05, 1.5),
+        _arrow("gradient_x", "gradient_y", 0.15, 2.5),
         _ground(gradient=lambda k, p: (p["gradient_x"], p["gradient_y"])),
     ),
     "anisotropy_drift": Kind(MEDIUM, GLOBAL, _either("rate", 0.003, 0.08), _ground(drift_rate=lambda k, p: p["rate"])),
     "power_law_drag": Kind(MEDIUM, GLOBAL, _exponent, _ground(exponent=lambda k, p: p["exponent"])),
     "inertia": Kind(
-        MEDIUM, GLOBAL, _one("relaxation_time", 0.02, 2.0), _ground(inertia=lambda k, p: p["relaxation_time"])
+        MEDIUM, GLOBAL, _one("relaxation_time", 0.005, 1.0), _ground(inertia=lambda k, p: p["relaxation_time"])
     ),
     "added_mass": Kind(
         MEDIUM, GLOBAL, _one("relaxation_time", 0.02, 2.0), _ground(added_mass=lambda k, p: p["relaxation_time"])
     ),
     "contact_offset": Kind(
-        MEDIUM, GLOBAL, _either("offset", 0.002, 0.03), _ground(contact_offset=lambda k, p: p["offset"])
+        MEDIUM, GLOBAL, _either("offset", 0.004, 0.035), _ground(contact_offset=lambda k, p: p["offset"])
     ),
     "marker_offset": Kind(
         OBSERVATION,

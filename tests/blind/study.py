@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,12 +31,13 @@ from blind.campaign import Campaign, make, with_experiment
 from blind.catalogue import CATALOGUE, Effect
 from blind.folder import seal, write
 from blind.gaits import random_table
+from blind.handful import HANDFUL
 from blind.score import Answer, Name, answer, coverage, judge
 from blind.separation import separation
 from blind.strength import floor, strength
 from blind.summary import summarise
 
-KINDS = {"null": 0, "one": 1, "two": 2, "outside": "outside", "followup": 1}
+KINDS: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside", "followup": 1, "handful": 0}
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,10 @@ class Study:
     key: str = "blind-1"
     timeout_s: float = 600.0
     keep: bool = False
+
+    def hidden(self, index: int) -> int | str | Sequence[Effect]:
+        """What to hide: a number of effects to draw, the name of a kind, or the given effects of the handful."""
+        return HANDFUL[index] if self.kind == "handful" else KINDS[self.kind]
 
     def digest(self, purpose: str, index: int) -> str:
         text = f"{purpose}:{self.kind}:{index}"
@@ -154,13 +160,13 @@ def run_one(study: Study, index: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as temporary:
         work = Path(temporary)
         folder, out, sealed = work / identity, work / "out", work / "sealed" / f"{identity}.json"
-        c = make(seed, KINDS[study.kind], identity)
+        c = make(seed, study.hidden(index), identity)
         write(c, folder)
         seal(c, sealed)
         del c  # from here on the seal alone knows
         diagnosis, took, said = run_diagnosis(study, folder, out)
         opened = json.loads(sealed.read_text())
-        c = make(opened["seed"], KINDS[study.kind], identity)
+        c = make(opened["seed"], study.hidden(index), identity)
         row = {"identity": identity, "seconds": took}
         row |= score(c, diagnosis) if diagnosis else {"outcome": "failed", "hidden": [e.name for e in c.effects]}
         if said:
@@ -182,7 +188,8 @@ def run(study: Study, count: int, jobs: int) -> dict[str, Any]:
             row = done.result()
             rows.append(row)
             sys.stderr.write(f"{n}/{count} {row['identity']} {row['outcome']} ({row['seconds']:.0f} s)\n")
-    summary = summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
+    command = f"python -m blind.study --kind {study.kind} --count {count} --model {study.model} --key {study.key}"
+    summary = {"command": command} | summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
     _atomic(study.out / f"{study.kind}.json", summary)
     return summary
 

@@ -11,6 +11,7 @@ import pytest
 
 from blind.campaign import Campaign, make
 from blind.catalogue import CATALOGUE, Effect
+from blind.handful import HANDFUL
 from blind.score import Name, answer, confusion, coverage, judge, wilson
 from blind.separation import STARTS, separation
 from blind.strength import floor, strength
@@ -154,6 +155,32 @@ def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path
     for row in rows:
         expected = {True: "missed", False: "right" if row["strengths"][0] < 1 else "unscored"}
         assert row["outcome"] == expected[row["strengths"][0] >= 3]
+
+
+@pytest.mark.parametrize("index", range(1, len(HANDFUL)))
+def test_the_handful_is_strong(index: int) -> None:
+    study = Study("handful", Path("unused"), "unused")
+    c = make(int(study.digest("seed", index)[:15], 16), study.hidden(index))
+    assert strength(c, c.effects[0], floor(c)) >= 6
+
+
+UNDECIDED = """
+import json, pathlib, shutil, sys
+campaign, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[sys.argv.index("--out") + 1])
+out.mkdir(parents=True)
+shutil.copy(campaign / "gaits" / "gait02.csv", out / "next.csv")
+again = (campaign / "gaits" / "gait07.csv").exists()
+diagnosis = {"verdict": "explained", "effects": [{"name": "slope"}], "alternatives": [] if again else [{"name": "toe"}]}
+diagnosis["next_experiment"] = {"joint_table": "next.csv", "cycle_duration_s": 4.0}
+(out / "diagnosis.json").write_text(json.dumps(diagnosis))
+"""
+
+
+def test_the_proposed_experiment_is_played_beside_a_random_gait(tmp_path: Path) -> None:
+    script = tmp_path / "undecided.py"
+    script.write_text(UNDECIDED)
+    row = run_one(Study("followup", tmp_path / "out", "model.toml", f"{sys.executable} {script}"), 0)
+    assert (row["group_before"], row["group_proposed"], row["group_random"]) == (2, 1, 1)
 
 
 def test_a_diagnosis_that_fails_is_recorded(tmp_path: Path) -> None:

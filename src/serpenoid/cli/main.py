@@ -18,9 +18,16 @@ VERBS: dict[str, str] = {
     "simulate": "simulate the gait of a problem file",
     "solve": "find the optimal gait of a problem file",
     "sweep": "solve the family of optimal gaits over the dissipation coefficient",
+    "measure": "read a campaign of recordings: what is in it, what is missing, how good it is",
+    "fit": "fit the anisotropy ratio to a campaign, with intervals",
+    "compare": "lay measured, simulated and resimulated motion over each other",
     "show": "say what is in a results folder",
     "effects": "list the physical effects that a model can have and a diagnosis can name",
     "schema": "print the schema of a problem file",
+    "export": "write a gait for the robot: CSV, servo ticks, OpenRB-150 sketch, ROS 2",
+    "play": "play a gait on the robot and record it",
+    "robot": "find, check, rehearse and switch off the robot's servos",
+    "arena": "play gaits in the virtual laboratory and write a campaign",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."

@@ -66,6 +66,10 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     folder = options.output_folder(args, default_folder(problem, "solve", args.starts, args.seed))
     figures = not args.no_figures and best.trajectory.status.ok
     record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
+    if figures:
+        from serpenoid.plot.figures import multistart_figures
+
+        multistart_figures(folder, result)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
     options.report(args, record, [*_lines(best, result), f"written to        {folder}"])
     if stopped:

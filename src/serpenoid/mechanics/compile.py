@@ -38,7 +38,13 @@ def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
     except (OSError, subprocess.SubprocessError, filelock.Timeout) as error:
         log.warning("compiling failed, using CasADi's virtual machine: %s", error)
         return list(functions)
-    return [ca.external(function.name(), str(library)) for function in functions]
+    try:
+        return [ca.external(function.name(), str(library)) for function in functions]
+    except RuntimeError as error:  # cut short by a full disk, or built for another machine that shares the cache
+        library.unlink(missing_ok=True)
+        reason = str(error).splitlines()[0]
+        log.warning("%s cannot be loaded and was removed, using CasADi's virtual machine: %s", library, reason)
+        return list(functions)
 
 
 def find_compiler() -> str | None:

@@ -100,10 +100,20 @@ def step_momentum(structure: Structure, dimension: int = 2) -> ca.Function:
 @lru_cache(maxsize=64)
 def step_moments(structure: Structure) -> ca.Function:
     """The planar step's 30 moments."""
-    before, after, _, parameters = _step_symbols(structure, 2)
-    value = planar.moments(before, after, *_medium(parameters, structure))
+    size = (4, structure.elements)
+    before, after = ca.MX.sym("before", *size), ca.MX.sym("after", *size)
+    parameters = ca.MX.sym("parameters", 2 * structure.vertices)
+    value = planar.moments(before, after, *element_parameters(structure)(parameters))
     names = (["before", "after", "parameters"], ["moments"])
-    return ca.Function("step_moments", [before, after, parameters], [value], *names, CSE)
+    return ca.Function("step_moments", [before, after, parameters], [value], *names)
+
+
+@lru_cache(maxsize=64)
+def element_parameters(structure: Structure) -> ca.Function:
+    """parameters -> element weights (M), anisotropy ratio."""
+    parameters = _parameters(structure)
+    outputs = list(_medium(parameters, structure))
+    return ca.Function("element_parameters", [parameters], outputs, ["parameters"], ["weights", "anisotropy_ratio"])
 
 
 @lru_cache(maxsize=64)

@@ -24,11 +24,15 @@ def ellipse_coordinates(q: ca.SX, phase: ca.SX) -> ca.SX:
 
 def serpenoid_joint_angles(coordinates: ca.SX, edges: ca.SX, structure: Structure) -> ca.SX:
     """Joint angles (m) of the serpenoid curve with coordinates (w1, w2, xi)."""
+    psi = serpenoid_direction(coordinates, link_midpoints(edges, structure))
+    return psi[1:] - psi[:-1]
+
+
+def serpenoid_direction(coordinates: ca.SX, s: ca.SX) -> ca.SX:
+    """psi(s), the integral of the curvature from the tail to s."""
     w1, w2, xi = ca.vertsplit(coordinates)
     k = 2 * ca.pi * xi
-    s = _link_midpoints(edges, structure)
-    psi = w1 * (1 - ca.cos(k * s)) / k + w2 * ca.sin(k * s) / k
-    return psi[1:] - psi[:-1]
+    return w1 * (1 - ca.cos(k * s)) / k + w2 * ca.sin(k * s) / k
 
 
 def vertices(joint_angles: ca.SX, edges: ca.SX, weights: ca.SX, structure: Structure) -> tuple[ca.SX, ca.SX]:
@@ -73,7 +77,8 @@ def element_weights(weights: ca.SX, structure: Structure) -> ca.SX:
     return ca.vertcat(*(share[j] + share[j + 1] for j in range(n - 1)))
 
 
-def _link_midpoints(edges: ca.SX, structure: Structure) -> ca.SX:
+def link_midpoints(edges: ca.SX, structure: Structure) -> ca.SX:
+    """Midpoints of the rigid links along the body, shape (m + 1,)."""
     ends = ca.vertcat(0, ca.cumsum(edges))
     return ca.vertcat(*((ends[group[0]] + ends[group[-1] + 1]) / 2 for group in structure.links))
 

@@ -18,12 +18,22 @@ MOMENTS = 2 * len(UPPER)
 QUARTER_TURN = ca.DM([[0, -1], [1, 0]])
 
 
-def moments(before: ca.SX, after: ca.SX, weights: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
-    """The 30 numbers that determine the step energy, from two sets of elements (4, M)."""
-    p, q = before[:2, :], after[:2, :]
-    first = _moment_matrix(q, QUARTER_TURN @ q, -p, before[2:, :], weights, anisotropy_ratio)
-    second = _moment_matrix(-p, QUARTER_TURN @ p, q, after[2:, :], weights, anisotropy_ratio)
-    return ca.vertcat(*(matrix[i, j] for matrix in (first, second) for i, j in UPPER))
+def element_moments() -> ca.Function:
+    """(before (4), after (4), weight, anisotropy ratio) -> one element's share of the 30 moments."""
+    before, after = ca.SX.sym("before", 4), ca.SX.sym("after", 4)
+    weight, eps = ca.SX.sym("weight"), ca.SX.sym("eps")
+    p, q = before[:2], after[:2]
+    first = _moment_matrix(q, QUARTER_TURN @ q, -p, before[2:], weight, eps)
+    second = _moment_matrix(-p, QUARTER_TURN @ p, q, after[2:], weight, eps)
+    share = ca.vertcat(*(matrix[i, j] for matrix in (first, second) for i, j in UPPER))
+    return ca.Function("element_moments", [before, after, weight, eps], [share], {"cse": True})
+
+
+def moments(before: ca.MX, after: ca.MX, weights: ca.MX, anisotropy_ratio: ca.MX) -> ca.MX:
+    """The 30 numbers that determine the step energy, from two sets of elements (4, M): a loop over the elements."""
+    count = before.size2()
+    total = element_moments().map("all_moments", "serial", count, [3], [0])
+    return total(before, after, weights.T, anisotropy_ratio)
 
 
 def energy_from_moments(phi: ca.SX, b: ca.SX, m: ca.SX) -> ca.SX:
@@ -59,17 +69,16 @@ def root_finder(tolerance: float = 1e-15) -> ca.Function:
     return ca.rootfinder("turn", "fast_newton", equation, options)
 
 
-def _moment_matrix(x: ca.SX, y: ca.SX, c: ca.SX, tangents: ca.SX, weights: ca.SX, eps: ca.SX) -> ca.SX:
-    """Sum over elements of M^t D M with M = [x, y, I, c]; only the upper triangle is filled."""
-    total = ca.SX.zeros(5, 5)
-    for k in range(x.size2()):
-        d = weights[k] * (ca.SX.eye(2) + (eps - 1) * (tangents[:, k] @ tangents[:, k].T))
-        columns = [x[:, k], y[:, k], ca.SX([1, 0]), ca.SX([0, 1]), c[:, k]]
-        images = [d @ columns[0], d @ columns[1], d[:, 0], d[:, 1]]
-        images.append(ca.vertcat(ca.dot(images[2], c[:, k]), ca.dot(images[3], c[:, k])))
-        for i, j in UPPER:
-            total[i, j] += ca.dot(images[i], columns[j])
-    return total
+def _moment_matrix(x: ca.SX, y: ca.SX, c: ca.SX, tangent: ca.SX, weight: ca.SX, eps: ca.SX) -> ca.SX:
+    """M^t D M of one element with M = [x, y, I, c]; only the upper triangle is filled."""
+    d = weight * (ca.SX.eye(2) + (eps - 1) * (tangent @ tangent.T))
+    columns = [x, y, ca.SX([1, 0]), ca.SX([0, 1]), c]
+    images = [d @ x, d @ y, d[:, 0], d[:, 1]]
+    images.append(ca.vertcat(ca.dot(images[2], c), ca.dot(images[3], c)))
+    matrix = ca.SX.zeros(5, 5)
+    for i, j in UPPER:
+        matrix[i, j] = ca.dot(images[i], columns[j])
+    return matrix
 
 
 def _symmetric(entries: ca.SX) -> ca.SX:

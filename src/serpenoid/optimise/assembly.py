@@ -9,9 +9,7 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
-from serpenoid.optimise.blocks import OUTER, upper
-
-GAIT = 6
+from serpenoid.optimise.blocks import GAIT, OUTER, upper
 
 
 def local_columns(steps: int) -> np.ndarray:

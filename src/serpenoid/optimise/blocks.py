@@ -19,12 +19,14 @@ import casadi as ca
 
 from serpenoid.mechanics import energy, kinematics
 from serpenoid.mechanics.compile import compiled
-from serpenoid.mechanics.functions import CSE, split_parameters
+from serpenoid.mechanics.functions import CSE, element_parameters
 from serpenoid.model import Structure
+from serpenoid.optimise.rows import COEFFICIENTS, gait_row, link_midpoints, polynomial
 
 LOCAL = 9  # h, coordinates of row t, coordinates of row t + 1
-OUTER = 12  # g_t, g_{t+1}, q
-ROW = (4, 4 * (1 + 3), 4 * (1 + 3 + 6))  # an element's values; with first; with second derivatives by (w1, w2, xi)
+GAIT = 6
+OUTER = 6 + GAIT  # g_t, g_{t+1}, q
+ROW = tuple(4 * c for c in COEFFICIENTS)  # an element's values; with first; with second derivatives by (w1, w2, xi)
 
 
 @dataclass(frozen=True)
@@ -52,32 +54,14 @@ class StepBlocks:
 @lru_cache(maxsize=16)
 def step_blocks(structure: Structure) -> StepBlocks:
     """The functions of `structure`, compiled where possible."""
-    first, second, third, *others = compiled([*_rows(structure), *_steps(structure), *_path(structure)])
+    rows = [gait_row(structure, order) for order in range(len(ROW))]
+    first, second, third, *others = compiled([*rows, *_steps(structure), *_path(structure)])
     return StepBlocks((first, second, third), *others)
 
 
 def upper(n: int) -> list[tuple[int, int]]:
     """Index pairs (i, j), i <= j, column by column."""
     return [(i, j) for j in range(n) for i in range(j + 1)]
-
-
-def _rows(structure: Structure) -> list[ca.Function]:
-    v, parameters = ca.SX.sym("v", 3), ca.SX.sym("parameters", 2 * structure.vertices)
-    q, phase = ca.SX.sym("q", 6), ca.SX.sym("phase")
-    edges, weights, _ = split_parameters(parameters, structure)
-    angles = kinematics.serpenoid_joint_angles(v, edges, structure)
-    points, unit = kinematics.vertices(angles, edges, weights, structure)
-    values = ca.vec(kinematics.elements(points, unit, structure))
-    first = ca.jacobian(values, v)
-    second = [ca.jacobian(first[:, j], v)[:, : j + 1] for j in range(3)]
-    columns = ca.horzsplit(ca.densify(ca.horzcat(values, first, *second)))
-    result = []
-    for order, size in enumerate(ROW):
-        table = ca.vertcat(*(ca.reshape(c, 4, structure.elements) for c in columns[: size // 4]))
-        inner = ca.Function(f"row_shape_{order}", [v, parameters], [table], CSE)
-        row = inner(kinematics.ellipse_coordinates(q, phase), parameters)
-        result.append(ca.Function(f"gait_row_{order}", [q, phase, parameters], [row]))
-    return result
 
 
 def _steps(structure: Structure) -> list[ca.Function]:
@@ -87,7 +71,7 @@ def _steps(structure: Structure) -> list[ca.Function]:
     rows = [[ca.MX.sym("r0", size, m), ca.MX.sym("r1", size, m)] for size in ROW]
     parameters = ca.MX.sym("parameters", 2 * structure.vertices)
     multipliers, factor = ca.MX.sym("multipliers", 3), ca.MX.sym("factor")
-    weights, eps = _element_parameters(structure)(parameters)
+    weights, eps = element_parameters(structure)(parameters)
     local, local_jacobian, compose = _composition()
     h, sensitivity = local(*outer)[:3], local_jacobian(*outer)
 
@@ -120,8 +104,8 @@ def _element() -> list[ca.Function]:
 
     def share(order: int) -> tuple[list[ca.SX], ca.SX]:
         r0, r1 = ca.SX.sym("r0", ROW[order]), ca.SX.sym("r1", ROW[order])
-        after = energy.move(h, _taylor(r1, d1))
-        return [r0, r1, h], energy.element_energy(_taylor(r0, d0), after, w, eps)
+        after = energy.move(h, polynomial(r1, d1, 4))
+        return [r0, r1, h], energy.element_energy(polynomial(r0, d0, 4), after, w, eps)
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         at_row = [ca.densify(ca.substitute(expression, z, zero)) for expression in outputs]
@@ -137,14 +121,6 @@ def _element() -> list[ca.Function]:
         function("jacobian", rows1, [ca.jacobian(ca.gradient(linear, h), z)]),
         function("hessian", [*rows2, multipliers, factor], [slope, packed]),
     ]
-
-
-def _taylor(row: ca.SX, d: ca.SX) -> ca.SX:
-    """Polynomial of one element (position, tangent) in its row's shape coordinates, to the order that the row holds."""
-    monomials = [ca.SX(1), *ca.vertsplit(d)]
-    monomials += [d[i] * d[j] * (0.5 if i == j else 1.0) for i, j in upper(3)]
-    parts = ca.vertsplit(row, 4)
-    return sum((part * monomial for part, monomial in zip(parts, monomials, strict=False)), ca.SX.zeros(4))
 
 
 def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:
@@ -169,25 +145,41 @@ def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:
     )
 
 
-def _element_parameters(structure: Structure) -> ca.Function:
-    parameters = ca.SX.sym("parameters", 2 * structure.vertices)
-    _, weights, eps = split_parameters(parameters, structure)
-    return ca.Function("element_parameters", [parameters], [kinematics.element_weights(weights, structure), eps])
-
-
 def _path(structure: Structure) -> list[ca.Function]:
-    """Joint angles of a row and their change to the next, with derivatives by q."""
+    """Joint angles of a row and their change to the next, (2 m), with derivatives by q: a loop over the joints."""
     m = len(structure.joints)
-    q, t0, t1 = ca.SX.sym("q", 6), ca.SX.sym("t0"), ca.SX.sym("t1")
-    parameters, multipliers = ca.SX.sym("parameters", 2 * structure.vertices), ca.SX.sym("multipliers", 2 * m)
-    edges, _, _ = split_parameters(parameters, structure)
-    here, there = (
-        kinematics.serpenoid_joint_angles(kinematics.ellipse_coordinates(q, t), edges, structure) for t in (t0, t1)
-    )
-    path, inputs = ca.vertcat(here, there - here), [q, t0, t1, parameters]
-    hessian = ca.hessian(ca.dot(multipliers, path), q)[0]
+    q, t0, t1 = ca.MX.sym("q", 6), ca.MX.sym("t0"), ca.MX.sym("t1")
+    parameters, multipliers = ca.MX.sym("parameters", 2 * structure.vertices), ca.MX.sym("multipliers", 2 * m)
+    middle = link_midpoints(structure)(parameters)
+    value, jacobian, hessian = _joint()
+    common, ends = [q, t0, t1], [middle[:, :-1], middle[:, 1:]]
+    values = value.map("joints", "serial", m, [0, 1, 2], [])(*common, *ends)
+    slopes = jacobian.map("joints_jacobian", "serial", m, [0, 1, 2], [])(*common, *ends)
+    both = ca.reshape(multipliers, m, 2).T
+    total = hessian.map("joints_hessian", "serial", m, [0, 1, 2], [0])(*common, *ends, both)
+    stacked = ca.vertcat(*(ca.reshape(part, GAIT, m).T for part in (slopes[0, :], slopes[1, :])))
+    inputs = [q, t0, t1, parameters]
     return [
-        ca.Function("gait_path", inputs, [path], CSE),
-        ca.Function("gait_path_jacobian", inputs, [ca.densify(ca.jacobian(path, q))], CSE),
-        ca.Function("gait_path_hessian", [*inputs, multipliers], [ca.densify(hessian)], CSE),
+        ca.Function("gait_path", inputs, [ca.vec(values.T)]),
+        ca.Function("gait_path_jacobian", inputs, [stacked]),
+        ca.Function("gait_path_hessian", [*inputs, multipliers], [total]),
+    ]
+
+
+def _joint() -> list[ca.Function]:
+    """Angle of the joint between links with midpoints s0, s1 at two phases: (angle, change), Jacobian, Hessian by q."""
+    q, t0, t1, s0, s1 = ca.SX.sym("q", GAIT), *(ca.SX.sym(name) for name in ("t0", "t1", "s0", "s1"))
+    multipliers = ca.SX.sym("multipliers", 2)
+
+    def angle(phase: ca.SX) -> ca.SX:
+        v = kinematics.ellipse_coordinates(q, phase)
+        return kinematics.serpenoid_direction(v, s1) - kinematics.serpenoid_direction(v, s0)
+
+    here, inputs = angle(t0), [q, t0, t1, s0, s1]
+    pair = ca.vertcat(here, angle(t1) - here)
+    hessian = ca.densify(ca.hessian(ca.dot(multipliers, pair), q)[0])
+    return [
+        ca.Function("joint", inputs, [pair], CSE),
+        ca.Function("joint_jacobian", inputs, [ca.densify(ca.jacobian(pair, q))], CSE),
+        ca.Function("joint_hessian", [*inputs, multipliers], [hessian], CSE),
     ]

@@ -20,8 +20,8 @@ import numpy as np
 
 from serpenoid.mechanics import functions
 from serpenoid.model import Structure
-from serpenoid.optimise.assembly import GAIT, gather_gradient, scatter_hessian, scatter_jacobian
-from serpenoid.optimise.blocks import step_blocks
+from serpenoid.optimise.assembly import gather_gradient, scatter_hessian, scatter_jacobian
+from serpenoid.optimise.blocks import GAIT, step_blocks
 
 
 @dataclass

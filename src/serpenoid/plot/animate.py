@@ -2,67 +2,87 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
 from PIL import Image
 
 from serpenoid.files import atomic
-from serpenoid.plot.body import draw_body
+from serpenoid.plot.body import draw_body, move_body
 from serpenoid.plot.motion import over_cycles
-from serpenoid.plot.style import BLUE, FAINT, INK, NORMAL, dress, figure
+from serpenoid.plot.style import BLUE, FAINT, INK, NORMAL, around, dress, figure
 from serpenoid.trajectory import Trajectory
 
 FRAMES_PER_CYCLE = 50
 DEFAULT_CYCLE_S = 2.5
+WIDTH = 4.8  # inches at 100 dots
 
 
 def animation(
-    path: str | Path, trajectory: Trajectory, cycles: int = 2, cycle_duration_s: float | None = None
+    path: str | Path,
+    trajectory: Trajectory,
+    cycles: int = 2,
+    cycle_duration_s: float | None = None,
+    joints: Sequence[int] = (),
 ) -> None:
     """Write a GIF of `cycles` cycles, in real time where the cycle's duration is known."""
     poses, chains = over_cycles(trajectory, cycles)
     stride = -(-trajectory.steps_per_cycle // FRAMES_PER_CYCLE)
     rows = np.arange(0, len(poses) - 1, stride)
-    fig = figure(4.8, 3.2)
+    fig = figure(WIDTH, WIDTH)
     fig.set_dpi(100)
     canvas = FigureCanvasAgg(fig)
     ax = fig.add_subplot()
-    points = chains.reshape(-1, 2)
-    low, high = points.min(0), points.max(0)
-    pad = 0.06 * float((high - low).max())
-    ax.set_xlim(low[0] - pad, high[0] + pad)
-    ax.set_ylim(low[1] - pad, high[1] + pad)
-    ax.set_aspect("equal")
-    dress(ax, "", "x [body lengths]", "y [body lengths]")
-    (ghost,) = ax.plot(*chains[0].T, color=FAINT, linewidth=3.2, solid_capstyle="round", zorder=1)
-    (trace,) = ax.plot([], [], color=INK, linewidth=1.3, zorder=2)
-    chain, head = draw_body(chains[0], ax, BLUE, width=4.0)
-    clock = ax.text(0.0, 1.02, "", transform=ax.transAxes, fontsize=NORMAL, color=INK, va="bottom")
-    moving = (trace, chain, head, clock)
+    slope = around(chains.reshape(-1, 2), ax, 0.05)
+    fig.set_size_inches(WIDTH, float(np.clip((WIDTH - 0.7) * slope + 0.85, 2.0, WIDTH)))
+    dress(ax, " ", "x [body lengths]", "y [body lengths]")
+    ax.plot(*chains[0].T, color=FAINT, linewidth=3.2, solid_capstyle="round", zorder=1)
+    (trace,) = ax.plot([], [], color=INK, linewidth=1.4)
+    body = draw_body(chains[0], ax, BLUE, width=4.2, joints=joints)
+    clock = ax.text(0.0, 1.03, "", transform=ax.transAxes, fontsize=NORMAL, color=INK, va="bottom")
+    clock.set_in_layout(False)
+    moving = (*body, trace, clock)
     for artist in moving:
         artist.set_animated(True)
-    clock.set_in_layout(False)
     canvas.draw()
     background = canvas.copy_from_bbox(fig.bbox)
     frames = []
     for row in rows:
         canvas.restore_region(background)
         trace.set_data(*poses[: row + 1, :2].T)
-        chain.set_data(*chains[row].T)
-        head.set_data(*chains[row, -1:].T)
+        move_body(body, chains[row])
         gone = float(np.hypot(*(poses[row, :2] - poses[0, :2])))
         clock.set_text(f"{row / trajectory.steps_per_cycle:4.2f} cycles, {gone:4.2f} body lengths")
         for artist in moving:
             fig.draw_artist(artist)
-        frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+        frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     _write(path, frames, (cycle_duration_s or DEFAULT_CYCLE_S) * stride / trajectory.steps_per_cycle)
 
 
-def _write(path: str | Path, frames: list[Image.Image], seconds: float) -> None:
-    palette = frames[-1].quantize(64)
-    quantized = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+def _write(path: str | Path, frames: list[NDArray[np.uint8]], seconds: float) -> None:
+    palette = _palette()
+    images = [_indexed(frame, palette) for frame in frames]
     delay = max(20, round(100 * seconds) * 10)  # GIF counts hundredths; browsers slow down anything below two
     with atomic(path) as temporary:
-        quantized[0].save(temporary, save_all=True, append_images=quantized[1:], duration=delay, loop=0)
+        images[0].save(temporary, save_all=True, append_images=images[1:], duration=delay, loop=0)
+
+
+def _indexed(frame: NDArray[np.uint8], palette: Image.Image) -> Image.Image:
+    """A frame in the palette's colours; Pillow's search is coarse, so white is put right."""
+    image = Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+    image.paste(0, mask=Image.fromarray((frame == 255).all(-1)))
+    return image
+
+
+def _palette() -> Image.Image:
+    """White and the few colours of the picture, blended: fixed, so that white stays white and frames do not flicker."""
+    shades = np.linspace(0, 1, 40)[:, None]
+    pairs = [("white", BLUE), ("white", INK), (FAINT, BLUE), (FAINT, INK), (BLUE, INK)]
+    ramps = [(1 - shades) * to_rgb(a) + shades * to_rgb(b) for a, b in pairs]
+    image = Image.new("P", (1, 1))
+    image.putpalette((np.concatenate(ramps) * 255).round().astype(np.uint8).tobytes())
+    return image

@@ -5,31 +5,63 @@ Legend: N vertices (tail first), R rows.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import Normal, Stroke
 
 from serpenoid import group
 from serpenoid.body import Floats
 
+Artists = tuple[Line2D, Line2D, Line2D]
 
-def draw_body(vertices: Floats, ax: Axes, colour: Any, width: float = 3.0, joints: bool = True) -> tuple[Line2D, Line2D]:
-    """Chain (N, 2) with white dots at its joints and a round head; a white rim keeps crossing bodies apart."""
+
+def draw_body(
+    vertices: Floats, ax: Axes, colour: Any, width: float = 3.4, joints: Sequence[int] = (), zorder: float = 2
+) -> Artists:
+    """Rim, chain (N, 2) with white dots at `joints` (vertex numbers), and round head.
+
+    The white rim keeps crossing bodies apart; heads lie over all chains of the same `zorder`.
+    """
+    shown: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round", "zorder": zorder}
+    (rim,) = ax.plot(*vertices.T, color="white", linewidth=width + 1.6, **shown)
     (chain,) = ax.plot(
-        *vertices.T, color=colour, linewidth=width, solid_capstyle="round", solid_joinstyle="round",
-        marker="o" if joints else None, markersize=0.45 * width, markerfacecolor="white", markeredgewidth=0,
+        *vertices.T, color=colour, linewidth=width, marker="o" if joints else None, markevery=list(joints) or None,
+        markersize=0.7 * width, markerfacecolor="white", markeredgewidth=0, **shown,
     )  # fmt: skip
-    chain.set_path_effects([Stroke(linewidth=width + 1.6, foreground="white"), Normal()])
     (head,) = ax.plot(
-        *vertices[-1:].T, marker="o", markersize=2.3 * width, color=colour, markeredgecolor="white", markeredgewidth=0.8
-    )
-    return chain, head
+        *vertices[-1:].T, "o", markersize=2.4 * width, color=colour, markeredgecolor="white", markeredgewidth=0.9,
+        zorder=zorder + 0.5,
+    )  # fmt: skip
+    return rim, chain, head
+
+
+def move_body(artists: Artists, vertices: Floats) -> None:
+    """Put a drawn body elsewhere."""
+    rim, chain, head = artists
+    rim.set_data(*vertices.T)
+    chain.set_data(*vertices.T)
+    head.set_data(*vertices[-1:].T)
 
 
 def shapes(poses: Floats, vertices: Floats) -> Floats:
     """Chains (R, N, 2) of a motion in their body frames: centroid at the origin, heading along the first axis."""
     turned = group.rotation(poses[:, 2])
     return np.einsum("rji,rnj->rni", turned, vertices - poses[:, None, :2])
+
+
+def crosses_itself(vertices: Floats) -> np.ndarray:
+    """Which chains (R, N, 2) have two edges that cross: no real body can take such a shape; shape (R,)."""
+    edges = vertices.shape[1] - 1
+    first, second = np.triu_indices(edges, k=2)
+    a, b, c, d = (vertices[:, k] for k in (first, first + 1, second, second + 1))
+    apart = _side(a, b, c) * _side(a, b, d) >= 0
+    return np.asarray((~apart & (_side(c, d, a) * _side(c, d, b) < 0)).any(1))
+
+
+def _side(a: Floats, b: Floats, p: Floats) -> Floats:
+    """On which side of the line a-b the point p lies, by sign."""
+    along, to = b - a, p - a
+    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]

@@ -13,7 +13,7 @@ from serpenoid.files import atomic
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot import joints, optima
 from serpenoid.plot.animate import animation
-from serpenoid.plot.body import shapes
+from serpenoid.plot.body import crosses_itself, shapes
 from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
 from serpenoid.plot.style import PHASE_MAP, colour_bar, figure, legend_above
@@ -27,16 +27,18 @@ if TYPE_CHECKING:
     from serpenoid.plot.family import Family
 
 PIXELS_PER_INCH = 150
+MANY_JOINTS = 24
+ANIMATED_CYCLES = 2
 
 
 def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
     """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names."""
-    names = [f"{name}.png", f"{name}.svg"]
-    for file in names:
-        with atomic(Path(folder) / file) as temporary:
-            metadata = {"Date": None} if file.endswith("svg") else None
-            fig.savefig(temporary, dpi=PIXELS_PER_INCH, metadata=metadata)
-    return names
+    with atomic(Path(folder) / f"{name}.png") as temporary:
+        fig.savefig(temporary, dpi=PIXELS_PER_INCH)
+    fig.set_layout_engine("none")  # the layout is found: once is enough
+    with atomic(Path(folder) / f"{name}.svg") as temporary:
+        fig.savefig(temporary, metadata={"Date": None})
+    return [f"{name}.png", f"{name}.svg"]
 
 
 def simulation_figures(
@@ -48,8 +50,8 @@ def simulation_figures(
         names += save(motion_figure(trajectory, problem), folder, "motion")
         if gait is not None:
             names += save(gait_figure(gait, trajectory), folder, "gait")
-        cycles = max(2, problem.task.cycles)
-        animation(Path(folder) / "animation.gif", trajectory, cycles, problem.task.cycle_duration_s)
+        duration, joint_vertices = problem.task.cycle_duration_s, problem.body.joint_vertices
+        animation(Path(folder) / "animation.gif", trajectory, ANIMATED_CYCLES, duration, _countable(joint_vertices))
         names.append("animation.gif")
     return names
 
@@ -91,19 +93,46 @@ def gait_figure(gait: EllipseGait, trajectory: Trajectory) -> Figure:
 
 
 def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None = None) -> Figure:
-    """Bodies along the path, eight moments a cycle or fewer where cycles are many."""
+    """Bodies along the path: eight a cycle, fewer of each where cycles are several."""
     cycles = cycles or problem.task.cycles
-    body = problem.body
-    metres = body.total_length_m if body.length_m or body.edge_lengths else None
     fig = figure(8.6, 4.0)
     ax = fig.add_subplot()
-    gone, d = trajectory.displacement, trajectory.dissipation
-    title = f"{gone:.3f} body lengths per cycle, dissipation {d:.3f}"
-    motion(trajectory, ax, cycles, bodies=8 if cycles == 1 else 4 * cycles + 1, title="", body_length_m=metres)
+    title = f"{trajectory_words(trajectory)}{contact_words(trajectory)}"
+    bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
+    dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
+    motion(trajectory, ax, cycles, bodies, title, metres(problem), dots)
     legend_above(ax, 4)
-    fig.suptitle(f"Shapes along the path: {title}", fontsize=10.5, x=0.01, ha="left")
-    colour_bar(ax, PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, shrink=0.7)
+    colour_bar(ax, PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, aspect=25)
+    slope = float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
+    width = min(6.9, 5.0 / slope)
+    fig.set_size_inches(max(width + 1.7, 5.4), max(width * slope, 1.2) + 1.15)
     return fig
+
+
+def trajectory_words(trajectory: Trajectory) -> str:
+    """What one cycle does, in a line."""
+    steps = trajectory.steps_per_cycle
+    dx, dy, turn = trajectory.poses[steps] - trajectory.poses[0]
+    dissipation = steps * trajectory.step_energy[:steps].sum()
+    turns = f"{round(np.rad2deg(turn), 1) + 0.0:.1f}°".replace("-", "−")  # + 0.0: no minus before a zero
+    return f"A cycle moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}, dissipates {dissipation:.3f}"
+
+
+def contact_words(trajectory: Trajectory) -> str:
+    """A warning where the chain crosses itself."""
+    rows = int(crosses_itself(trajectory.vertices[: trajectory.steps_per_cycle]).sum())
+    return f"\nThe body crosses itself in {rows} of {trajectory.steps_per_cycle} rows!" if rows else ""
+
+
+def metres(problem: Problem) -> float | None:
+    """Body length [m], if the problem gives one."""
+    body = problem.body
+    return body.total_length_m if body.length_m or body.edge_lengths else None
+
+
+def _countable(joint_vertices: tuple[int, ...]) -> tuple[int, ...]:
+    """Joints worth a dot each: of a body with very many they would cover it."""
+    return joint_vertices if len(joint_vertices) <= MANY_JOINTS else ()
 
 
 def joints_figure(table: Floats, problem: Problem) -> Figure:
@@ -111,9 +140,11 @@ def joints_figure(table: Floats, problem: Problem) -> Figure:
     duration, body = problem.task.cycle_duration_s, problem.body
     fig = figure(8.6, 5.6 if duration else 3.2)
     axes = fig.subplots(2 if duration else 1, 1, squeeze=False)[:, 0]
-    joints.joint_angles(table, axes[0], body.joint_limit_deg)
+    most = np.rad2deg(np.abs(table).max())
+    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, up to {most:.1f}°")
     if duration:
-        title = f"Joint speeds, a cycle in {duration:g} s"
+        most = np.abs(joints.speeds_rpm(table, duration)).max()
+        title = f"Joint speeds, up to {most:.1f} rpm with a cycle in {duration:g} s"
         joints.joint_speeds(table, axes[1], duration, body.joint_speed_limit_rpm, title)
     joints.joint_bar(list(axes), table.shape[1])
     return fig

@@ -65,8 +65,7 @@ def joint_map(table: Floats, ax: Axes, title: str = "Joint table") -> Axes:
 
 def joint_bar(ax: Axes | list[Axes], count: int) -> None:
     """Colour bar that names the joints' colours."""
-    first = ax if isinstance(ax, Axes) else ax[0]
-    bar = colour_bar(first, CHAIN_MAP, 0.5, count + 0.5, "joint (1 = next to the tail)", pad=0.02, aspect=30)
+    bar = colour_bar(ax, CHAIN_MAP, 0.5, count + 0.5, "joint (1 = next to the tail)", pad=0.02, aspect=40)
     bar.locator = MaxNLocator(integer=True, nbins=min(count, 10), min_n_ticks=1)
     bar.update_ticks()
 
@@ -79,5 +78,8 @@ def _limits(ax: Axes, limit: float | None, name: str, reach: float) -> None:
         ax.axhline(limit, color=RED, linewidth=1.3, linestyle="--")
         ax.axhline(-limit, color=RED, linewidth=1.3, linestyle="--")
         top = max(top, 1.22 * limit)
-        ax.text(0.99, limit, name, transform=ax.get_yaxis_transform(), ha="right", va="bottom", color=RED, fontsize=SMALL)
+        ax.annotate(
+            name, (0.99, limit), xycoords=ax.get_yaxis_transform(), xytext=(0, 2), textcoords="offset points",
+            ha="right", va="bottom", color=RED, fontsize=SMALL, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.5},
+        )  # fmt: skip
     ax.set_ylim(-top, top)

@@ -5,21 +5,25 @@ Legend: R rows, N vertices; lengths in body lengths.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.plot.body import draw_body, shapes
-from serpenoid.plot.style import GREY, INK, PHASE_MAP, SMALL, dress
+from serpenoid.plot.style import GREY, INK, PHASE_MAP, SMALL, around, dress
 from serpenoid.trajectory import Trajectory
 
 NICE = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0])
 
 
 def over_cycles(trajectory: Trajectory, cycles: int) -> tuple[Floats, Floats]:
-    """Poses (R, 3) and vertices (R, N, 2) of `cycles` cycles: each repeats the first one's relative motions."""
+    """Poses (R, 3) and vertices (R, N, 2) of `cycles` cycles: what the trajectory lacks repeats its first."""
     steps = trajectory.steps_per_cycle
+    if len(trajectory.poses) == cycles * steps + 1:
+        return trajectory.poses, trajectory.vertices
     poses, chains = trajectory.poses[: steps + 1], trajectory.vertices[: steps + 1]
     c, s = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
     move = np.diff(poses, axis=0)
@@ -36,15 +40,16 @@ def motion(
     bodies: int = 8,
     title: str = "Shapes along the path",
     body_length_m: float | None = None,
+    joints: Sequence[int] = (),
 ) -> Axes:
     """Bodies at `bodies` even moments from start to end, the centroid's trace, start and end, a scale bar."""
     poses, chains = over_cycles(trajectory, cycles)
     steps = trajectory.steps_per_cycle
     rows = np.unique(np.linspace(0, len(poses) - 1, bodies).round().astype(int))
     for row in rows:
-        phase = 1.0 if row == len(poses) - 1 else row % steps / steps
-        draw_body(chains[row], ax, PHASE_MAP(phase))
-    ax.plot(*poses[:, :2].T, color=INK, linewidth=1.6, zorder=4, label="centre of mass")
+        phase = row / steps if cycles == 1 else row % steps / steps
+        draw_body(chains[row], ax, PHASE_MAP(phase), joints=joints)
+    ax.plot(*poses[:, :2].T, color=INK, linewidth=1.6, zorder=3, label="centre of mass")
     ax.plot(*poses[:1, :2].T, "o", markersize=7, color="white", markeredgecolor=INK, zorder=5, label="start")
     ax.plot(*poses[-1:, :2].T, "s", markersize=7, color=INK, zorder=5, label="end")
     ax.plot([], [], "o", markersize=8, color=GREY, label="head")
@@ -55,14 +60,11 @@ def motion(
 
 def _frame(points: Floats, ax: Axes, body_length_m: float | None) -> None:
     """Equal axes around the points, with room below for the scale bar."""
-    low, high = points.min(0), points.max(0)
-    pad = 0.06 * float((high - low).max())
-    bar = float(NICE[np.searchsorted(NICE, 0.22 * (high[0] - low[0]), side="right") - 1])
-    x, y = low[0], low[1] - 1.3 * pad
+    low, extent = points.min(0), float(np.ptp(points, axis=0).max())
+    bar = float(NICE[np.searchsorted(NICE, 0.45 * np.ptp(points[:, 0]), side="right") - 1])
+    x, y = low[0], low[1] - 0.06 * extent
     ax.plot([x, x + bar], [y, y], color=INK, linewidth=3, solid_capstyle="butt")
     metres = f" = {bar * body_length_m:.2g} m" if body_length_m else ""
-    words = f"{bar:g} body length{'s' if bar > 1 else ''}{metres}"
-    ax.text(x + bar + 0.3 * pad, y, words, fontsize=SMALL, va="center", color=INK)
-    ax.set_xlim(low[0] - pad, high[0] + pad)
-    ax.set_ylim(y - 0.7 * pad, high[1] + pad)
-    ax.set_aspect("equal")
+    words = f"{bar:g} body length{'' if bar == 1 else 's'}{metres}"
+    ax.text(x + bar + 0.015 * extent, y, words, fontsize=SMALL, va="center", color=INK)
+    around(points, ax, 0.05, below=0.05)

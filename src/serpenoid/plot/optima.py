@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
-from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, RED, SMALL, dress
+from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, RED, SMALL, dress, legend_above
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -30,20 +30,22 @@ def strip(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Cost reach
     """A dot per start; failures are crosses, at the top where they have no cost."""
     ok = optimum >= 0
     starts = np.arange(1, costs.size + 1)
-    finite = costs[np.isfinite(costs)]
-    ceiling = float(finite.max()) if finite.size else 0.0
+    known = np.isfinite(costs)
     if ok.any():
         ax.axhline(costs[ok].min(), color=BLUE, linewidth=1, linestyle="--")
         ax.scatter(starts[ok], costs[ok], c=_colours(optimum)[optimum[ok]], s=34, linewidths=0, zorder=3)
     if not ok.all():
-        height = np.where(np.isfinite(costs), costs, ceiling)[~ok]
-        ax.plot(starts[~ok], height, "x", color=RED, markersize=7, zorder=4, label=f"failed ({(~ok).sum()})")
-        ax.legend(frameon=False, fontsize=SMALL, loc="best")
-    span = float(np.ptp(finite)) if finite.size else 0.0
-    if span < 1e-6:  # one optimum: do not magnify rounding errors into a pattern
-        ax.set_ylim(ceiling - 0.05, ceiling + 0.05)
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    return dress(ax, title, "start [number]", COST_LABEL)
+        cross: dict[str, Any] = {"color": RED, "markersize": 7, "zorder": 4, "clip_on": False}
+        ax.plot(starts[~ok & known], costs[~ok & known], "x", label=f"failed ({(~ok).sum()})", **cross)
+        ax.plot(starts[~known], np.ones((~known).sum()), "x", transform=ax.get_xaxis_transform(), **cross)
+    if known.any() and np.ptp(costs[known]) < 1e-6:  # one optimum: do not magnify rounding errors into a pattern
+        ax.set_ylim(costs[known].max() - 0.05, costs[known].max() + 0.05)
+    ax.set_xlim(0.4, costs.size + 0.6)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    dress(ax, title, "start [number]", COST_LABEL)
+    if not ok.all():
+        legend_above(ax, 1)
+    return ax
 
 
 def counts(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Distinct optima") -> Axes:
@@ -51,7 +53,7 @@ def counts(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Distinct 
     found = int(optimum.max(initial=-1)) + 1
     names, sizes, colours = [], [], []
     for k in range(min(found, SHOWN)):
-        names.append(f"{costs[optimum == k].min():.6f}")
+        names.append(f"{costs[optimum == k].min():.6f}".replace("-", "−"))
         sizes.append(int((optimum == k).sum()))
         colours.append(_colours(optimum)[k])
     for name, size in ((f"{found - SHOWN} more", int((optimum >= SHOWN).sum())), ("failed", int((optimum < 0).sum()))):
@@ -64,8 +66,10 @@ def counts(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Distinct 
     ax.set_yticks(np.arange(len(names)), names)
     ax.set_ylim(max(len(names), 3) - 0.4, -0.6)
     ax.set_xlim(0, 1.25 * max(sizes, default=1))
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    return dress(ax, title, "starts [count]", COST_LABEL)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    dress(ax, title, "starts [count]", COST_LABEL)
+    ax.yaxis.grid(False)
+    return ax
 
 
 def _colours(optimum: np.ndarray) -> Floats:

@@ -5,6 +5,7 @@ Nothing here touches matplotlib's global state, so figures can be made in thread
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 BLUE, ORANGE, GREEN, RED, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"
 INK, GREY, FAINT = "#222222", "#7F7F7F", "#E4E4E4"
@@ -26,7 +29,7 @@ def _cut(name: str, low: float, high: float) -> Colormap:
 
 
 PHASE_MAP = _cut("plasma", 0.0, 0.86)  # phase within the cycle
-CHAIN_MAP = _cut("viridis", 0.0, 0.88)  # place along the body, or the coefficient c
+CHAIN_MAP = _cut("viridis", 0.0, 0.84)  # place along the body, or the coefficient c
 ANGLE_MAP = colormaps["PuOr_r"]  # signed angles
 
 
@@ -51,18 +54,45 @@ def dress(ax: Axes, title: str, x: str, y: str, grid: bool = True) -> Axes:
 
 
 def legend_above(ax: Axes, columns: int) -> None:
-    """Legend in a line above the axes, where no data can be."""
+    """Legend in a line between title and axes, where no data can be."""
+    ax.set_title(ax.get_title(loc="left"), fontsize=LARGE, loc="left", color=INK, pad=22)
     ax.legend(
         loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=columns, frameon=False, fontsize=SMALL,
         borderaxespad=0.1, handletextpad=0.5, columnspacing=1.4,
     )  # fmt: skip
 
 
-def colour_bar(ax: Axes, colours: Colormap, low: float, high: float, label: str, **options: Any) -> Colorbar:
+def around(points: NDArray[np.float64], ax: Axes, pad: float, below: float = 0.0) -> float:
+    """Equal axes round points (n, 2), with a part `pad` of their extent around and `below` under it; height / width."""
+    low, high = points.min(0), points.max(0)
+    extent = float((high - low).max()) or 1.0
+    x = low[0] - pad * extent, high[0] + pad * extent
+    y = low[1] - (pad + below) * extent, high[1] + pad * extent
+    ax.set(xlim=x, ylim=y, aspect="equal")
+    _few_ticks(ax)
+    return (y[1] - y[0]) / (x[1] - x[0])
+
+
+def fill_equal(ax: Axes) -> None:
+    """Equal axes that show all data and fill their place by showing more on one side."""
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.05)
+    _few_ticks(ax)
+
+
+def _few_ticks(ax: Axes) -> None:
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
+
+
+def colour_bar(
+    ax: Axes | Sequence[Axes], colours: Colormap, low: float, high: float, label: str, **options: Any
+) -> Colorbar:
     """Colour bar beside `ax` for numbers from `low` to `high`."""
     shown = ScalarMappable(Normalize(low, high), colours)
-    bar = ax.get_figure(root=True).colorbar(shown, ax=ax, **options)  # type: ignore[union-attr]
+    first = ax if isinstance(ax, Axes) else ax[0]
+    bar = first.get_figure(root=True).colorbar(shown, ax=ax, **options)  # type: ignore[union-attr]
     bar.set_label(label, fontsize=NORMAL, color=INK)
     bar.ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     return bar

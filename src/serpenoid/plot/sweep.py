@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from serpenoid.plot import family as panels
+from serpenoid.plot import transport
 from serpenoid.plot.family import Family
 from serpenoid.plot.style import CHAIN_MAP, RED, colour_bar, figure
 
@@ -17,9 +18,10 @@ def family_figure(family: Family) -> Figure:
     panels.against_c(family, family.displacement, axes[0, 0], panels.DELTA_LABEL, "Displacement")
     panels.against_c(family, family.dissipation, axes[0, 1], panels.D_LABEL, "Dissipation", RED)
     panels.gait_curves(family, axes[0, 2])
-    colour_bar(axes[0, 2], CHAIN_MAP, family.c[0], family.c[-1], "c", pad=0.02, aspect=30)
-    for ax, name in zip(axes[1], ("sigma", "a", "xi"), strict=True):
-        panels.gait_parameters(family, ax, name)
+    colour_bar(axes[0, 2], CHAIN_MAP, family.c[0], family.c[-1], panels.C_LABEL, pad=0.02, aspect=30)
+    titles = {"sigma": "Flatness", "a": "Amplitude", "xi": "Spatial frequency"}
+    for ax, (name, title) in zip(axes[1], titles.items(), strict=True):
+        panels.gait_parameters(family, ax, name, title)
     return fig
 
 
@@ -37,13 +39,13 @@ def costs_figure(family: Family) -> Figure:
     """Cost of transport for a few idle levels, and the level for which each c is best."""
     fig = figure(9.6, 4.0)
     left, right = fig.subplots(1, 2)
-    panels.cost_of_transport(family, left, levels(family))
-    panels.idle_levels(family, right)
+    transport.cost_of_transport(family, left, levels(family))
+    transport.idle_levels(family, right)
     return fig
 
 
 def levels(family: Family) -> list[float]:
-    """Idle levels worth drawing: none, both ends and the middle of those that put the least cost at 1 < c < 2, and more."""
-    ends = panels.idle_interval(family) or tuple(np.quantile(family.best_idle[family.c > 0], [0.1, 0.6]))
-    low, high = ends
+    """Idle levels worth drawing: none, those that put the least cost at c = 1 and 2, between and beyond them."""
+    ends = transport.idle_interval(family)
+    low, high = ends or np.quantile(transport.best_idle(family)[family.c > 0], [0.2, 0.6]).clip(1e-6)
     return [0.0, low / 2, low, float(np.sqrt(low * high)), high, 2 * high]

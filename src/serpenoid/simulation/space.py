@@ -1,7 +1,9 @@
 """Forward simulation in space, SE(3): six equations a step.
 
-A straight chain leaves its roll undetermined. A proximal term (a weak spring to the last estimate, in the rotation)
-keeps the Jacobian regular; repeating the solve from its own answer takes the spring out again.
+The root sought is the minimum of the step energy nearest to the rigid alignment of the two chains. Newton's method from
+that alignment finds it where the chain is bent; a nearly straight chain leaves its roll all but undetermined, and there
+(or where the root is no minimum) the energy is descended first, by Newton steps whose curvature is made positive. The
+chain is moved to every new estimate, so that the rotation sought is small, whatever frames the shapes came in.
 """
 
 from __future__ import annotations
@@ -17,9 +19,10 @@ from serpenoid.mechanics import functions
 from serpenoid.model import Model, Structure
 from serpenoid.status import Status
 
-SPRING = 1e-5
-REPEATS = 4
+SPRING = 1e-9  # keeps Newton's matrix regular: as stiff as the roll of a chain that is straight to 1e-5 body lengths
 TOLERANCE = 1e-12
+DESCENT_STEPS = 200
+LONGEST_TURN = 0.5  # rad, in one step of the descent
 
 
 @dataclass(frozen=True)
@@ -37,51 +40,105 @@ class SpatialTrajectory:
 def simulate_in_space(model: Model, vertices: Floats) -> SpatialTrajectory:
     """Place shapes (R, N, 3) [body lengths] one after the other; the first stays where it is."""
     shapes = np.asarray(vertices, float)
-    finder, energy, momentum, to_elements = _functions(model.structure)
     rows = shapes.shape[0]
     rotations, translations = np.tile(np.eye(3), (rows, 1, 1)), np.zeros((rows, 3))
-    energies, worst = np.zeros(rows - 1), 0.0
+    energies, residuals = np.zeros(rows - 1), np.zeros(rows - 1)
+    if not np.isfinite(shapes).all() or (np.linalg.norm(np.diff(shapes, axis=1), axis=2) <= 0).any():
+        nowhere = [np.full_like(x, np.nan) for x in (rotations, translations, shapes, energies)]
+        return SpatialTrajectory(Status.BAD_SHAPE, *nowhere, np.inf)
     for t in range(rows - 1):
-        before, after = to_elements(shapes[t].T), to_elements(shapes[t + 1].T)
-        guess = _first_guess(shapes[t], shapes[t + 1])
-        for _ in range(REPEATS):
-            guess = finder(guess, before, after, guess[3:], model.parameters)
-        worst = max(worst, float(ca.norm_inf(momentum(before, after, guess, model.parameters))))
-        energies[t] = float(energy(before, after, guess, model.parameters))
-        rotation = _cayley(guess.full()[3:, 0])
-        translations[t + 1] = translations[t] + rotations[t] @ guess.full()[:3, 0]
-        rotations[t + 1] = rotations[t] @ rotation
-    status = Status.SOLVED if worst <= TOLERANCE else Status.STEP_UNSOLVED
+        origin = shapes[t].mean(0)
+        step = _Step(model, shapes[t] - origin, shapes[t + 1])
+        energies[t], residuals[t] = step.solve()
+        translations[t + 1] = translations[t] + rotations[t] @ (step.shift + origin)
+        rotations[t + 1] = rotations[t] @ step.rotation
+    status = Status.SOLVED if (residuals <= TOLERANCE).all() else Status.STEP_UNSOLVED
     placed = np.einsum("rij,rnj->rni", rotations, shapes) + translations[:, None]
-    return SpatialTrajectory(status, rotations, translations, placed, energies, worst)
+    return SpatialTrajectory(status, rotations, translations, placed, energies, float(residuals.max(initial=0.0)))
+
+
+class _Step:
+    """Chain `after` on its way to its place against `before`: x -> rotation x + shift."""
+
+    def __init__(self, model: Model, before: Floats, after: Floats) -> None:
+        self.newton, self.energy, self.to_elements = _functions(model.structure)
+        self.after, self.parameters = after, model.parameters
+        self.before = self.to_elements(before.T)
+        self.rotation, self.shift = _alignment(before, after)
+
+    def solve(self) -> tuple[float, float]:
+        """Move to the minimum; returns energy and residual."""
+        start = self.rotation, self.shift
+        if not np.isfinite(self._expansion()[1]).all():  # a chain folded back on itself has no tangent at the fold
+            return np.nan, np.inf
+        for _ in range(2):  # the second time takes the spring out
+            self._move(self.newton(0, self.before, self._elements(), self.parameters).full()[:, 0])
+        value, slope, curvature = self._expansion()
+        sound = np.abs(slope).max() <= TOLERANCE and np.linalg.eigvalsh(curvature)[0] > -TOLERANCE
+        if not sound:
+            self.rotation, self.shift = start
+            value, slope = self._descend()
+        return value, float(np.abs(slope).max())
+
+    def _descend(self) -> tuple[float, Floats]:
+        value, slope, curvature = self._expansion()
+        for _ in range(DESCENT_STEPS):
+            if np.abs(slope).max() <= TOLERANCE / 100:
+                break
+            stiffness, axes = np.linalg.eigh(curvature)
+            pose = -axes @ ((axes.T @ slope) / np.maximum(np.abs(stiffness), 1e-12))
+            pose *= min(1.0, LONGEST_TURN / max(np.linalg.norm(pose[3:]), 1e-300))
+            here = self.rotation, self.shift
+            for _ in range(30):
+                self._move(pose)
+                there = self._expansion()
+                if there[0] <= value:
+                    break
+                (self.rotation, self.shift), pose = here, pose / 2
+            else:
+                break  # no lower in floating point
+            value, slope, curvature = there
+        return value, slope
+
+    def _move(self, pose: Floats) -> None:
+        turn = _cayley(pose[3:])
+        self.rotation, self.shift = turn @ self.rotation, turn @ self.shift + pose[:3]
+
+    def _elements(self) -> ca.DM:
+        return self.to_elements((self.after @ self.rotation.T + self.shift).T)
+
+    def _expansion(self) -> tuple[float, Floats, Floats]:
+        value, slope, curvature = self.energy(self.before, self._elements(), self.parameters)
+        return float(value), slope.full()[:, 0], curvature.full()
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
+def _functions(structure: Structure) -> tuple[ca.Function, ca.Function, ca.Function]:
+    """Root finder (guess, before, after, parameters) -> pose; energy with slope and curvature; vertices to elements."""
     size = (6, structure.elements)
     pose, before, after = ca.SX.sym("pose", 6), ca.SX.sym("before", *size), ca.SX.sym("after", *size)
-    rest, parameters = ca.SX.sym("rest", 3), ca.SX.sym("parameters", 2 * structure.vertices)
-    momentum = functions.step_momentum(structure, 3)
-    spring = ca.vertcat(SPRING * (pose[3:] - rest), ca.SX.zeros(3))
-    inputs = ca.vertcat(ca.vec(before), ca.vec(after), rest, parameters)
-    equation = {"x": pose, "p": inputs, "g": momentum(before, after, pose, parameters) + spring}
-    options = {"abstol": 1e-15, "max_iter": 30, "error_on_fail": False}
-    newton = ca.rootfinder("place", "newton", equation, options)
-    b, a, r, p = ca.MX.sym("b", *size), ca.MX.sym("a", *size), ca.MX.sym("r", 3), ca.MX.sym("p", parameters.numel())
-    x = ca.MX.sym("x", 6)
-    finder = ca.Function("step_in_space", [x, b, a, r, p], [newton(x, ca.vertcat(ca.vec(b), ca.vec(a), r, p))])
-    return finder, functions.step_energy(structure, 3), momentum, functions.shape_elements(structure, 3)
+    parameters = ca.SX.sym("parameters", 2 * structure.vertices)
+    momentum = functions.step_momentum(structure, 3)(before, after, pose, parameters)
+    spring = ca.vertcat(SPRING * pose[3:], ca.SX.zeros(3))
+    equation = {"x": pose, "p": ca.vertcat(ca.vec(before), ca.vec(after), parameters), "g": momentum + spring}
+    newton = ca.rootfinder("place", "newton", equation, {"abstol": 1e-15, "max_iter": 30, "error_on_fail": False})
+    x, b, a = ca.MX.sym("x", 6), ca.MX.sym("b", *size), ca.MX.sym("a", *size)
+    p = ca.MX.sym("p", parameters.numel())
+    finder = ca.Function("step_in_space", [x, b, a, p], [newton(x, ca.vertcat(ca.vec(b), ca.vec(a), p))])
+    value = functions.step_energy(structure, 3)(before, after, pose, parameters)
+    curvature, slope = ca.hessian(value, pose)
+    here = [ca.substitute(expression, pose, ca.SX.zeros(6)) for expression in (value, slope, ca.densify(curvature))]
+    energy = ca.Function("energy_in_space", [before, after, parameters], here, functions.CSE)
+    return finder, energy, functions.shape_elements(structure, 3)
 
 
-def _first_guess(before: Floats, after: Floats) -> ca.DM:
-    """Rigid alignment of the two chains (Kabsch), as (translation, Cayley vector)."""
+def _alignment(before: Floats, after: Floats) -> tuple[Floats, Floats]:
+    """Rotation and shift that lay chain `after` on `before` in the least-squares sense (Kabsch)."""
     b, a = before - before.mean(0), after - after.mean(0)
     u, _, vt = np.linalg.svd(b.T @ a)
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt)) or 1.0])
     rotation = u @ flip @ vt
-    skew = 2 * np.linalg.solve((np.eye(3) + rotation).T, (rotation - np.eye(3)).T).T
-    vector = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
-    return ca.DM([*(before.mean(0) - rotation @ after.mean(0)), *vector])
+    return rotation, before.mean(0) - rotation @ after.mean(0)
 
 
 def _cayley(vector: Floats) -> Floats:

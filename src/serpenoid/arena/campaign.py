@@ -1,0 +1,166 @@
+"""A whole campaign: every trial of a protocol in its own folder, several at a time, resumable, never half written."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
+from dataclasses import asdict
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.arena import mujoco_module
+from serpenoid.arena.cameras import ASSET, MARKERS, film, write_motive
+from serpenoid.arena.logs import write_power_log, write_servo_log
+from serpenoid.arena.protocol import Protocol
+from serpenoid.arena.robot import WHEELS
+from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
+from serpenoid.body import Floats
+from serpenoid.errors import InputError, StopRequested
+from serpenoid.files import atomic, short_hash, write_json, write_text
+from serpenoid.gaits.table import write_table
+
+RECEIPT = ".arena.json"  # what the folder was made from, so that it can be continued
+UNFINISHED = ".unfinished-"
+Report = Callable[[int, str], None]  # trials finished, name of the last
+
+
+def run_campaign(
+    protocol: Protocol,
+    tables: dict[str, Floats],
+    folder: Path,
+    *,
+    jobs: int = 1,
+    truth: Path | None = None,
+    report: Report = lambda finished, name: None,
+) -> Path:
+    """Play what is not yet in `folder` and describe all of it in campaign.toml; raise StopRequested on Ctrl-C."""
+    mujoco_module()
+    _claim(folder, short_hash(protocol.model_dump(), {name: table.tolist() for name, table in tables.items()}))
+    for name, table in tables.items():
+        write_table(folder / "gaits" / f"{name}.csv", table)
+    wanted = plans(protocol)
+    missing = [plan for plan in wanted if not (folder / plan.name).is_dir()]
+    finished = len(wanted) - len(missing)
+    report(finished, "")
+    try:
+        for name in _played(protocol, tables, missing, folder, truth, jobs):
+            finished += 1
+            report(finished, name)
+    except KeyboardInterrupt:
+        raise StopRequested(f"{folder}: the finished trials are kept; run the same command to continue.") from None
+    finally:
+        done = [plan for plan in wanted if (folder / plan.name).is_dir()]
+        if done:
+            write_text(folder / "campaign.toml", campaign_toml(protocol, done))
+    return folder
+
+
+def _claim(folder: Path, fingerprint: str) -> None:
+    """Refuse a folder that holds something else; remove what a kill left unfinished."""
+    receipt = folder / RECEIPT
+    if receipt.is_file():
+        if json.loads(receipt.read_text())["protocol"] != fingerprint:
+            raise InputError(
+                f"{folder}: holds a campaign of another protocol. Name another folder, or remove this one."
+            )
+        for leftover in folder.glob(f"{UNFINISHED}*"):
+            shutil.rmtree(leftover)
+        return
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{folder}: is not empty and not a campaign of the arena. Name another folder.")
+    write_json(receipt, {"protocol": fingerprint})
+
+
+def _played(
+    protocol: Protocol, tables: dict[str, Floats], missing: list[Plan], folder: Path, truth: Path | None, jobs: int
+) -> Iterator[str]:
+    """Names of the trials as they are finished."""
+    if jobs == 1 or len(missing) < 2:
+        for plan in missing:
+            yield run_trial(protocol, plan, tables[plan.gait], folder, truth)
+        return
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_leave_interrupts) as pool:
+        try:
+            futures = [pool.submit(run_trial, protocol, plan, tables[plan.gait], folder, truth) for plan in missing]
+            for future in as_completed(futures):
+                yield future.result()
+        finally:  # on Ctrl-C: those that run are finished (seconds), the others never begun
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _leave_interrupts() -> None:
+    """Ctrl-C is the parent's to handle."""
+    with suppress(ValueError):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def run_trial(protocol: Protocol, plan: Plan, table: Floats, folder: Path, truth: Path | None) -> str:
+    """Play one trial and put its folder in place, whole."""
+    recording = play(protocol, plan, table)
+    part = folder / f"{UNFINISHED}{plan.name}"
+    shutil.rmtree(part, ignore_errors=True)
+    part.mkdir()
+    cameras, logs = protocol.cameras, protocol.logs
+    tracks = film(recording.markers, cameras, randomness(protocol, plan, 3))
+    write_motive(part / "motion.csv", tracks, cameras.frames_per_second, plan.name, "2025-01-01 12.00.00.000 PM")
+    write_servo_log(part / "servo.csv", recording, table, logs, randomness(protocol, plan, 4))
+    write_power_log(part / "power.csv", recording, logs, randomness(protocol, plan, 5))
+    if truth is not None:
+        _write_truth(truth / f"{plan.name}.npz", recording)
+    part.rename(folder / plan.name)
+    return plan.name
+
+
+def _write_truth(path: Path, recording: Recording) -> None:
+    arrays = {name: value for name, value in vars(recording).items() if name != "commands"}
+    with atomic(path) as temporary, temporary.open("wb") as stream:
+        np.savez_compressed(stream, commands=json.dumps([asdict(c) for c in recording.commands[1:]]), **arrays)
+
+
+def campaign_toml(protocol: Protocol, done: list[Plan]) -> str:
+    """The description of the folder; it says nothing about the robot that a laboratory would not know."""
+    robot = protocol.robot
+    text = [
+        "format = 1",
+        f"name = {json.dumps(protocol.name)}",
+        f"description = {json.dumps(protocol.description)}",
+        "",
+        "[body]",
+        f"vertices = {WHEELS}",
+        f"edge_lengths = {_numbers(robot.edge_lengths_m)}",
+        f"weights = {_numbers(robot.vertex_masses_kg)}",
+        f"mass_kg = {robot.mass_kg}",
+        "",
+        "[motion]",
+        'format = "motive"',
+        'length_unit = "m"',
+        'up_axis = "y"',
+        f"markers = {json.dumps([f'{ASSET}:{name}' for name in MARKERS])}",
+        f"frames_per_second = {protocol.cameras.frames_per_second}",
+    ]
+    for plan in done:
+        text += [
+            "",
+            "[[trial]]",
+            f'name = "{plan.name}"',
+            f'gait = "{plan.gait}"',
+            f'joint_table = "gaits/{plan.gait}.csv"',
+            f"cycle_duration_s = {plan.cycle_duration_s}",
+            f"cycles = {protocol.cycles}",
+            f"pause_s = {protocol.pause_s}",
+            *(f'{key} = "{plan.name}/{file}.csv"' for key, file in FILES.items()),
+        ]
+    return "\n".join(text) + "\n"
+
+
+FILES = {"motion": "motion", "servo_log": "servo", "power_log": "power"}
+
+
+def _numbers(values: Floats) -> str:
+    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"

@@ -1,0 +1,73 @@
+"""What `measure`, `fit` and `compare` share: the campaign argument, its progress, the model it is compared with."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from serpenoid.cli import options
+
+if TYPE_CHECKING:
+    from serpenoid.measure.load import Campaign
+    from serpenoid.model import Model
+
+
+def add_campaign(parser: argparse.ArgumentParser) -> None:
+    """CAMPAIGN."""
+    help_line = "folder with campaign.toml, or the TOML file itself (docs/campaign-format.md)"
+    parser.add_argument("campaign", metavar="CAMPAIGN", help=help_line)
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """--anisotropy-ratio, --dissipation."""
+    parser.add_argument("--anisotropy-ratio", type=float, metavar="EPS", help="eps (default: the campaign's [medium])")
+    kinds = ("vertex", "edge")
+    parser.add_argument("--dissipation", choices=kinds, help="where elements sit (default: [medium], else vertex)")
+
+
+def read(args: argparse.Namespace) -> Campaign:
+    """Load the campaign with a progress bar."""
+    from serpenoid.measure.campaign import load_campaign_file
+    from serpenoid.measure.load import load_campaign
+
+    file, _ = load_campaign_file(args.campaign)
+    with options.progress_bar(args, "reading", len(file.trial)) as advance:
+        campaign = load_campaign(args.campaign, lambda done, total, name: advance(done, name))
+        advance(len(file.trial))
+    return campaign
+
+
+def stated_model(args: argparse.Namespace, campaign: Campaign) -> Model | None:
+    """The model that the command line or the campaign states; None where neither gives an anisotropy ratio."""
+    from serpenoid.medium import Medium
+    from serpenoid.model import Model
+    from serpenoid.schema import validate
+
+    medium = campaign.file.medium
+    eps = args.anisotropy_ratio
+    if eps is None and medium is None:
+        return None
+    data = medium.model_dump() if medium is not None else {}
+    data |= {} if eps is None else {"anisotropy_ratio": eps}
+    data |= {} if args.dissipation is None else {"dissipation": args.dissipation}
+    return Model(campaign.body, validate(Medium, data, "--anisotropy-ratio" if eps is not None else "campaign"))
+
+
+def neutral_model(args: argparse.Namespace, campaign: Campaign) -> Model:
+    """Where a fit begins: eps as stated, else 0.2."""
+    from serpenoid.medium import Medium
+    from serpenoid.model import Model
+
+    stated = stated_model(args, campaign)
+    return stated or Model(campaign.body, Medium(anisotropy_ratio=0.2, dissipation=args.dissipation or "vertex"))
+
+
+def folder(args: argparse.Namespace, campaign: Campaign, verb: str, *extra: Any) -> Path:
+    """--out, or results/<campaign>/<verb>-<hash>."""
+    from serpenoid.files import short_hash
+
+    name = campaign.folder.resolve().name if Path(args.campaign).is_dir() else Path(args.campaign).stem
+    key = short_hash(json.loads(campaign.file.model_dump_json()), *extra)
+    return options.output_folder(args, Path("results") / name / f"{verb}-{key}")

@@ -1,0 +1,96 @@
+"""Lay measured, simulated and resimulated motion over each other: Exp, Sim, Resim.
+
+    serpenoid compare recordings/2024-09-foam --anisotropy-ratio 0.1865
+    serpenoid compare problems/campaigns/fish.toml
+
+Exp is what the cameras saw, Sim the commanded shapes simulated, Resim the measured shapes simulated. Exp - Sim splits
+into an actuation part (Resim - Sim) and a motion part (Exp - Resim) that add up to it. Without an anisotropy ratio on the
+command line or in campaign.toml, it is fitted to all trials first. Writes compare.json, comparison.csv, figures (paths,
+heat maps of performance ratios, cost of transport) and report.html, one file with everything and an animation to scrub.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from serpenoid.cli import campaigns, options
+
+if TYPE_CHECKING:
+    from serpenoid.compare.study import Study
+    from serpenoid.measure.load import Campaign
+    from serpenoid.model import Model
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `compare`."""
+    campaigns.add_campaign(parser)
+    campaigns.add_model(parser)
+    options.add_output(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare, write, report."""
+    from serpenoid.compare.study import compare_campaign
+    from serpenoid.compare.write import study_record, write_study
+    from serpenoid.errors import InputError
+
+    campaign = campaigns.read(args)
+    model, origin = _model(args, campaign)
+    with options.progress_bar(args, "comparing", len(campaign.trials)) as advance:
+        study = compare_campaign(campaign, model, lambda done, total, name: advance(done, name))
+        advance(len(campaign.trials))
+    if not study.comparisons:
+        raise InputError("no trial has a motion file with a whole cycle in it. " + " ".join(study.notes))
+    folder = campaigns.folder(args, campaign, "compare", model.medium.model_dump())
+    record = study_record(study, campaign, origin)
+    with options.progress_bar(args, "drawing", len(study.comparisons)) as advance:
+        write_study(folder, study, campaign, record, not args.no_figures, advance)
+        advance(len(study.comparisons))
+    options.report(args, record, [*lines(study, origin), f"written to        {folder}"])
+    return 0
+
+
+def _model(args: argparse.Namespace, campaign: Campaign) -> tuple[Model, str]:
+    stated = campaigns.stated_model(args, campaign)
+    if stated is not None:
+        return stated, "as stated"
+    from serpenoid.compare.calibrate import estimate
+    from serpenoid.compare.parameters import changed
+    from serpenoid.compare.segments import trial_segments
+
+    start = campaigns.neutral_model(args, campaign)
+    usable = [trial for trial in campaign.trials if trial.passages]
+    segments = tuple(segment for trial in usable for segment in trial_segments(trial))
+    if not segments:
+        return start, "nothing to fit it to"
+    found = estimate(start, segments, ("anisotropy_ratio",))
+    return changed(start, found.names, found.values), f"fitted to all trials jointly, SD {found.sd[0]:.2g}"
+
+
+def lines(study: Study, origin: str) -> list[str]:
+    """The summary."""
+    medium = study.model.medium
+    found = [f"anisotropy ratio  {medium.anisotropy_ratio:.6g} ({origin}), dissipation at each {medium.dissipation}"]
+    found.append(f"{'gait':<24}{'Exp':>9}{'Resim':>9}{'Sim':>9}   [body lengths]")
+    for i, gait in enumerate(study.gaits):
+        cells: list[Any] = [f"{study.displacement[k][i]:9.4f}" if k in study.displacement else f"{'-':>9}"
+                            for k in ("Exp", "Resim", "Sim")]  # fmt: skip
+        share = study.displacement["Resim"][i] / study.displacement["Exp"][i]
+        found.append(f"{gait:<24}{''.join(cells)}   Resim / Exp = {share:.3f}")
+    for s in study.ratios:
+        found.append(
+            f"{s.pair:<12} mean {s.mean:.4f} STD {s.std:.4f} | bias {s.bias:.3f} s {s.s:.4f} "
+            f"rank {s.rank_correlation:.3f} wrong pairs {len(s.wrong_pairs)}/{s.pair_count}"
+        )
+    for point in study.costs:
+        c = "" if point.dissipation_coefficient is None else f" at c = {point.dissipation_coefficient:g}"
+        found.append(
+            f"cost of transport {point.gait}{c}: {point.mean:.3f} (STD {point.std:.2g}, {point.trials} trial(s))"
+        )
+    if study.power is not None:
+        p = study.power
+        found.append(
+            f"power             {p.idle_W:.3f} W idle + {p.coefficient_W:.4g} x dissipation rate (r2 {p.r2:.4f})"
+        )
+    return found + [f"note: {note}" for note in study.notes]

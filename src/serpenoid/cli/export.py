@@ -1,0 +1,105 @@
+"""Write a gait for the robot.
+
+RESULTS is a results folder or a joint-table CSV. Formats:
+  csv      joint_table.csv, radians
+  ticks    ticks.csv, servo positions as --robot maps them
+  openrb   an Arduino sketch for the OpenRB-150 that plays the gait without a computer (library Dynamixel2Arduino)
+  ros2     JointTrajectory as MCAP and as YAML for joint_trajectory_controller
+
+  serpenoid export RESULTS --format openrb --robot problems/robots/snake10-robot.toml --cycles 3 --pause 2 --out snake
+  ros2 topic pub --once /joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory \\
+      "$(cat DIR/joint_trajectory.yaml)"
+
+Formats for a particular robot are checked as `serpenoid robot check` does; nothing is written if a check refuses.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
+from serpenoid.errors import InputError
+from serpenoid.files import write_csv, write_text
+from serpenoid.robot import ros
+from serpenoid.robot.checks import Refusal, check_finite
+from serpenoid.robot.description import Robot
+from serpenoid.robot.firmware import sketch
+from serpenoid.robot.plan import Plan, check_repetition, make_plan
+from serpenoid.robot.table import JointTable, read_table, write_table
+
+Exporter = Callable[[argparse.Namespace, JointTable, Robot | None], list[Path]]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    add_table(parser)
+    parser.add_argument("--format", required=True, choices=list(EXPORTERS), help="see above")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files")
+    add_robot(parser, required=False)
+    parser.add_argument("--cycles", type=int, default=1, metavar="N", help="openrb, ros2: cycles to play (default 1)")
+    parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="openrb, ros2: rest after each cycle [s]")
+    parser.add_argument("--power-stream", action="store_true", help="openrb: stream INA260 readings over USB")
+
+
+def run(args: argparse.Namespace) -> int:
+    table, robot, refusals = _load(args)
+    if refusals:
+        warn("refused, nothing was written:", *refusals)
+        return 1
+    try:
+        paths = EXPORTERS[args.format](args, table, robot)
+    except OSError as error:
+        raise InputError(f"--out {args.out}: cannot be written ({error.strerror}).") from None
+    sys.stdout.writelines(f"{path}\n" for path in paths)
+    return 0
+
+
+def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refusal]]:
+    if args.robot is not None:
+        robot = load_robot(args)
+        table, refusals = checked_table(args, robot)
+        return table, robot, refusals
+    table = read_table(args.results)
+    return table, None, check_finite(table.angles)
+
+
+def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None) -> list[Path]:
+    path = args.out / "joint_table.csv"
+    write_table(path, table.angles)
+    return [path]
+
+
+def _ticks(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> list[Path]:
+    path = args.out / "ticks.csv"
+    plan = _plan(args, table, robot)
+    header = [f"servo_{servo_id}" for servo_id in plan.robot.ids]
+    write_csv(path, header, plan.ticks.tolist())
+    return [path]
+
+
+def _openrb(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> list[Path]:
+    """The Arduino tools want a sketch in a folder of its own name."""
+    path = args.out / f"{args.out.resolve().name}.ino"
+    write_text(path, sketch(_plan(args, table, robot), args.power_stream))
+    return [path]
+
+
+def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> list[Path]:
+    duration = cycle_duration(args, table, robot)
+    check_repetition(args.cycles, args.pause)
+    trajectory = ros.make_trajectory(table.angles, duration, args.cycles, args.pause)
+    paths = [args.out / "joint_trajectory.mcap", args.out / "joint_trajectory.yaml"]
+    ros.write_mcap(paths[0], trajectory)
+    ros.write_yaml(paths[1], trajectory)
+    return paths
+
+
+def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> Plan:
+    if robot is None:
+        raise InputError(f"--format {args.format} needs --robot FILE: it maps joints to servos.")
+    return make_plan(table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause)
+
+
+EXPORTERS: dict[str, Exporter] = {"csv": _csv, "ticks": _ticks, "openrb": _openrb, "ros2": _ros2}

@@ -1,0 +1,113 @@
+"""Fit the anisotropy ratio (and what else is asked for) to a campaign, with intervals.
+
+    serpenoid fit recordings/2024-09-foam
+    serpenoid fit recordings/2024-09-foam --parameter anisotropy_ratio --parameter end_weight
+
+Two ways: the eps of least RMS between measured and simulated displacement-time curves, trial by trial, as in the paper;
+and maximum likelihood through the step equations, with shape noise and pose noise together, trial by trial and jointly.
+Three answers to "how sure?": camera noise alone; robust to errors that last (what is left is not noise); and the spread
+over trials. Simulations use the *measured* shapes on the recording's own frames. A fitted eps holds for one kind of
+dissipation element only. Writes fit.json and figures. Exit code 1: a fit did not converge or ran into a bound.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from serpenoid.cli import campaigns, options
+
+if TYPE_CHECKING:
+    from serpenoid.compare.calibrate import Calibration
+    from serpenoid.measure.load import Campaign
+    from serpenoid.model import Model
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `fit`."""
+    campaigns.add_campaign(parser)
+    help_line = "what to fit (repeatable; default anisotropy_ratio): anisotropy_ratio, end_weight, front_weight"
+    parser.add_argument("--parameter", action="append", metavar="NAME", help=help_line)
+    campaigns.add_model(parser)
+    options.add_output(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fit, write, report."""
+    from serpenoid.compare.calibrate import calibrate
+    from serpenoid.compare.parameters import start_values
+    from serpenoid.compare.records import calibration_record
+    from serpenoid.files import provenance, write_json
+
+    names = tuple(args.parameter or ("anisotropy_ratio",))
+    campaign = campaigns.read(args)
+    model = campaigns.neutral_model(args, campaign)
+    start_values(names, model)
+    with options.progress_bar(args, "fitting", len(campaign.trials) + 1) as advance:
+        calibration = calibrate(campaign, model, names, lambda done, total, name: advance(done, name))
+        advance(len(campaign.trials) + 1)
+    folder = campaigns.folder(args, campaign, "fit", names, model.medium.model_dump())
+    record = calibration_record(calibration, model.medium.dissipation)
+    record |= {"campaign": campaign.file.name, "source": campaign.file.source, "provenance": provenance()}
+    write_json(folder / "fit.json", record)
+    if not args.no_figures:
+        draw(folder, campaign, model, calibration)
+    options.report(args, record, [*lines(calibration, model), f"written to        {folder}"])
+    complaints = calibration.joint.warnings
+    for complaint in complaints:
+        options.complain(complaint)
+    return 1 if any("bound" in text or "converge" in text for text in complaints) else 0
+
+
+def lines(calibration: Calibration, model: Model) -> list[str]:
+    """The summary: joint, mean over trials, best RMS."""
+    joint, found = (
+        calibration.joint,
+        [f"dissipation at each {model.medium.dissipation}, {len(calibration.trials)} trial(s)"],
+    )
+    for i, name in enumerate(calibration.names):
+        low, high = joint.interval[i]
+        found += [
+            f"{name}",
+            f"  joint           {joint.values[i]:.6g}   95 % {low:.6g} .. {high:.6g} (noise), "
+            f"+- {1.96 * joint.robust_sd[i]:.2g} (robust)",
+        ]
+        if len(calibration.trials) > 1:
+            low, high = calibration.mean_interval[i]
+            text = f"95 % {low:.6g} .. {high:.6g}, SD {calibration.spread[i]:.2g}"
+            found.append(f"  mean of trials  {calibration.mean[i]:.6g}   {text}")
+    if "anisotropy_ratio" in calibration.names:
+        spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
+        found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread})")
+    return [*found, f"what is left      {joint.noise_scale:.2f} times the measurement noise"]
+
+
+def draw(folder: Path, campaign: Campaign, model: Model, calibration: Calibration) -> None:
+    """calibration, and the paper's displacement figure for the first trial."""
+    import numpy as np
+
+    from serpenoid.compare.calibrate import displacement_curve, rms_of
+    from serpenoid.compare.parameters import changed
+    from serpenoid.compare.segments import trial_segments
+    from serpenoid.plot.calibration import calibration_figure, displacement_for_eps
+    from serpenoid.plot.figures import save
+    from serpenoid.plot.style import figure
+
+    save(calibration_figure(calibration), folder, "calibration")
+    first = calibration.trials[0]
+    trial = next(t for t in campaign.trials if t.name == first.trial)
+    segment = max(trial_segments(trial), key=lambda s: len(s.time_s))
+
+    def at(eps: float) -> Model:
+        return changed(model, ("anisotropy_ratio",), np.array([eps]))
+
+    centre = first.best_rms_eps
+    grid = np.geomspace(max(centre / 4, 1e-3), min(centre * 4, 1.0), 25)
+    curves = np.array([displacement_curve(at(eps), segment.smooth_angles) for eps in grid])
+    rms = np.array([rms_of(at(eps), (segment,)) for eps in grid])
+    measured = np.hypot(*(segment.smooth_poses - segment.smooth_poses[0]).T[:2])
+    best = (centre, displacement_curve(at(centre), segment.smooth_angles))
+    fig = figure(7.4, 4.4)
+    displacement_for_eps(segment.time_s - segment.time_s[0], measured, grid, curves, rms, best, fig.add_subplot())
+    save(fig, folder, "displacement-for-eps")

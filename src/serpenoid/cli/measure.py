@@ -1,0 +1,104 @@
+"""Read a campaign of recordings and say what is in it, what is missing, and how good it is.
+
+    serpenoid measure recordings/2024-09-foam
+    serpenoid measure problems/campaigns/fish.toml --json
+
+A campaign is a folder with campaign.toml and, per trial, a motion file (Motive CSV, C3D, SLEAP, plain CSV), a servo log
+and a power log; any of them may be missing (docs/campaign-format.md). A broken file is named with row and column, and
+nothing is half-read. Writes campaign.json and a picture of every trial: markers on the floor, what was hidden when,
+commanded against measured joint angles. Position jumps are reported, not smoothed away.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from serpenoid.cli import campaigns, options
+
+if TYPE_CHECKING:
+    from serpenoid.measure.trial import Trial
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `measure`."""
+    campaigns.add_campaign(parser)
+    options.add_output(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, write, report."""
+    from serpenoid.compare.records import campaign_record
+    from serpenoid.files import provenance, write_json
+
+    campaign = campaigns.read(args)
+    folder = campaigns.folder(args, campaign, "measure")
+    record = campaign_record(campaign) | {"provenance": provenance(campaign=campaign.file.name)}
+    write_json(folder / "campaign.json", record)
+    if not args.no_figures:
+        from serpenoid.plot.figures import save
+        from serpenoid.plot.recording import repeats, trial_figure
+        from serpenoid.plot.style import figure
+
+        with options.progress_bar(args, "drawing", len(campaign.trials)) as advance:
+            for done, trial in enumerate(campaign.trials):
+                advance(done, trial.name)
+                if trial.motion is not None:
+                    save(trial_figure(trial), folder, f"trial-{trial.name}")
+            for label, trials in campaign.gaits.items():
+                if len(trials) > 1:
+                    fig = figure(7.0, 3.6)
+                    repeats(trials, fig.add_subplot())
+                    save(fig, folder, f"repeats-{label}")
+            advance(len(campaign.trials))
+    lines = [f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"]
+    if campaign.lengths_estimated:
+        lines.append("edge lengths estimated from the recordings (medians)")
+    lines += [line for trial in campaign.trials for line in trial_lines(trial)]
+    options.report(args, record, [*lines, f"written to        {folder}"])
+    return 0
+
+
+def trial_lines(trial: Trial) -> list[str]:
+    """One trial in a few lines."""
+    kinds = {
+        "motion": trial.motion,
+        "table": trial.schedule,
+        "servo log": trial.servo_log,
+        "power log": trial.power_log,
+    }
+    there = [name for name, value in kinds.items() if value is not None]
+    missing = [name for name, value in kinds.items() if value is None]
+    lines = [f"\n{trial.name}", f"  has               {', '.join(there) or 'nothing'}"]
+    if missing:
+        lines.append(f"  missing           {', '.join(missing)}")
+    motion = trial.motion
+    if motion is not None:
+        length = motion.time_s[-1] - motion.time_s[0]
+        lines.append(
+            f"  frames            {len(motion.time_s)} in {length:.2f} s, {motion.hidden_share:.1%} of markers hidden"
+        )
+        unit = (
+            f"{1000 * trial.metres * motion.marker_sd:.3f} mm"
+            if trial.metres
+            else f"{motion.marker_sd:.5f} body lengths"
+        )
+        lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
+        for p in trial.passages:
+            lines.append(f"  cycle {p.cycle + 1}           {trial.displacement(p):.4f} body lengths")
+        long = [gap for gap in motion.gaps if not gap.short]
+        lines += [f"  long gap          {gap.duration_s:.2f} s from frame {gap.first + 1}" for gap in long]
+        for jump in motion.jumps[:10]:
+            who = "whole body" if jump.vertex is None else f"vertex {jump.vertex}"
+            lines.append(f"  jump              {who} by {jump.size:.4f} body lengths at {jump.time_s:.3f} s")
+        if len(motion.jumps) > 10:
+            lines.append(f"  jump              and {len(motion.jumps) - 10} more (campaign.json)")
+        if motion.relabelled:
+            lines.append(f"  relabelled        {len(motion.relabelled)} unlabelled fragment(s) by the chain's geometry")
+        if motion.unused:
+            lines.append(f"  not used          {', '.join(motion.unused[:6])}")
+    if trial.servo is not None:
+        servo = trial.servo
+        lines.append(f"  servo clock       {servo.offset.offset_s:+.4f} s (correlation {servo.offset.correlation:.4f})")
+        lines.append(f"  servo scatter     {servo.sd:.5f} rad about the markers' angles")
+    return lines + [f"  note              {note}" for note in trial.notes]

@@ -1,0 +1,137 @@
+"""`serpenoid robot scan | check | off | reboot | power`: short conversations with the bus."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
+from serpenoid.robot.bus import Bus, open_bus
+from serpenoid.robot.checks import Refusal, check_start, check_table
+from serpenoid.robot.control_table import MODEL_NAME, MODEL_NUMBER
+from serpenoid.robot.description import Robot
+from serpenoid.robot.faults import RobotFault
+from serpenoid.robot.port import exclusive_port, resolve_port
+from serpenoid.robot.power import record_power
+from serpenoid.robot.prepare import identify, inspect
+from serpenoid.robot.table import JointTable
+from serpenoid.robot.ticks import to_ticks
+
+SCAN_RATES = (57600, 1000000, 115200, 2000000, 3000000)
+
+
+def configure(actions: Any) -> None:
+    scan = actions.add_parser("scan", help="which servos answer, at which baud rate")
+    scan.add_argument("--port", default="auto", metavar="PORT", help="serial port (default auto)")
+    scan.add_argument("--baud-rate", type=int, metavar="B", help=f"try this rate alone (default {SCAN_RATES})")
+    scan.set_defaults(do=_scan)
+    check = actions.add_parser("check", help="would this gait be refused, and why")
+    add_table(check)
+    add_robot(check, port="")
+    check.set_defaults(do=_check)
+    for name, do, text in (("off", _off, "torque off on every servo"), ("reboot", _reboot, "clear hardware errors")):
+        action = actions.add_parser(name, help=text)
+        add_robot(action, port="auto")
+        action.set_defaults(do=do)
+    power = actions.add_parser("power", help="record an INA260 stream: power.csv")
+    power.add_argument("--port", required=True, metavar="PORT", help="serial port of the streaming board")
+    power.add_argument("--log", required=True, type=Path, metavar="DIR", help="folder for power.csv")
+    power.add_argument("--seconds", type=float, default=float("inf"), metavar="S", help="default: until Ctrl-C")
+    power.set_defaults(do=_power)
+
+
+def _scan(args: argparse.Namespace) -> int:
+    port = resolve_port(args.port)
+    rates = (args.baud_rate,) if args.baud_rate else SCAN_RATES
+    total = 0
+    with exclusive_port(port):
+        for rate in rates:
+            try:
+                with open_bus(port, rate) as bus:
+                    total += _print_found(bus, rate)
+            except RobotFault as fault:
+                warn(fault)
+    if not total:
+        warn(f"{port}: no servo answered at {', '.join(map(str, rates))} baud. Is the battery on and the cable in?")
+    return 0 if total else 1
+
+
+def _print_found(bus: Bus, rate: int) -> int:
+    found = bus.scan()
+    for servo_id, (model, firmware) in found.items():
+        name = MODEL_NAME if model == MODEL_NUMBER else f"model {model}"
+        state = bus.read_states([servo_id])[servo_id]
+        reading = f"{state.position} ticks, {state.voltage:.1f} V, {state.temperature} deg C"
+        sys.stdout.write(f"ID {servo_id:3d}  {name}  firmware {firmware}  {rate} baud  {reading}\n")
+    return len(found)
+
+
+def _check(args: argparse.Namespace) -> int:
+    robot = load_robot(args)
+    table, refusals = checked_table(args, robot)
+    how = f"at {robot.voltage.nominal_V:g} V (nominal; --port measures it)"
+    if args.port and not refusals:
+        refusals, how = _check_live(args, table, robot)
+    if refusals:
+        warn(f"refused {how}:", *refusals)
+        return 1
+    sys.stdout.write(
+        f"{table.source}: {table.steps} steps x {table.joints} joints may be played on {robot.name} {how}\n"
+    )
+    return 0
+
+
+def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tuple[list[Refusal], str]:
+    """With the servos' own voltage and positions; torque stays as it is."""
+    port = resolve_port(args.port)
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
+        try:
+            refusals = identify(bus, robot)
+            if refusals:
+                return refusals, f"on {port}"
+            refusals = inspect(bus, robot)
+            states = [bus.read_states(robot.ids)[servo_id] for servo_id in robot.ids]
+        except RobotFault as fault:
+            return [Refusal(port, str(fault), "the bus must answer", "Check power and cable.")], "on the bus"
+    volts = min(state.voltage for state in states)
+    refusals += check_table(table.angles, robot, cycle_duration(args, table, robot), volts)
+    present = np.array([state.position for state in states])
+    return refusals + check_start(present, to_ticks(table.angles[0], robot), robot), f"at {volts:.1f} V (measured)"
+
+
+def _off(args: argparse.Namespace) -> int:
+    robot, port = load_robot(args), resolve_port(args.port)
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
+        try:
+            silent = bus.torque_off(robot.ids)
+        except RobotFault as fault:
+            warn(fault)
+            return 1
+    if silent:
+        warn(f"servos {', '.join(map(str, silent))} did not confirm torque off. CUT THE BATTERY if they hold.")
+        return 1
+    sys.stdout.write("torque is off on every servo, each confirmed it\n")
+    return 0
+
+
+def _reboot(args: argparse.Namespace) -> int:
+    robot, port = load_robot(args), resolve_port(args.port)
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
+        for servo_id in robot.ids:
+            try:
+                bus.reboot(servo_id)
+            except RobotFault as fault:
+                warn(fault)
+                return 1
+    sys.stdout.write(f"{len(robot.ids)} servos rebooted; torque is off\n")
+    return 0
+
+
+def _power(args: argparse.Namespace) -> int:
+    lines = record_power(resolve_port(args.port), args.log, args.seconds)
+    sys.stdout.write(f"{lines} lines in {args.log / 'power.csv'}\n")
+    return 0 if lines else 1

@@ -1,0 +1,86 @@
+"""`serpenoid robot emulate`: ten XL430 servos on a pseudo-terminal, with faults to rehearse.
+
+Prints the port and serves until Ctrl-C; then says what became of the servos. In another terminal:
+
+  serpenoid robot scan --port PORT
+  serpenoid play RESULTS --robot problems/robots/snake10-robot.toml --port PORT
+
+Faults begin a number of seconds after torque is first switched on: --fault KIND[:SERVO]@SECONDS[=VALUE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+from serpenoid.errors import InputError
+from serpenoid.files import write_json
+from serpenoid.robot.control_table import BAUD_RATES
+from serpenoid.robot.description import Robot
+from serpenoid.robot.emulator.chain import Chain
+from serpenoid.robot.emulator.faults import KINDS, parse_fault
+from serpenoid.robot.emulator.server import PtyServer
+from serpenoid.robot.emulator.servo import EmulatedServo
+from serpenoid.schema import load
+
+
+def configure(actions: Any) -> None:
+    faults = "\n".join(f"  {kind + (':SERVO' if needs else ''):<16} {text}" for kind, (needs, _, text) in KINDS.items())
+    parser = actions.add_parser(
+        "emulate",
+        help="ten emulated servos on a port of their own",
+        description=__doc__,
+        epilog=f"fault kinds:\n{faults}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--robot", type=Path, metavar="FILE", help="IDs, baud rate and zero positions from this file")
+    parser.add_argument("--baud-rate", type=int, metavar="B", help="default: the robot file's, else 1000000")
+    parser.add_argument("--link", type=Path, metavar="PATH", help="symbolic link to the port, under a name that stays")
+    parser.add_argument("--fault", action="append", default=[], metavar="FAULT", help="a fault, see below; repeatable")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
+    parser.add_argument("--report", type=Path, metavar="FILE", help="write what became of the servos to this JSON file")
+    parser.set_defaults(do=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    if args.link is not None and (args.link.exists() and not args.link.is_symlink()):
+        raise InputError(f"--link {args.link}: a file is already there.")
+    baud_rate, servos = _servos(args)
+    chain = Chain(servos, baud_rate, [parse_fault(text) for text in args.fault], args.seed)
+    server = PtyServer(chain, baud_rate, args.link)
+    stopping: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda received, _: stopping.append(received))
+    sys.stdout.write(f"{server.port}\n")
+    sys.stdout.flush()
+    sys.stderr.write(f"{len(servos)} emulated servos at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
+    server.serve(lambda: bool(stopping))
+    report = server.report()
+    server.close()
+    if args.report is not None:
+        write_json(args.report, report)
+    sys.stderr.write(_in_words(report))
+    return 0
+
+
+def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
+    robot = load(Robot, args.robot) if args.robot else None
+    baud_rate = args.baud_rate or (robot.bus.baud_rate if robot else 1000000)
+    codes = {rate: code for code, rate in BAUD_RATES.items()}
+    if baud_rate not in codes:
+        raise InputError(f"--baud-rate must be one of {', '.join(map(str, codes))}, got {baud_rate}.")
+    places = [(joint.id, joint.zero_ticks) for joint in robot.joint] if robot else [(i, 2048) for i in range(1, 11)]
+    return baud_rate, [EmulatedServo(servo_id, codes[baud_rate], float(zero)) for servo_id, zero in places]
+
+
+def _in_words(report: dict[str, Any]) -> str:
+    servos = report["servos"]
+    on = [servo["id"] for servo in servos if servo["torque"]]
+    moved = {servo["id"]: [round(servo["lowest_ticks"]), round(servo["highest_ticks"])] for servo in servos}
+    torque = f"torque still ON: servos {on}" if on else "torque is off on every servo"
+    counts = f"{report['instructions']} instructions, {report['rejected']} rejected"
+    return f"\n{torque}; {counts}\nranges [ticks]: {json.dumps(moved)}\n"

@@ -1,0 +1,1 @@
+"""Measured against simulated: resimulation, errors, calibration, performance ratios, cost of transport, report."""

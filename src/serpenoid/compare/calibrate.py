@@ -1,0 +1,215 @@
+"""Calibration: the anisotropy ratio by best RMS as in the paper, and by maximum likelihood with an interval.
+
+Three intervals, because they answer different questions:
+  noise     camera and servo noise alone; right where the model is right (noise scale near 1)
+  robust    what is left is allowed to be correlated in time (sandwich with Bartlett weights): honest where it is wrong
+  spread    SD over trials / sqrt(trials), as the paper averages: honest about everything that changes between trials
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.stats import norm, t
+
+from serpenoid.body import Floats
+from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit
+from serpenoid.compare.parameters import FITTABLE, changed, start_values
+from serpenoid.compare.segments import trial_segments
+from serpenoid.compare.three import simulate_path
+from serpenoid.measure.load import Campaign
+from serpenoid.measure.trial import Trial
+from serpenoid.model import Model
+
+LOWEST, HIGHEST = 1e-3, 1.0
+CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
+MEMORY = 0.1  # of a segment: the lags over which what is left may be correlated
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Fitted numbers with standard errors and 95 % intervals (P,) and (P, 2)."""
+
+    names: tuple[str, ...]
+    values: Floats
+    sd: Floats
+    interval: Floats
+    robust_sd: Floats
+    correlation: Floats
+    noise_scale: float
+    autocorrelation: Floats  # of the white defects, lags 1..
+    warnings: tuple[str, ...]
+    solution: Solution
+
+
+@dataclass(frozen=True)
+class TrialFit:
+    """One trial's best-RMS eps, its RMS, and its likelihood estimate."""
+
+    trial: str
+    gait: str
+    best_rms_eps: float
+    rms: float
+    at_bound: bool
+    estimate: Estimate
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """All trials singly, their spread, and all jointly."""
+
+    names: tuple[str, ...]
+    trials: tuple[TrialFit, ...]
+    joint: Estimate
+    mean: Floats  # (P,) of the trials' likelihood estimates
+    spread: Floats  # (P,) SD over trials
+    mean_interval: Floats  # (P, 2) 95 %, Student
+    mean_best_rms: float
+    spread_best_rms: float
+    profile: Floats  # (K, 2): first number, chi2 above its minimum in noise units
+
+
+def calibrate(
+    campaign: Campaign, model: Model, names: tuple[str, ...], progress: Callable[[int, int, str], None] | None = None
+) -> Calibration:
+    """Fit every trial with motion, then all of them jointly."""
+    usable = [trial for trial in campaign.trials if trial.motion is not None and trial.passages]
+    segments: list[Segment] = []
+    fits = []
+    for index, trial in enumerate(usable):
+        if progress is not None:
+            progress(index, len(usable) + 1, trial.name)
+        mine = trial_segments(trial)
+        segments += mine
+        fits.append(_fit_trial(trial, mine, model, names))
+    if not fits:
+        from serpenoid.errors import InputError
+
+        raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
+    if progress is not None:
+        progress(len(usable), len(usable) + 1, "all trials jointly")
+    joint = estimate(model, tuple(segments), names)
+    values = np.array([f.estimate.values for f in fits])
+    rms = np.array([f.best_rms_eps for f in fits])
+    mean, spread = values.mean(axis=0), _sd(values)
+    half = spread / np.sqrt(len(fits)) * (t.ppf(0.975, len(fits) - 1) if len(fits) > 1 else np.nan)
+    interval = np.stack([mean - half, mean + half], axis=1)
+    profile = profile_likelihood(model, tuple(segments), names, joint)
+    return Calibration(
+        names, tuple(fits), joint, mean, spread, interval, float(rms.mean()), float(_sd(rms[:, None])[0]), profile
+    )
+
+
+def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
+    """Maximum likelihood with intervals and complaints."""
+    solution = fit(model, segments, names, start_values(names, model))
+    scale = max(1.0, solution.noise_scale)
+    sd = np.sqrt(np.diag(solution.covariance)) * scale
+    half = norm.ppf(0.975) * sd
+    correlation = solution.covariance / np.outer(*(2 * [np.sqrt(np.diag(solution.covariance))]))
+    return Estimate(
+        names, solution.values, sd, np.stack([solution.values - half, solution.values + half], axis=1),
+        robust_sd(solution), correlation, solution.noise_scale, autocorrelation(solution.segments),
+        _complaints(solution, sd, correlation), solution,
+    )  # fmt: skip
+
+
+def robust_sd(solution: Solution) -> Floats:
+    """Sandwich standard errors with Bartlett weights over a tenth of each segment."""
+    meat = np.zeros_like(solution.covariance)
+    for left in solution.segments:
+        score = np.einsum("si,sip->sp", left.defect, left.by_parameters)
+        lags = max(1, int(MEMORY * len(score)))
+        meat += score.T @ score
+        for lag in range(1, lags + 1):
+            product = score[lag:].T @ score[:-lag]
+            meat += (1 - lag / (lags + 1)) * (product + product.T)
+    return np.asarray(np.sqrt(np.maximum(np.diag(solution.covariance @ meat @ solution.covariance), 0.0)))
+
+
+def autocorrelation(left: tuple[Whitened, ...], lags: int = 40) -> Floats:
+    """Of the white defects, over components and segments; within +-2/sqrt(3 S) of zero if the model is right."""
+    total, power = np.zeros(lags), 0.0
+    for w in left:
+        power += float((w.defect**2).sum())
+        for lag in range(1, min(lags, len(w.defect) - 1) + 1):
+            total[lag - 1] += float((w.defect[lag:] * w.defect[:-lag]).sum())
+    return total / power
+
+
+def profile_likelihood(
+    model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], best: Estimate, points: int = 13
+) -> Floats:
+    """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors: (K, 2)."""
+    low, high = FITTABLE[names[0]].low, FITTABLE[names[0]].high
+    grid = best.values[0] + best.sd[0] * np.linspace(-3, 3, points)
+    rows = []
+    for value in grid[(grid >= low) & (grid <= high)]:
+        fixed = changed(model, names[:1], np.array([value]))
+        others = names[1:]
+        found = fit(fixed, segments, others, start_values(others, fixed) if others else np.empty(0))
+        rows.append((value, (found.chi2 - best.solution.chi2) / max(1.0, best.noise_scale) ** 2))
+    return np.array(rows)
+
+
+def displacement_curve(model: Model, joint_angles: Floats) -> Floats:
+    """Distance of the centroid from where it began, (R,) [body lengths]."""
+    poses = simulate_path(model, joint_angles, np.zeros(3)).poses
+    return np.asarray(np.hypot(poses[:, 0] - poses[0, 0], poses[:, 1] - poses[0, 1]))
+
+
+def rms_of(model: Model, segments: tuple[Segment, ...]) -> float:
+    """RMS over all rows between simulated and measured displacement-time curves: the paper's measure."""
+    squares = []
+    for s in segments:
+        measured = np.hypot(*(s.smooth_poses - s.smooth_poses[0]).T[:2])
+        squares.append((displacement_curve(model, s.smooth_angles) - measured) ** 2)
+    return float(np.sqrt(np.concatenate(squares).mean()))
+
+
+def best_rms(model: Model, segments: tuple[Segment, ...]) -> tuple[float, float, bool]:
+    """eps with the least RMS by a bounded search on its logarithm: (eps, RMS, whether it ran into a bound)."""
+
+    def cost(log_eps: float) -> float:
+        return rms_of(changed(model, ("anisotropy_ratio",), np.array([np.exp(log_eps)])), segments)
+
+    grid = np.linspace(np.log(LOWEST), np.log(HIGHEST), 13)
+    start = int(np.argmin([cost(x) for x in grid]))
+    low, high = grid[max(start - 1, 0)], grid[min(start + 1, len(grid) - 1)]
+    found = minimize_scalar(cost, bounds=(low, high), method="bounded", options={"xatol": 1e-5})
+    eps = float(np.exp(found.x))
+    return eps, float(found.fun), bool(eps < 1.01 * LOWEST or eps > 0.99 * HIGHEST)
+
+
+def _fit_trial(trial: Trial, segments: tuple[Segment, ...], model: Model, names: tuple[str, ...]) -> TrialFit:
+    eps, rms, bound = best_rms(model, segments)
+    return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names))
+
+
+def _complaints(solution: Solution, sd: Floats, correlation: Floats) -> tuple[str, ...]:
+    found = []
+    if not solution.converged:
+        found.append("the fit did not converge: the data may not determine these numbers")
+    for i, name in enumerate(solution.names):
+        entry = FITTABLE[name]
+        if sd[i] > 0.5 * (entry.high - entry.low) or sd[i] == 0:
+            found.append(f"these data do not determine `{name}`")
+        if solution.values[i] <= entry.low * 1.001 or solution.values[i] >= entry.high * 0.999:
+            found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")
+        for j in range(i):
+            if abs(correlation[i, j]) > CORRELATED:
+                pair = f"`{solution.names[j]}` and `{name}`"
+                found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
+    if solution.noise_scale > 1.5:
+        found.append(
+            f"what is left is {solution.noise_scale:.1f} times the measurement noise: the model is wrong somewhere, "
+            "and the noise interval means little; look at the robust one and the spread over trials"
+        )
+    return tuple(found)
+
+
+def _sd(values: Floats) -> Floats:
+    return values.std(axis=0, ddof=1) if len(values) > 1 else np.full(values.shape[1], np.nan)

@@ -1,0 +1,130 @@
+"""Maximum likelihood with noisy shapes: measured states z^ with covariance C, step equations as exact constraints.
+
+    e(z_r, z_{r+1}; theta) = 0 at the true states z;  z^ = z + noise, noise ~ N(0, C)
+    e^ = e(z~; theta) + G (z^ - z~) ~ N(0, S),  S = G C G',  G = de/dz at a smooth path z~ through the measured states
+    minimise  e^' S^-1 e^  over theta by Gauss-Newton,  J = de/dtheta at z~
+
+S is block tridiagonal: a row's noise enters the step before it and the step after it, pose and shape together, and the
+sums telescope. Taking G and J at z~ and not at z^ keeps two second-order effects out: products of shape noise (a random
+walk of its own once integrated) and noise in J (errors in variables, which would pull theta towards zero). z~ may be
+off: e^ is wrong only by the square of its error. Source: Britt & Luecke, Technometrics 15, 1973; docs/theory.md.
+
+Legend: R rows, S = R - 1 steps, m joints, P fitted parameters, q = 3 + m.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cholesky_banded, solve_banded
+
+from serpenoid.body import Floats
+from serpenoid.compare.linearise import Linearised, linearise
+from serpenoid.compare.parameters import bounds, changed, direction
+from serpenoid.measure.chain import VAGUE_SD
+from serpenoid.model import Model
+
+ITERATIONS = 40
+BAND = 5  # block-tridiagonal with 3 x 3 blocks
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Successive measured rows: times (R,), joint angles (R, m), poses (R, 3), covariance of both (R, q, q)."""
+
+    time_s: Floats
+    joint_angles: Floats
+    poses: Floats
+    covariance: Floats
+    smooth_angles: Floats  # z~
+    smooth_poses: Floats
+    trial: str = ""
+    phase: Floats | None = None  # (R,) cycles
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """A segment's defects made white (unit variance, independent): (S, 3), and their derivative (S, 3, P)."""
+
+    defect: Floats
+    by_parameters: Floats
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Fitted values, covariance (P, P) for unit noise scale, chi2, degrees of freedom, and what is left."""
+
+    names: tuple[str, ...]
+    values: Floats
+    covariance: Floats
+    chi2: float
+    freedom: int
+    segments: tuple[Whitened, ...]
+    converged: bool
+
+    @property
+    def noise_scale(self) -> float:
+        """sqrt(chi2 / freedom): 1 where the measurement noise explains everything that is left."""
+        return float(np.sqrt(self.chi2 / max(self.freedom, 1)))
+
+
+def fit(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], start: Floats) -> Solution:
+    """Fit the named numbers to all segments at once. `names` may be empty: then the model is only judged."""
+    values = np.asarray(start, float).copy()
+    low, high = bounds(names) if names else (values, values)
+    converged = not names
+    for _ in range(ITERATIONS if names else 0):
+        information, gradient, _ = _normal_equations(whiten(model, segments, names, values))
+        step = -np.linalg.lstsq(information, gradient, rcond=1e-14)[0]
+        reach = np.maximum(0.5 * np.abs(values), 0.05)
+        moved = np.clip(values + np.clip(step, -reach, reach), low, high)
+        step, values = moved - values, moved
+        if (np.abs(step) <= 1e-9 + 1e-3 * np.sqrt(np.abs(np.diag(np.linalg.pinv(information))))).all():
+            converged = True
+            break
+    left = whiten(model, segments, names, values)
+    information, _, chi2 = _normal_equations(left)
+    vague = sum(np.trace(s.covariance, axis1=1, axis2=2).sum() for s in segments) / VAGUE_SD**2
+    freedom = sum(w.defect.size for w in left) - round(float(vague)) - len(names)
+    return Solution(names, values, np.asarray(np.linalg.pinv(information)), chi2, freedom, left, converged)
+
+
+def whiten(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], values: Floats) -> tuple[Whitened, ...]:
+    """White defects of every segment, and their derivative, at given numbers."""
+    current = changed(model, names, values)
+    along = direction(model, names, values) if names else np.zeros((2 * model.body.vertices, 0))
+    return tuple(_whiten(current, segment, along) for segment in segments)
+
+
+def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float]:
+    """J' J, J' e and e' e of the white defects."""
+    jacobian = np.concatenate([w.by_parameters.reshape(w.defect.size, w.by_parameters.shape[2]) for w in left])
+    defect = np.concatenate([w.defect.ravel() for w in left])
+    return jacobian.T @ jacobian, jacobian.T @ defect, float(defect @ defect)
+
+
+def _whiten(model: Model, segment: Segment, along: Floats) -> Whitened:
+    lin = linearise(model, segment.smooth_angles, segment.smooth_poses)
+    pose_away = segment.poses - segment.smooth_poses
+    away = np.concatenate([pose_away, segment.joint_angles - segment.smooth_angles], axis=1)
+    shifted = np.einsum("siq,sq->si", lin.by_before, away[:-1]) + np.einsum("siq,sq->si", lin.by_after, away[1:])
+    lower = cholesky_banded(_banded(lin, segment.covariance), lower=True)
+    right = np.concatenate([(lin.defect + shifted)[..., None], lin.by_parameters @ along], axis=2)
+    white = np.asarray(solve_banded((BAND, 0), lower, right.reshape(-1, right.shape[2]))).reshape(right.shape)
+    return Whitened(white[..., 0], white[..., 1:])
+
+
+def _banded(lin: Linearised, covariance: Floats) -> Floats:
+    """S = G C G' in lower banded storage, shape (6, 3 S)."""
+    before, after = lin.by_before, lin.by_after
+    diagonal = before @ covariance[:-1] @ before.transpose(0, 2, 1) + after @ covariance[1:] @ after.transpose(0, 2, 1)
+    below = before[1:] @ covariance[1:-1] @ after[:-1].transpose(0, 2, 1)  # rows of step r + 1, columns of step r
+    steps = len(diagonal)
+    band = np.zeros((BAND + 1, 3 * steps))
+    for column in range(3):
+        for row in range(column, 3):
+            band[row - column, column::3] = diagonal[:, row, column]
+        for row in range(3):
+            band[3 + row - column, column : 3 * (steps - 1) : 3] = below[:, row, column]
+    return band

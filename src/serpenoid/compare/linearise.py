@@ -1,0 +1,103 @@
+"""The step equations and their exact derivatives at measured shapes and poses, on the recording's own time grid.
+
+One step from (alpha, g) to (alpha', g') fulfils mu(alpha, alpha', g^-1 g'; theta) = 0. With J = d mu / d relative pose,
+the defect in units of motion is  e = J^-1 mu  (to first order: measured minus modelled relative pose), and
+de = J^-1 (mu_alpha d alpha + mu_alpha' d alpha' + mu_theta d theta) + d relative pose.
+
+Legend: S steps, m joints, P parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from serpenoid import group
+from serpenoid.body import Floats
+from serpenoid.mechanics import functions
+from serpenoid.mechanics.compile import compiled
+from serpenoid.model import Model, Structure
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """Per step: defect (S, 3) and its derivatives, all in units of relative motion (forward, left, turn)."""
+
+    defect: Floats  # (S, 3)
+    by_before: Floats  # (S, 3, 3 + m): pose and joint angles before the step
+    by_after: Floats  # (S, 3, 3 + m)
+    by_parameters: Floats  # (S, 3, 2 N): edges, weights, anisotropy ratio
+
+
+@lru_cache(maxsize=16)
+def step_defect(structure: Structure) -> ca.Function:
+    """(angles (m), angles_after (m), relative pose (3), parameters (2 N)) -> momentum and its four Jacobians."""
+    m, p = len(structure.joints), 2 * structure.vertices
+    before, after = ca.SX.sym("angles", m), ca.SX.sym("angles_after", m)
+    pose, parameters = ca.SX.sym("pose", 3), ca.SX.sym("parameters", p)
+    mu = _momentum(structure, before, after, pose, parameters)
+    inputs = [before, after, pose, parameters]
+    outputs = [mu, *(ca.densify(ca.jacobian(mu, x)) for x in (pose, before, after, parameters))]
+    names = ["momentum", "by_pose", "by_angles", "by_angles_after", "by_parameters"]
+    return ca.Function(
+        "step_defect", inputs, outputs, ["angles", "angles_after", "pose", "parameters"], names, {"cse": True}
+    )
+
+
+def _momentum(structure: Structure, before: ca.SX, after: ca.SX, pose: ca.SX, parameters: ca.SX) -> ca.SX:
+    shape = functions.shape(structure)
+    elements = [shape(angles, parameters)[1] for angles in (before, after)]
+    return functions.step_momentum(structure)(*elements, pose, parameters)
+
+
+def relative_poses(poses: Floats) -> Floats:
+    """Each pose in the frame of the one before, shape (R, 3) -> (R - 1, 3)."""
+    step = np.diff(poses, axis=0)
+    c, s = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
+    return np.stack([c * step[:, 0] + s * step[:, 1], c * step[:, 1] - s * step[:, 0], step[:, 2]], axis=1)
+
+
+def linearise(model: Model, joint_angles: Floats, poses: Floats) -> Linearised:
+    """Defects of the steps between successive rows of joint angles (R, m) and poses (R, 3) [body lengths]."""
+    steps = len(poses) - 1
+    relative = relative_poses(poses)
+    inputs = (joint_angles[:-1].T, joint_angles[1:].T, relative.T, np.tile(model.parameters[:, None], steps))
+    results = _mapped(model.structure, steps)(*inputs)
+    mu, by_pose, by_angles, by_after, by_parameters = (_stack(result, steps) for result in results)
+    solve = np.linalg.inv(by_pose)
+    pose_before, pose_after = _relative_derivatives(poses, relative)
+    return Linearised(
+        (solve @ mu)[..., 0],
+        np.concatenate([pose_before, solve @ by_angles], axis=2),
+        np.concatenate([pose_after, solve @ by_after], axis=2),
+        solve @ by_parameters,
+    )
+
+
+@lru_cache(maxsize=64)
+def _mapped(structure: Structure, steps: int) -> ca.Function:
+    return _compiled(structure).map(steps)
+
+
+@lru_cache(maxsize=16)
+def _compiled(structure: Structure) -> ca.Function:
+    return compiled([step_defect(structure)])[0]
+
+
+def _stack(result: ca.DM, steps: int) -> Floats:
+    """(3, S k) columns to (S, 3, k)."""
+    full = np.asarray(result.full())
+    return full.reshape(full.shape[0], steps, -1).transpose(1, 0, 2)
+
+
+def _relative_derivatives(poses: Floats, relative: Floats) -> tuple[Floats, Floats]:
+    """Derivatives of the relative pose by the pose before and the pose after, each (S, 3, 3)."""
+    turn_back = np.zeros((len(relative), 3, 3))
+    turn_back[:, :2, :2] = np.swapaxes(group.rotation(poses[:-1, 2]), 1, 2)
+    turn_back[:, 2, 2] = 1.0
+    before = -turn_back
+    before[:, 0, 2], before[:, 1, 2] = relative[:, 1], -relative[:, 0]
+    return before, turn_back

@@ -1,0 +1,39 @@
+"""A trial's passages as segments for the likelihood: the recording's own rows, between long gaps and jumps."""
+
+from __future__ import annotations
+
+from serpenoid.compare.likelihood import Segment
+from serpenoid.errors import InputError
+from serpenoid.measure.trial import Motion, Passage, Trial
+
+SHORTEST = 4  # rows
+
+
+def trial_segments(trial: Trial) -> tuple[Segment, ...]:
+    """Every stretch of every passage that has no hole in it."""
+    motion = trial.motion
+    if motion is None:
+        raise InputError(f"trial `{trial.name}` has no motion file: nothing to fit.")
+    pieces = [piece for passage in trial.passages for piece in whole_pieces(motion, passage)]
+    if not pieces:
+        raise InputError(f"trial `{trial.name}`: no cycle lies wholly in the recording. {' '.join(trial.notes)}")
+    return tuple(_segment(trial, motion, piece) for piece in pieces)
+
+
+def whole_pieces(motion: Motion, passage: Passage) -> list[slice]:
+    """The passage cut at long gaps and jumps."""
+    pieces = []
+    for run in motion.runs:
+        first, stop = max(run.start, passage.first), min(run.stop, passage.last + 1)
+        if stop - first >= SHORTEST:
+            pieces.append(slice(first, stop))
+    return pieces
+
+
+def _segment(trial: Trial, motion: Motion, rows: slice) -> Segment:
+    time = motion.time_s[rows]
+    phase = trial.schedule.phase(time) if trial.schedule is not None and trial.start_source != "none" else None
+    return Segment(
+        time, motion.joint_angles[rows], motion.poses[rows], motion.covariance[rows],
+        motion.smooth_angles[rows], motion.smooth_poses[rows], trial.name, phase,
+    )  # fmt: skip

@@ -1,0 +1,135 @@
+"""Exp, Sim, Resim of one passage: measured; commanded shapes simulated; measured shapes simulated.
+
+Exp - Sim = (Exp - Resim) + (Resim - Sim): the motion part (the ground did not do what the model says) and the actuation
+part (the body did not take the commanded shapes). All three start from the measured pose and share its time grid.
+
+Legend: R rows, N vertices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.compare.linearise import relative_poses
+from serpenoid.compare.segments import whole_pieces
+from serpenoid.measure.chain import chain_vertices
+from serpenoid.measure.smooth import best_window, smooth, smoother
+from serpenoid.measure.trial import Motion, Passage, Trial
+from serpenoid.model import Model
+from serpenoid.simulation import simulate_joint_angles
+
+DRAWS = 12  # shape-noise replicates: the standard deviation is then known to a fifth
+
+
+@dataclass(frozen=True)
+class Path:
+    """Poses (R, 3) and vertices (R, N, 2) in the world [body lengths], step energies (R - 1,)."""
+
+    poses: Floats
+    vertices: Floats
+    step_energy: Floats
+
+    @property
+    def displacement(self) -> float:
+        return float(np.hypot(*(self.poses[-1] - self.poses[0])[:2]))
+
+    @property
+    def turn(self) -> float:
+        return float(self.poses[-1, 2] - self.poses[0, 2])
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One passage three ways. `sim` is None where nothing was commanded."""
+
+    trial: str
+    gait: str
+    cycle: int
+    time_s: Floats
+    exp: Path
+    resim: Path
+    sim: Path | None
+    resim_sd: float  # of the resimulated displacement, from shape noise [body lengths]
+    holes: bool  # only the longest piece without a hole was compared
+
+    def error(self, part: str) -> dict[str, float]:
+        """Net error in the first measured body frame (forward, left, turn) and path RMS; parts add up to `whole`."""
+        pair = {"whole": (self.exp, self.sim), "actuation": (self.resim, self.sim), "motion": (self.exp, self.resim)}[
+            part
+        ]
+        first, second = pair
+        if first is None or second is None:
+            return {}
+        apart = first.poses - second.poses
+        heading = self.exp.poses[0, 2]
+        c, s = np.cos(heading), np.sin(heading)
+        dx, dy, turn = apart[-1]
+        rms = float(np.sqrt(np.mean(apart[:, 0] ** 2 + apart[:, 1] ** 2)))
+        return {"forward": float(c * dx + s * dy), "left": float(c * dy - s * dx), "turn": float(turn), "path_rms": rms}
+
+    def velocity_residual(self) -> Floats:
+        """Measured minus modelled body velocity per step (R - 1, 3): forward, left [body lengths/s], turn [rad/s]."""
+        dt = np.diff(self.time_s)[:, None]
+        return (relative_poses(self.exp.poses) - relative_poses(self.resim.poses)) / dt
+
+    def residual_along_body(self) -> Floats:
+        """RMS speed residual of every vertex, tail to head (N,) [body lengths/s], seen from the measured body frame."""
+        dt = np.diff(self.time_s)[:, None, None]
+        both = [_vertex_steps(path) / dt for path in (self.exp, self.resim)]
+        return np.asarray(np.sqrt(((both[0] - both[1]) ** 2).sum(axis=2).mean(axis=0)))
+
+
+def compare_passage(trial: Trial, passage: Passage, model: Model, seed: int = 0) -> Comparison | None:
+    """Simulate one passage three ways; None where no piece of it is whole."""
+    motion = trial.motion
+    if motion is None:
+        return None
+    pieces = whole_pieces(motion, passage)
+    if not pieces:
+        return None
+    rows = max(pieces, key=lambda piece: piece.stop - piece.start)
+    poses, angles, time = motion.smooth_poses[rows], motion.smooth_angles[rows], motion.time_s[rows]
+    energy = np.full(len(time) - 1, np.nan)
+    exp = Path(poses, chain_vertices(trial.body, poses, angles), energy)
+    resim = simulate_path(model, angles, poses[0])
+    sim = None
+    if trial.schedule is not None and trial.start_source != "none":
+        sim = simulate_path(model, trial.schedule.commanded(time), poses[0])
+    spread = resimulation_sd(model, motion, rows, seed)
+    return Comparison(trial.name, trial.gait, passage.cycle, time, exp, resim, sim, spread, len(pieces) > 1)
+
+
+def simulate_path(model: Model, joint_angles: Floats, start: Floats) -> Path:
+    """Shapes (R, m) played once from a pose."""
+    found = simulate_joint_angles(model, joint_angles, start=start, closed=False)
+    return Path(found.poses, found.vertices, found.step_energy)
+
+
+def resimulation_sd(model: Model, motion: Motion, rows: slice, seed: int, draws: int = DRAWS) -> float:
+    """SD of the resimulated displacement: shape noise drawn from its covariance, smoothed as the data were."""
+    rng = np.random.default_rng(seed)
+    covariance = motion.covariance[rows, 3:, 3:]
+    variance = np.diagonal(covariance, axis1=1, axis2=2)
+    usable = variance.max(axis=1) < 0.05  # a state that nothing measured is bridged, not drawn
+    if usable.sum() < 8:
+        return float("nan")
+    weights, where = smoother(
+        motion.time_s[rows], best_window(motion.time_s[rows], motion.joint_angles[rows], np.maximum(variance, 1e-24))
+    )
+    root = np.linalg.cholesky(covariance + 1e-18 * np.eye(covariance.shape[1]))
+    base = motion.smooth_angles[rows]
+    found = []
+    for _ in range(draws):
+        noise = np.einsum("rab,rb->ra", root, rng.normal(size=base.shape)) * usable[:, None]
+        found.append(simulate_path(model, base + smooth(noise, weights, where), np.zeros(3)).displacement)
+    return float(np.std(found, ddof=1))
+
+
+def _vertex_steps(path: Path) -> Floats:
+    """Displacement of every vertex in each step, turned into the body frame at its beginning (R - 1, N, 2)."""
+    step = np.diff(path.vertices, axis=0)
+    c, s = np.cos(path.poses[:-1, 2])[:, None], np.sin(path.poses[:-1, 2])[:, None]
+    return np.stack([c * step[..., 0] + s * step[..., 1], c * step[..., 1] - s * step[..., 0]], axis=2)

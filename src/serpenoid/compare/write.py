@@ -1,0 +1,157 @@
+"""A study's folder: compare.json, comparison.csv, figures, report.html."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.compare import report
+from serpenoid.compare.records import COMPARISON_HEADER, comparison_row, plain, ratio_record
+from serpenoid.compare.study import Study
+from serpenoid.compare.three import Comparison
+from serpenoid.compare.transport import by_coefficient
+from serpenoid.files import provenance, write_csv, write_json
+from serpenoid.measure.load import Campaign
+
+ANIMATED = 12  # cycles in the report's animation: the first of every gait
+
+
+def study_record(study: Study, campaign: Campaign, origin: str) -> dict[str, Any]:
+    """Everything as JSON values."""
+    medium = study.model.medium
+    return plain(
+        {
+            "campaign": campaign.file.name,
+            "source": campaign.file.source,
+            "anisotropy_ratio": medium.anisotropy_ratio,
+            "anisotropy_ratio_origin": origin,
+            "dissipation": medium.dissipation,
+            "gaits": list(study.gaits),
+            "displacement_body_lengths": study.displacement,
+            "ratios": [ratio_record(s) for s in study.ratios],
+            "comparisons": [dict(zip(COMPARISON_HEADER, comparison_row(c), strict=True)) for c in study.comparisons],
+            "cost_of_transport": [vars(point) for point in study.costs],
+            "cycles": [vars(c) for c in study.cycles],
+            "power": None if study.power is None else vars(study.power),
+            "notes": list(study.notes),
+            "provenance": provenance(),
+        }  # fmt: skip
+    )
+
+
+def write_study(
+    folder: Path, study: Study, campaign: Campaign, record: dict[str, Any], figures: bool,
+    progress: Callable[[int, str], None],
+) -> None:  # fmt: skip
+    """Numbers, then (unless switched off) figures and the report."""
+    write_json(folder / "compare.json", record)
+    write_csv(folder / "comparison.csv", COMPARISON_HEADER, [comparison_row(c) for c in study.comparisons])
+    if not figures:
+        return
+    drawn = _draw(folder, study, progress)
+    medium = study.model.medium
+    lead = [campaign.file.description, f"Data: {campaign.file.source}" if campaign.file.source else ""]
+    lead.append(
+        f"Anisotropy ratio {medium.anisotropy_ratio:.6g} ({record['anisotropy_ratio_origin']}), dissipation at each "
+        f"{medium.dissipation}. Exp: measured. Sim: commanded shapes simulated. Resim: measured shapes simulated. "
+        "Displacements in body lengths, over a cycle and half the pause after it."
+    )
+    sections = [("Displacements", _displacements(study)), ("Errors, and where they come from", _errors(study))]
+    if study.ratios:
+        sections.append(("Performance ratios", _ratios(study) + _images(drawn, "ratios")))
+    if study.costs:
+        sections.append(("Cost of transport", _costs(study) + _images(drawn, "cost", "power")))
+    sections.append(("Trial by trial", _images(drawn, "compare-")))
+    if study.notes:
+        sections.append(("Notes", report.table(["note"], [[note] for note in study.notes])))
+    report.write_report(
+        folder / "report.html", campaign.file.name, [text for text in lead if text], sections, _one_per_gait(study)
+    )
+
+
+def _draw(folder: Path, study: Study, progress: Callable[[int, str], None]) -> dict[str, tuple[Path, str]]:
+    """All figures: name -> (SVG file, caption)."""
+    from serpenoid.plot import comparison as plots
+    from serpenoid.plot.figures import save
+    from serpenoid.plot.style import figure
+
+    drawn: dict[str, tuple[Path, str]] = {}
+
+    def keep(fig: Any, name: str, caption: str) -> None:
+        save(fig, folder, name)
+        drawn[name] = (folder / f"{name}.svg", caption)
+
+    for done, c in enumerate(_one_per_gait(study)):
+        progress(done, c.trial)
+        name = f"compare-{c.trial}-{c.cycle + 1}"
+        keep(plots.comparison_figure(c), name, f"{c.trial}, cycle {c.cycle + 1}: paths, displacement, residuals")
+    if study.ratios:
+        keep(plots.heat_maps(list(study.ratios), list(study.gaits)), "ratios", "Quotients Xi of the performance ratios")
+        fig = figure(4.6, 4.4)
+        plots.scatter(study.displacement, fig.add_subplot())
+        keep(fig, "ratios-scatter", "Predicted against measured displacement of every gait")
+    families = by_coefficient(study.costs)
+    if families:
+        fig = figure(6.4, 4.2)
+        plots.cost_curves(families, fig.add_subplot())
+        keep(fig, "cost", "Cost of transport against c; stars mark the minima")
+    if study.power is not None:
+        rate = np.array([c.dissipation_rate for c in study.cycles])
+        power = np.array([c.power_W for c in study.cycles])
+        fig = figure(6.0, 4.0)
+        plots.power_line(rate, power, study.power.idle_W, study.power.coefficient_W, fig.add_subplot())
+        keep(fig, "power", "Electrical power against the model's dissipation rate")
+    return drawn
+
+
+def _one_per_gait(study: Study) -> list[Comparison]:
+    firsts: dict[str, Comparison] = {}
+    for comparison in study.comparisons:
+        firsts.setdefault(comparison.gait, comparison)
+    return list(firsts.values())[:ANIMATED]
+
+
+def _images(drawn: dict[str, tuple[Path, str]], *prefixes: str) -> str:
+    return "\n".join(report.figure(*drawn[name]) for name in drawn if name.startswith(prefixes))
+
+
+def _displacements(study: Study) -> str:
+    classes = [name for name in ("Exp", "Sim", "Resim") if name in study.displacement]
+    rows = [[gait, *(float(study.displacement[k][i]) for k in classes)] for i, gait in enumerate(study.gaits)]
+    return report.table(["gait", *classes], rows)
+
+
+def _errors(study: Study) -> str:
+    header = ["trial", "cycle", "part", "forward", "left", "turn [rad]", "path RMS"]
+    rows: list[list[Any]] = []
+    for c in study.comparisons:
+        for part, words in (("whole", "Exp - Sim"), ("actuation", "Resim - Sim"), ("motion", "Exp - Resim")):
+            error = c.error(part)
+            if error:
+                rows.append([c.trial, c.cycle + 1, words, *error.values()])
+    return (
+        "<p>Net errors in the first measured body frame; the second and third rows add up to the first.</p>"
+        + report.table(header, rows)
+    )
+
+
+def _ratios(study: Study) -> str:
+    header = ["pair", "mean", "STD", "bias", "", "", "s", "", "", "rank correlation", "wrong pairs"]
+    rows = [
+        [s.pair, s.mean, s.std, s.bias, *s.bias_interval, s.s, *s.s_interval, s.rank_correlation,
+         f"{len(s.wrong_pairs)} of {s.pair_count}"] for s in study.ratios
+    ]  # fmt: skip
+    text = (
+        "<p>Mean and STD of Xi without the diagonal, as published. They hide a common scale (see the bias), and the mean "
+        "is at least 1 whatever the data; s is the SD of ln q, with 95 % bootstrap intervals.</p>"
+    )
+    return text + report.table(header, rows)
+
+
+def _costs(study: Study) -> str:
+    rows = [[p.gait, "" if p.dissipation_coefficient is None else p.dissipation_coefficient, p.mean, p.std, p.trials]
+            for p in study.costs]  # fmt: skip
+    return report.table(["gait", "c", "cost of transport", "STD", "trials"], rows)

@@ -1,0 +1,160 @@
+"""`campaign.toml`: which trials there are, how their files are read, what was commanded (docs/campaign-format.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from serpenoid.body import Body
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.logs import read_joint_table
+from serpenoid.measure.motive import read_motive
+from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
+from serpenoid.measure.tracks import LengthUnit, Tracks
+from serpenoid.medium import Medium
+from serpenoid.schema import Record, load
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+MotionFormat = Literal["motive", "c3d", "sleap", "tidy", "long"]
+LONG_ROLES = {"time", "frame", "point", "x", "y"}
+
+
+class MotionKeys(Record):
+    """How a motion file is to be read; every key may be overridden in a trial."""
+
+    format: MotionFormat | None = Field(default=None, description="motive | c3d | sleap | tidy | long")
+    length_unit: LengthUnit | None = Field(
+        default=None, description="m | cm | mm | px | bl, where the file does not say"
+    )
+    up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
+    markers: tuple[str, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
+    frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
+    columns: dict[str, str] | None = Field(default=None, description="long: time, frame, point, x, y -> column names")
+    first_point: Literal["tail", "head"] | None = Field(default=None, description="where point or column numbers start")
+
+    @model_validator(mode="after")
+    def _roles(self) -> Self:
+        if self.columns is not None:
+            unknown = set(self.columns) - LONG_ROLES
+            if unknown or not {"point", "x", "y"} <= set(self.columns):
+                raise ValueError(f"`columns` maps point, x, y and time or frame; got {', '.join(sorted(self.columns))}")
+        if self.markers is not None and len(set(self.markers)) != len(self.markers):
+            raise ValueError("`markers` names one marker twice")
+        return self
+
+    def over(self, other: MotionKeys) -> MotionKeys:
+        """These keys, and `other`'s where these are not given."""
+        mine = {
+            key: value
+            for key, value in self.model_dump().items()
+            if key in MotionKeys.model_fields and value is not None
+        }
+        return MotionKeys.model_validate({**other.model_dump(), **mine})
+
+
+class TrialEntry(MotionKeys):
+    """One trial: what was commanded, and where its files are."""
+
+    name: str = Field(min_length=1, pattern=r"^[^/\\]+$", description="unique; names the trial's figures")
+    gait: str | None = Field(default=None, description="trials with one label and cycle duration are repeats")
+    joint_table: str | None = Field(default=None, description="CSV, T rows of joint_1..joint_m [rad]")
+    cycle_duration_s: Positive | None = Field(default=None, description="time for T steps")
+    cycles: Annotated[int, Field(ge=1)] | None = Field(default=None, description="how often the table is played")
+    pause_s: NotNegative = Field(default=0.0, description="after every cycle, holding row 0")
+    dissipation_coefficient: NotNegative | None = Field(default=None, description="c the gait was optimised with")
+    motion: str | None = Field(default=None, description="motion file")
+    servo_log: str | None = None
+    power_log: str | None = None
+    from_s: float | None = Field(default=None, description="use the motion file from here (its own clock)")
+    to_s: float | None = Field(default=None, description="... to here")
+
+    @model_validator(mode="after")
+    def _schedule(self) -> Self:
+        if self.joint_table is not None and self.cycle_duration_s is None:
+            raise ValueError("`joint_table` needs `cycle_duration_s`: the time for its T steps")
+        if self.from_s is not None and self.to_s is not None and self.to_s <= self.from_s:
+            raise ValueError(f"`to_s` must be after `from_s`, got {self.to_s:g}")
+        return self
+
+
+class CampaignFile(Record):
+    """`campaign.toml` as it stands."""
+
+    format: Literal[1]
+    name: str
+    description: str = ""
+    source: str = Field(default="", description="where the data come from, shown beside every figure")
+    body: Body
+    medium: Medium | None = Field(default=None, description="what Sim and Resim assume; default: what `fit` finds")
+    motion: MotionKeys = MotionKeys()
+    trial: tuple[TrialEntry, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _names(self) -> Self:
+        names = [trial.name for trial in self.trial]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"trial names must be unique; twice: {', '.join(twice)}")
+        for trial in self.trial:
+            markers = trial.markers or self.motion.markers
+            if markers is not None and len(markers) != self.body.vertices:
+                raise ValueError(
+                    f"trial `{trial.name}`: `markers` needs {self.body.vertices} names, got {len(markers)}"
+                )
+        return self
+
+    @property
+    def lengths_given(self) -> bool:
+        """False: edge lengths are estimated from the recordings."""
+        return self.body.edge_lengths is not None or self.body.length_m is not None
+
+    def motion_of(self, trial: TrialEntry) -> MotionKeys:
+        return trial.over(self.motion)
+
+
+def load_campaign_file(path: str | Path) -> tuple[CampaignFile, Path]:
+    """Read `campaign.toml` (or the folder it is in). Returns it and the folder its paths are relative to."""
+    path = Path(path)
+    if path.is_dir():
+        path = path / "campaign.toml"
+        if not path.is_file():
+            raise InputError(
+                f"{path.parent}: holds no campaign.toml. See docs/campaign-format.md for one to start from."
+            )
+    return load(CampaignFile, path), path.parent
+
+
+def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks | None:
+    """The trial's motion file as tracks, cut to from_s..to_s; None where it has none."""
+    if trial.motion is None:
+        return None
+    keys, path = file.motion_of(trial), folder / trial.motion
+    if keys.format is None:
+        raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: motive, c3d, sleap, tidy or long.")
+    tracks = _reader(keys, path)
+    if trial.from_s is not None or trial.to_s is not None:
+        tracks = tracks.between(trial.from_s, trial.to_s)
+    return tracks
+
+
+def _reader(keys: MotionKeys, path: Path) -> Tracks:
+    if keys.format == "motive":
+        return read_motive(path, keys.up_axis or "y")
+    if keys.format == "c3d":
+        return read_c3d(path, keys.up_axis or "z")
+    if keys.format == "sleap":
+        return read_sleap(path, keys.frames_per_second, keys.length_unit or "px")
+    if keys.format == "tidy":
+        return read_tidy(path, keys.length_unit or "m")
+    if keys.columns is None or keys.length_unit is None:
+        raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion].')
+    return read_long(path, keys.columns, keys.length_unit, keys.frames_per_second)
+
+
+def read_table(trial: TrialEntry, body: Body, folder: Path) -> Floats | None:
+    """The commanded joint table (T, m) [rad], or None."""
+    return None if trial.joint_table is None else read_joint_table(folder / trial.joint_table, body.joint_count)

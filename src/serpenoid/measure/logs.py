@@ -1,0 +1,138 @@
+"""The servo log of `play`, the power log, and joint tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
+
+LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
+
+
+@dataclass(frozen=True)
+class ServoLog:
+    """R rows of m joints, on the servo bus's own clock."""
+
+    time_s: Floats  # (R,)
+    position: Floats  # (R, m) [rad]
+    command: Floats | None  # (R, m) [rad]
+    phase: tuple[str, ...] | None  # approach, play, pause, end
+    cycle: Floats | None
+    step: Floats | None
+    extra: dict[str, Floats]  # voltage_V, load, temperature_degC, error: (R, m)
+    source: str
+
+    @property
+    def play_start_s(self) -> float | None:
+        """When the first step was commanded, if the log says it: the last row of `approach` or first of `play`."""
+        if self.phase is None or "play" not in self.phase:
+            return None
+        return float(self.time_s[self.phase.index("play")])
+
+
+@dataclass(frozen=True)
+class PowerLog:
+    """Electrical power on the power meter's own clock."""
+
+    time_s: Floats
+    power_W: Floats
+    source: str
+
+
+def read_servo_log(path: str | Path) -> ServoLog:
+    """Read a servo log; only `t_s` and `position_1..m` are required; it may end in the middle of a row."""
+    path = Path(path)
+    rows = read_rows(path, live=True)
+    header = [cell.strip() for cell in rows[0]]
+    joints = sum(name.startswith("position_") for name in header)
+    if not joints:
+        raise InputError(f"{path}: row 1: a servo log has columns `position_1`, ...; it has {', '.join(header[:6])}.")
+    numeric = [c for c, name in enumerate(header) if name != "phase"]
+    data = block(rows, 1, numeric, [header[c] for c in numeric], path)
+    column = {header[c]: data[:, i] for i, c in enumerate(numeric)}
+    if "t_s" not in column:
+        raise InputError(f"{path}: row 1: a servo log has a column `t_s`.")
+    times = increasing_times(column["t_s"], 1, header.index("t_s"), path, "t_s")
+
+    def group(name: str) -> Floats | None:
+        wanted = [f"{name}_{j}" for j in range(1, joints + 1)]
+        there = [label for label in wanted if label in column]
+        if there and len(there) < joints:
+            missing = next(label for label in wanted if label not in column)
+            raise InputError(f"{path}: row 1: column `{missing}` is missing beside {there[0]}.")
+        return np.stack([column[label] for label in wanted], axis=1) if there else None
+
+    position, command = group("position"), group("command")
+    if position is None:
+        raise InputError(f"{path}: row 1: `position_1` is missing.")
+    for name, values in (("position", position), ("command", command)):
+        _check_radians(values, name, header, path)
+    extra = {
+        name: values for name in ("voltage", "load", "temperature", "error") if (values := group(name)) is not None
+    }
+    phase = tuple(row[header.index("phase")].strip() for row in rows[1:]) if "phase" in header else None
+    return ServoLog(times, position, command, phase, column.get("cycle"), column.get("step"), extra, str(path))
+
+
+def read_power_log(path: str | Path) -> PowerLog:
+    """`t_s` and `power_W`, or `voltage_V` and `current_A`; it may end in the middle of a row."""
+    path = Path(path)
+    rows = read_rows(path, live=True)
+    header = [cell.strip() for cell in rows[0]]
+    data = block(rows, 1, range(len(header)), header, path)
+    column = dict(zip(header, data.T, strict=True))
+    if "t_s" not in column:
+        raise InputError(f"{path}: row 1: a power log has a column `t_s`; it has {', '.join(header)}.")
+    times = increasing_times(column["t_s"], 1, header.index("t_s"), path, "t_s")
+    if "power_W" in column:
+        power = column["power_W"]
+    elif "voltage_V" in column and "current_A" in column:
+        power = column["voltage_V"] * column["current_A"]
+    else:
+        raise InputError(f"{path}: row 1: a power log has `power_W`, or `voltage_V` and `current_A`; it has {header}.")
+    bad = np.flatnonzero(~np.isfinite(power) | (power < 0))
+    if bad.size:
+        where = place(path, 1 + int(bad[0]), header.index("power_W") if "power_W" in header else 1, "power_W")
+        raise InputError(f"{where}: power must be a number >= 0 [W], got {power[bad[0]]:g}.")
+    if np.median(power) > 500:
+        raise InputError(f"{path}: median power {np.median(power):g} W: is it in milliwatts? `power_W` is in watts.")
+    return PowerLog(times, power, str(path))
+
+
+def read_joint_table(path: str | Path, joints: int | None = None) -> Floats:
+    """T rows of `joint_1,...,joint_m` [rad], shape (T, m); row 0 follows the last row again."""
+    path = Path(path)
+    rows = read_rows(path)
+    header = [cell.strip() for cell in rows[0]]
+    expected = [f"joint_{j}" for j in range(1, len(header) + 1)]
+    for column, (got, want) in enumerate(zip(header, expected, strict=True)):
+        if got != want:
+            raise InputError(f"{place(path, 0, column)}: a joint table has `{want}` here, got {got!r}.")
+    if joints is not None and len(header) != joints:
+        raise InputError(f"{path}: row 1: the body has {joints} joints, the table {len(header)}.")
+    table = block(rows, 1, range(len(header)), header, path)
+    empty = np.argwhere(~np.isfinite(table))
+    if empty.size:
+        row, column = (int(i) for i in empty[0])
+        raise InputError(f"{place(path, row + 1, column, header[column])}: must not be empty.")
+    _check_radians(table, "joint", header, path)
+    if len(table) < 3:
+        raise InputError(f"{path}: a gait needs at least 3 rows, got {len(table)}.")
+    return table
+
+
+def _check_radians(values: Floats | None, name: str, header: list[str], path: Path) -> None:
+    if values is None:
+        return
+    beyond = np.argwhere(np.abs(values) > LIMIT_RAD)
+    if beyond.size:
+        row, joint = (int(i) for i in beyond[0])
+        label = f"{name}_{joint + 1}"
+        raise InputError(
+            f"{place(path, row + 1, header.index(label), label)}: joint angles are in radians and within a turn, "
+            f"got {values[row, joint]:g}. Degrees or ticks?"
+        )

@@ -1,0 +1,121 @@
+"""OptiTrack Motive CSV exports, format 1.21 to 1.25: measured markers only, solved rigid bodies left out.
+
+Layout: a key/value line; label rows (`Type`, `Name`, `ID`, from 1.25 `Parent`); the quantity row (`Rotation`,
+`Position`); the axis row starting `Frame`; one row per frame, an empty cell where a marker is hidden.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import Rows, block, increasing_times, place, read_rows
+from serpenoid.measure.tracks import Tracks, floor_plane
+
+UNITS = {"Meters": 1.0, "Centimeters": 0.01, "Millimeters": 0.001}
+KNOWN_VERSIONS = ("1.21", "1.22", "1.23", "1.24", "1.25")
+TYPES = {"Rigid Body", "Rigid Body Marker", "Marker", "Bone", "Bone Marker", "Force Plate", "Device"}
+UNLABELLED = re.compile(r"(^|:)Unlabel+ed[ :_-]?\d*$", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class _Header:
+    """Row numbers of the labels and what the first line says."""
+
+    facts: dict[str, str]
+    types: int
+    names: int
+    quantities: int
+    axes: int
+
+
+def read_motive(path: str | Path, up_axis: str = "y") -> Tracks:
+    """Read the measured markers. Raises InputError with row and column for whatever is not as Motive writes it."""
+    path = Path(path)
+    rows = read_rows(path)
+    header = _header(rows, path)
+    scale = _scale(header, path)
+    markers = _marker_columns(rows, header, path)
+    first = header.axes + 1
+    columns = [1] + [c for triple in markers.values() for c in triple]
+    names = ["Time"] + [name for name in markers for _ in range(3)]
+    data = block(rows, first, columns, names, path)
+    _check_frame_count(header, len(data), path)
+    times = increasing_times(data[:, 0], first, 1, path, "Time")
+    positions = data[:, 1:].reshape(len(data), len(markers), 3) * scale
+    partly = np.argwhere(np.isfinite(positions).any(axis=2) & ~np.isfinite(positions).all(axis=2))
+    if partly.size:
+        row, marker = (int(i) for i in partly[0])
+        where = place(path, first + row, list(markers.values())[marker][0], list(markers)[marker])
+        raise InputError(f"{where}: a marker has all three coordinates or none. Was the file edited?")
+    unlabelled = tuple(bool(UNLABELLED.search(name)) for name in markers)
+    return Tracks(times, tuple(markers), floor_plane(positions, up_axis), str(path), unlabelled)
+
+
+def _header(rows: Rows, path: Path) -> _Header:
+    first = rows[0]
+    if not first or first[0].strip() != "Format Version":
+        raise InputError(
+            f"{path}: row 1, column A: a Motive export starts with `Format Version`, "
+            f"got {(first or [''])[0]!r}. "
+            'Is `format = "motive"` right for this file?'
+        )
+    facts = {key.strip(): value.strip() for key, value in zip(first[::2], first[1::2], strict=False)}
+    version = facts.get("Format Version", "")
+    if version not in KNOWN_VERSIONS:
+        raise InputError(f"{path}: row 1, column B: format version must be 1.21 to 1.25, got {version!r}.")
+    axes = next((i for i, row in enumerate(rows[:12]) if row and row[0].strip() == "Frame"), None)
+    if axes is None:
+        raise InputError(f"{path}: no row starts with `Frame` among the first 12: the header is broken or cut off.")
+    types = next((i for i in range(1, axes) if TYPES & {cell.strip() for cell in rows[i]}), None)
+    if types is None or axes - types < 4:
+        raise InputError(f"{path}: no row of column types (`Marker`, `Rigid Body`) above row {axes + 1}.")
+    return _Header(facts, types, types + 1, axes - 1, axes)
+
+
+def _scale(header: _Header, path: Path) -> float:
+    unit = header.facts.get("Length Units", "")
+    if unit not in UNITS:
+        raise InputError(f"{path}: row 1: `Length Units` must be one of {', '.join(UNITS)}, got {unit!r}.")
+    return UNITS[unit]
+
+
+def _marker_columns(rows: Rows, header: _Header, path: Path) -> dict[str, tuple[int, int, int]]:
+    """Measured marker -> its X, Y, Z columns."""
+    width = len(rows[header.axes])
+    for row in (header.types, header.names, header.quantities):
+        if len(rows[row]) != width:
+            raise InputError(f"{path}: row {row + 1}: has {len(rows[row])} cells where the axis row has {width}.")
+    found: dict[str, dict[str, int]] = {}
+    for column in range(2, width):
+        kind, quantity = rows[header.types][column].strip(), rows[header.quantities][column].strip()
+        axis = rows[header.axes][column].strip()
+        if kind == "Marker" and quantity == "Position" and axis in {"X", "Y", "Z"}:
+            axes = found.setdefault(rows[header.names][column].strip(), {})
+            if axis in axes:
+                name = rows[header.names][column]
+                raise InputError(f"{place(path, header.names, column, name)}: two markers have this name.")
+            axes[axis] = column
+    if not found:
+        raise InputError(
+            f"{path}: no measured markers. Export with `Markers` on (rigid bodies alone are solved, not seen)."
+        )
+    for name, axes in found.items():
+        if len(axes) != 3:
+            raise InputError(
+                f"{place(path, header.axes, min(axes.values()), name)}: X, Y and Z expected, got {sorted(axes)}."
+            )
+    return {name: (axes["X"], axes["Y"], axes["Z"]) for name, axes in found.items()}
+
+
+def _check_frame_count(header: _Header, frames: int, path: Path) -> None:
+    declared = header.facts.get("Total Exported Frames", "")
+    if declared.isdigit() and int(declared) != frames:
+        raise InputError(
+            f"{path}: row {header.axes + 1 + frames}: the file ends after {frames} frames and its first line promises "
+            f"{declared}. The export or the copy was cut off: export it again."
+        )

@@ -1,0 +1,88 @@
+"""Gaps and jumps: found and reported, never smoothed away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.measure.cells import Floats
+
+SHORT_GAP_S = 0.1  # a body moves little in this time; longer gaps split the track
+JUMP_SIGMA = 8.0  # robust standard deviations: no jump in a million frames of clean data
+SMALLEST_JUMP = 0.004  # body lengths: a third of a centimetre on a metre; smaller ones drown in marker noise anyway
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Frames first..last (inclusive) in which the chain is not determined."""
+
+    first: int
+    last: int
+    duration_s: float
+
+    @property
+    def short(self) -> bool:
+        return self.duration_s <= SHORT_GAP_S
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Between frame - 1 and frame the whole body (vertex None) or one marker moved by `size` [body lengths]."""
+
+    frame: int
+    time_s: float
+    vertex: int | None
+    size: float
+
+
+def find_gaps(determined: NDArray[np.bool_], time_s: Floats) -> tuple[Gap, ...]:
+    """Every run of undetermined frames."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (~determined).astype(int), [0]])))
+    runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return tuple(Gap(a, b, _span(a, b, time_s)) for a, b in runs)
+
+
+def _span(first: int, last: int, time_s: Floats) -> float:
+    before, after = max(first - 1, 0), min(last + 1, len(time_s) - 1)
+    return float(time_s[after] - time_s[before])
+
+
+def find_jumps(poses: Floats, marker_residual: Floats, marker_sd: float, time_s: Floats) -> tuple[Jump, ...]:
+    """Whole-body jumps from the poses (F, 3), single-marker jumps from the misfit (F, N, 2) to the rigid chain."""
+    return (*_body_jumps(poses, time_s), *_marker_jumps(marker_residual, marker_sd, time_s))
+
+
+def _body_jumps(poses: Floats, time_s: Floats) -> list[Jump]:
+    """A step of the centroid that neither its neighbours in time nor the run of the record explain."""
+    known = np.flatnonzero(np.isfinite(poses[:, 0]))
+    if len(known) < 8:
+        return []
+    spacing = np.diff(time_s[known])
+    step = np.diff(poses[known, :2], axis=0) / spacing[:, None] * np.median(spacing)
+    smooth = np.stack([_running_median(column, 7) for column in step.T], axis=1)
+    odd = np.linalg.norm(step - smooth, axis=1)
+    limit = max(SMALLEST_JUMP, JUMP_SIGMA * 1.4826 * float(np.median(odd)))
+    return [
+        Jump(int(known[i + 1]), float(time_s[known[i + 1]]), None, float(odd[i])) for i in np.flatnonzero(odd > limit)
+    ]
+
+
+def _running_median(values: Floats, width: int) -> Floats:
+    padded = np.pad(values, width // 2, mode="edge")
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1))
+
+
+def _marker_jumps(residual: Floats, marker_sd: float, time_s: Floats) -> list[Jump]:
+    size = np.linalg.norm(residual, axis=2)
+    limit = max(SMALLEST_JUMP / 2, JUMP_SIGMA * marker_sd) if np.isfinite(marker_sd) else np.inf
+    with np.errstate(invalid="ignore"):
+        odd = size > limit
+    worst = np.where(odd, size, 0.0)
+    jumps = []
+    for vertex in range(size.shape[1]):
+        starts = np.flatnonzero(odd[:, vertex] & ~np.concatenate([[False], odd[:-1, vertex]]))
+        leading = [f for f in starts if worst[f].argmax() == vertex]  # its neighbours are dragged along
+        jumps += [Jump(int(f), float(time_s[f]), vertex, float(size[f, vertex])) for f in leading]
+    return sorted(jumps, key=lambda jump: jump.frame)

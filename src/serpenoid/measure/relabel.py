@@ -1,0 +1,158 @@
+"""Which marker is which vertex: names where there are names, the chain's own geometry for unlabelled fragments.
+
+A fragment is one physical marker for a while. It goes to the vertex whose distance to its seen neighbours matches the
+edge lengths and whose path it continues; what matches nothing is left out and reported.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.tracks import Tracks
+
+GATE = 0.35  # of the median edge: farther from where its path leads, a point is not this vertex
+EDGE_TOLERANCE = 0.15  # of an edge: marker noise and loose tape stay well inside, the next vertex well outside
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """Vertex positions (F, N, 2), NaN where hidden; which fragments were given to which vertex, and which to none."""
+
+    vertices: Floats
+    relabelled: tuple[tuple[str, int], ...]
+    unused: tuple[str, ...]
+
+
+def label_vertices(
+    tracks: Tracks, markers: tuple[str, ...] | None, edges: Floats | None, count: int, from_head: bool
+) -> Labelled:
+    """Map markers to the `count` vertices, tail first. `edges` (N - 1) [m] is needed to place unlabelled fragments."""
+    if markers is None and not any(tracks.unlabelled):
+        return _by_order(tracks, count, from_head)
+    vertices = np.full((len(tracks.time_s), count, 2), np.nan)
+    named = markers or ()
+    for vertex, name in enumerate(named):
+        if name in tracks.names:
+            vertices[:, vertex] = tracks.floor[:, tracks.names.index(name)]
+    if markers is not None and not any(name in tracks.names for name in named) and not any(tracks.unlabelled):
+        raise InputError(
+            f"{tracks.source}: none of the campaign's `markers` is in it; it has {', '.join(tracks.names[:8])}."
+        )
+    free = [m for m, name in enumerate(tracks.names) if name not in named and tracks.unlabelled[m]]
+    free = [m for m in free if tracks.seen[:, m].any()]
+    others = tuple(n for m, n in enumerate(tracks.names) if n not in named and not tracks.unlabelled[m])
+    if not free:
+        return Labelled(vertices, (), others)
+    if edges is None:
+        raise InputError(f"{tracks.source}: unlabelled markers need `edge_lengths` in [body] to be told apart.")
+    return _place_fragments(tracks, vertices, free, edges, others)
+
+
+def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:
+    if len(tracks.names) != count:
+        raise InputError(
+            f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: "
+            "name those of the vertices, tail first, as `markers` in [motion]."
+        )
+    return Labelled(tracks.floor[:, ::-1] if from_head else tracks.floor, (), ())
+
+
+def _place_fragments(
+    tracks: Tracks, vertices: Floats, free: list[int], edges: Floats, others: tuple[str, ...]
+) -> Labelled:
+    placed: list[tuple[str, int]] = []
+    if not np.isfinite(vertices).any():
+        seed = _seed(tracks, free, edges)
+        for vertex, marker in enumerate(seed):
+            _fill(vertices, vertex, tracks.floor[:, marker])
+            placed.append((tracks.names[marker], vertex))
+        free = [m for m in free if m not in seed]
+    waiting = sorted(free, key=lambda m: int(np.flatnonzero(tracks.seen[:, m])[0]))
+    while waiting:
+        scores = [(_best_vertex(vertices, tracks.floor[:, m], edges), m) for m in waiting]
+        usable = [((cost, vertex), m) for (cost, vertex), m in scores if vertex >= 0]
+        if not usable:
+            break
+        (_, vertex), marker = min(usable)
+        _fill(vertices, vertex, tracks.floor[:, marker])
+        placed.append((tracks.names[marker], vertex))
+        waiting.remove(marker)
+    return Labelled(vertices, tuple(placed), others + tuple(tracks.names[m] for m in waiting))
+
+
+def _fill(vertices: Floats, vertex: int, path: Floats) -> None:
+    empty = ~np.isfinite(vertices[:, vertex, 0])
+    vertices[empty, vertex] = path[empty]
+
+
+def _best_vertex(vertices: Floats, path: Floats, edges: Floats) -> tuple[float, int]:
+    """(cost, vertex) of the vertex this fragment fits best, or (inf, -1)."""
+    best = (np.inf, -1)
+    present = np.isfinite(path[:, 0])
+    for vertex in range(vertices.shape[1]):
+        if (present & np.isfinite(vertices[:, vertex, 0])).any():
+            continue  # seen elsewhere at the same time
+        costs = [_edge_cost(vertices, path, vertex, edges), _continuity_cost(vertices[:, vertex], path, edges)]
+        known = [cost for cost in costs if np.isfinite(cost)]
+        if known and max(known) <= 1:
+            best = min(best, (max(known), vertex))
+    return best
+
+
+def _edge_cost(vertices: Floats, path: Floats, vertex: int, edges: Floats) -> float:
+    """Largest median deviation from the edge lengths to seen neighbours, in tolerances; NaN: no neighbour seen."""
+    worst = np.nan
+    for neighbour, edge in ((vertex - 1, vertex - 1), (vertex + 1, vertex)):
+        if not 0 <= neighbour < vertices.shape[1]:
+            continue
+        gap = np.linalg.norm(path - vertices[:, neighbour], axis=1)
+        gap = gap[np.isfinite(gap)]
+        if len(gap):
+            worst = np.fmax(worst, np.median(np.abs(gap - edges[edge])) / (EDGE_TOLERANCE * edges[edge]))
+    return float(worst)
+
+
+def _continuity_cost(known: Floats, path: Floats, edges: Floats, reach: int = 12) -> float:
+    """Jump between this fragment's ends and the vertex's nearest known positions, in gates; NaN: none within reach."""
+    seen, mine = np.flatnonzero(np.isfinite(known[:, 0])), np.flatnonzero(np.isfinite(path[:, 0]))
+    worst = np.nan
+    for end, near in ((mine[0], seen[seen < mine[0]][-1:]), (mine[-1], seen[seen > mine[-1]][:1])):
+        if len(near) and abs(int(near[0]) - int(end)) <= reach:
+            inside = end + 1 if end == mine[0] else end - 1
+            speed = (path[inside % len(path)] - path[end]) * (inside - end) if np.isfinite(path[inside % len(path), 0]) else 0.0
+            jump = float(np.linalg.norm(path[end] - known[near[0]] - speed * (end - near[0])))
+            worst = np.fmax(worst, jump / (GATE * np.median(edges)))
+    return float(worst)
+
+
+def _seed(tracks: Tracks, free: list[int], edges: Floats) -> list[int]:
+    """A frame with a whole chain in it: the markers in the order of the vertices."""
+    counts = tracks.seen[:, free].sum(axis=1)
+    for frame in np.argsort(-counts, kind="stable")[:50]:
+        here = [m for m in free if tracks.seen[frame, m]]
+        chains = _chains(tracks.floor[frame, here], edges)
+        if len(chains) == 1:
+            return [here[i] for i in chains[0]]
+        if len(chains) > 1:
+            raise InputError(
+                f"{tracks.source}: no marker has a name and the chain fits {len(chains)} ways round. "
+                "Name at least the head or tail marker in `markers`."
+            )
+    raise InputError(
+        f"{tracks.source}: no marker has a name, and in no frame do {len(edges) + 1} of them form a chain with the "
+        "body's edge lengths. Wrong length unit, or missing markers?"
+    )
+
+
+def _chains(points: Floats, edges: Floats) -> list[list[int]]:
+    """Every order of distinct points whose successive distances are the edge lengths."""
+    distance = np.linalg.norm(points[:, None] - points[None], axis=2)
+    partial = [[i] for i in range(len(points))]
+    for edge in edges:
+        near = np.abs(distance - edge) <= EDGE_TOLERANCE * edge
+        partial = [[*chain, j] for chain in partial for j in np.flatnonzero(near[chain[-1]]).tolist() if j not in chain]
+    return partial

@@ -1,0 +1,88 @@
+"""When which row of the table was commanded (docs/campaign-format.md), and where a trial's cycles lie in its recording.
+
+Row i of cycle n is commanded at t0 + n (cycle_duration_s + pause_s) + i cycle_duration_s / T.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.clock import Offset, find_offset
+from serpenoid.measure.logs import ServoLog
+
+SETTLE = 0.5  # of the pause: servos lag, and the rest of the motion happens after the last command
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """A table (T, m) played `cycles` times from `start_s`, with a pause after each."""
+
+    table: Floats
+    cycle_duration_s: float
+    cycles: int
+    pause_s: float
+    start_s: float = 0.0
+
+    @property
+    def period_s(self) -> float:
+        return self.cycle_duration_s + self.pause_s
+
+    @property
+    def end_s(self) -> float:
+        return self.start_s + self.cycles * self.period_s
+
+    def commanded(self, time_s: Floats) -> Floats:
+        """Commanded joint angles (R, m), linear between rows; row 0 before the start, in pauses and after the end."""
+        since = np.asarray(time_s) - self.start_s
+        phase = np.where(since < 0, 0.0, np.mod(since, self.period_s) / self.cycle_duration_s)
+        phase = np.where(since >= self.cycles * self.period_s, 0.0, np.minimum(phase, 1.0))
+        closed = np.concatenate([self.table, self.table[:1]])
+        grid = np.linspace(0.0, 1.0, len(closed))
+        return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
+
+    def phase(self, time_s: Floats) -> Floats:
+        """Cycles since the start of each cycle, 0..1, holding 1 in the pauses."""
+        since = np.mod(np.asarray(time_s) - self.start_s, self.period_s)
+        return np.asarray(np.minimum(since / self.cycle_duration_s, 1.0))
+
+    def window_s(self, cycle: int) -> tuple[float, float]:
+        """First command of a cycle to half-way through its pause."""
+        begin = self.start_s + cycle * self.period_s
+        return begin, begin + self.cycle_duration_s + SETTLE * self.pause_s
+
+
+def start_by_log(log: ServoLog, cycle_duration_s: float, pause_s: float, rows: int) -> float | None:
+    """t0 on the log's clock, from the first log row of every (cycle, step); None where the log does not say."""
+    if log.phase is None or log.cycle is None or log.step is None:
+        return None
+    playing = np.array([phase == "play" for phase in log.phase])
+    if not playing.any():
+        return None
+    label = log.cycle[playing] * (rows + 1) + log.step[playing]
+    _, first = np.unique(label, return_index=True)
+    times = log.time_s[playing][first]
+    due = log.cycle[playing][first] * (cycle_duration_s + pause_s)
+    due = due + log.step[playing][first] * cycle_duration_s / rows
+    return float(np.median(times - due))
+
+
+def start_by_shape(schedule: Schedule, time_s: Floats, joint_angles: Floats) -> Offset | None:
+    """t0 on the cameras' clock, by laying the commanded angles over the measured ones (servo lag goes into it)."""
+    before = min(1.0, schedule.pause_s)
+    grid = np.arange(-before, schedule.cycles * schedule.period_s + before, schedule.cycle_duration_s / 200)
+    return find_offset(time_s, joint_angles, grid, schedule.commanded(grid + schedule.start_s))
+
+
+def play_record(schedule: Schedule, rate_hz: float) -> tuple[Floats, list[tuple[str, int, int]]]:
+    """Times from 0 and (phase, cycle, step) of a log sampled at `rate_hz`: for rehearsals."""
+    times = np.arange(0.0, schedule.cycles * schedule.period_s, 1.0 / rate_hz)
+    rows = len(schedule.table)
+    labels = []
+    for time in times:
+        cycle, since = int(time // schedule.period_s), time % schedule.period_s
+        step = int(since / schedule.cycle_duration_s * rows)
+        labels.append(("play", cycle, step) if step < rows else ("pause", cycle, rows))
+    return times, labels

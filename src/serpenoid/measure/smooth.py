@@ -1,0 +1,56 @@
+"""A smooth path through noisy states: local cubics, with the window that Mallows' criterion picks.
+
+Only a point to linearise about and a shape to resimulate: the measured states and their covariance stay as they are.
+    Cp(K) = sum |z - H_K z|^2 / s^2 + 2 tr(H_K),   K rows in the window
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.measure.cells import Floats
+
+WINDOWS = (1, 5, 7, 9, 13, 17, 25, 35, 49)
+DEGREE = 3
+
+
+def smoother(time_s: Floats, window: int) -> tuple[Floats, np.ndarray]:
+    """Weights (R, K) and rows (R, K): smoothed row r = sum_k weights[r, k] values[rows[r, k]]."""
+    count = len(time_s)
+    k = min(window, count)
+    first = np.clip(np.arange(count) - k // 2, 0, count - k)
+    rows = first[:, None] + np.arange(k)
+    if k <= DEGREE:
+        return (rows == np.arange(count)[:, None]).astype(float), rows
+    u = time_s[rows] - time_s[:, None]
+    u = u / np.abs(u).max(axis=1, keepdims=True)
+    powers = u[..., None] ** np.arange(DEGREE + 1)
+    gram = np.einsum("rka,rkb->rab", powers, powers)
+    return np.einsum("rka,ra->rk", powers, np.linalg.inv(gram)[:, :, 0]), rows
+
+
+def smooth(values: Floats, weights: Floats, rows: np.ndarray) -> Floats:
+    """Apply `smoother` to columns (R, c)."""
+    return np.asarray(np.einsum("rk,rkc->rc", weights, values[rows]))
+
+
+def best_window(time_s: Floats, values: Floats, variance: Floats) -> int:
+    """The window with the smallest Cp for columns (R, c) with noise variances (R, c)."""
+    scores = []
+    for window in WINDOWS:
+        if window > len(time_s):
+            break
+        weights, rows = smoother(time_s, window)
+        misfit = ((values - smooth(values, weights, rows)) ** 2 / variance).sum()
+        own = weights[rows == np.arange(len(time_s))[:, None]].sum()
+        scores.append((misfit + 2 * own * values.shape[1], window))
+    return min(scores)[1]
+
+
+def smooth_states(time_s: Floats, poses: Floats, joint_angles: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+    """Smoothed poses (R, 3) and joint angles (R, m); each with its own window."""
+    variance = np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 1e-24)
+    result = []
+    for values, spread in ((poses, variance[:, :3]), (joint_angles, variance[:, 3:])):
+        result.append(smooth(values, *smoother(time_s, best_window(time_s, values, spread))))
+    return result[0], result[1]

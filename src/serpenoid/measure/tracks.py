@@ -1,0 +1,62 @@
+"""Tracks: marker positions over time on the floor plane, as the file had them, in metres (or pixels, body lengths)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.errors import InputError
+
+Floats = NDArray[np.float64]
+LengthUnit = Literal["m", "cm", "mm", "px", "bl"]
+
+METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "px": 1.0, "bl": 1.0}
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """F frames of M named markers. NaN: not seen. `scale_known` is False for pixels."""
+
+    time_s: Floats  # (F,)
+    names: tuple[str, ...]  # (M,)
+    floor: Floats  # (F, M, 2) [m, or px if not scale_known]
+    source: str
+    unlabelled: tuple[bool, ...]  # (M,): a fragment without identity
+    scale_known: bool = True
+
+    def __post_init__(self) -> None:
+        frames, markers = len(self.time_s), len(self.names)
+        if self.floor.shape != (frames, markers, 2):
+            raise InputError(f"{self.source}: {self.floor.shape} positions for {frames} frames and {markers} markers.")
+        if not np.isfinite(self.floor).any():
+            raise InputError(f"{self.source}: no marker is seen in any frame.")
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Shape (F, M)."""
+        return np.asarray(np.isfinite(self.floor).all(axis=2))
+
+    @property
+    def frame_s(self) -> float:
+        """Median time between frames."""
+        return float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
+
+    def between(self, from_s: float | None, to_s: float | None) -> Tracks:
+        """The frames of an interval of the recording's own clock."""
+        keep = np.ones(len(self.time_s), dtype=bool)
+        if from_s is not None:
+            keep &= self.time_s >= from_s
+        if to_s is not None:
+            keep &= self.time_s <= to_s
+        if keep.sum() < 2:
+            first, last = self.time_s[0], self.time_s[-1]
+            raise InputError(f"{self.source}: under 2 frames in from_s..to_s (it runs {first:g}..{last:g} s).")
+        return replace(self, time_s=self.time_s[keep], floor=self.floor[keep])
+
+
+def floor_plane(positions: Floats, up_axis: str) -> Floats:
+    """(..., 3) file axes to (..., 2) floor, right-handed seen from above: z up -> (x, y)."""
+    return positions[..., {"y": [2, 0], "z": [0, 1], "x": [1, 2]}[up_axis]]

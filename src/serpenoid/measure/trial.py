@@ -1,0 +1,244 @@
+"""A trial: one recording, aligned with what was commanded, as frozen values in body lengths and seconds.
+
+Legend: F frames, N vertices, m joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.body import Body
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.chain import ChainEstimate, estimate_about, estimate_chain
+from serpenoid.measure.clock import Offset, find_offset, interpolate
+from serpenoid.measure.logs import PowerLog, ServoLog
+from serpenoid.measure.quality import Gap, Jump, find_gaps, find_jumps
+from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
+from serpenoid.measure.smooth import smooth_states
+
+QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
+SHORTEST_RUN = 8  # frames: less is no motion
+MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion
+
+
+@dataclass(frozen=True)
+class ServoAlignment:
+    """Servo log laid over the cameras: clock offset, per-joint zero (markers minus servo) and scatter [rad]."""
+
+    offset: Offset
+    joint_zero: Floats  # (m,)
+    sd: float
+    angles: Floats  # (F, m) on the frames, zero taken out; NaN outside the log
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the cameras saw, as a rigid chain on the recording's own time grid."""
+
+    time_s: Floats  # (F,)
+    markers: Floats  # (F, N, 2) as seen, NaN hidden
+    poses: Floats  # (F, 3) x, y [body lengths], heading [rad]
+    joint_angles: Floats  # (F, m)
+    covariance: Floats  # (F, 3 + m, 3 + m) of poses and joint angles; large in directions that nothing measured
+    vertices: Floats  # (F, N, 2) of the rigid chain
+    smooth_poses: Floats  # (F, 3) a smooth path through them: where to linearise, what to resimulate
+    smooth_angles: Floats  # (F, m)
+    measured: NDArray[np.bool_]  # (F,) determined by this frame's own data
+    interpolated: NDArray[np.bool_]  # (F,) a short gap, filled
+    marker_sd: float  # [body lengths]
+    gaps: tuple[Gap, ...]
+    jumps: tuple[Jump, ...]
+    runs: tuple[slice, ...]  # frames between long gaps and whole-body jumps
+    relabelled: tuple[tuple[str, int], ...]
+    unused: tuple[str, ...]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Measured or interpolated."""
+        return self.measured | self.interpolated
+
+    @property
+    def hidden_share(self) -> float:
+        """Share of marker positions that were not seen."""
+        return float(1 - np.isfinite(self.markers[..., 0]).mean())
+
+
+@dataclass(frozen=True)
+class Passage:
+    """Frames first..last (inclusive) of one cycle (with half its pause), or of a whole unscheduled recording."""
+
+    cycle: int
+    first: int
+    last: int
+
+    @property
+    def frames(self) -> slice:
+        return slice(self.first, self.last + 1)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One recording; everything that was not recorded is None."""
+
+    name: str
+    gait: str
+    body: Body
+    metres: float | None  # per body length; None where the scale is unknown (pixels)
+    schedule: Schedule | None  # on the cameras' clock (the servo log's where there is no motion)
+    start_source: str  # servo log | shape | none
+    motion: Motion | None
+    servo: ServoAlignment | None
+    servo_log: ServoLog | None
+    power_log: PowerLog | None
+    passages: tuple[Passage, ...]
+    dissipation_coefficient: float | None
+    notes: tuple[str, ...]
+
+    def displacement(self, passage: Passage) -> float:
+        """Distance of the centroid over a passage [body lengths]."""
+        if self.motion is None:
+            return float("nan")
+        first, last = self.motion.poses[passage.first], self.motion.poses[passage.last]
+        return float(np.hypot(*(last - first)[:2]))
+
+
+def build_motion(
+    body: Body, time_s: Floats, markers: Floats, log: ServoLog | None, labels: tuple
+) -> tuple[Motion, ServoAlignment | None, list[str]]:
+    """Fit the chain (with the servos where they help), fill short gaps, look for jumps."""
+    notes: list[str] = []
+    estimate = estimate_chain(body, markers)
+    servo = None
+    if log is not None:
+        servo, complaint = align_servo(estimate, time_s, log)
+        notes += complaint
+        if servo is not None:
+            estimate = estimate_chain(body, markers, servo.angles, servo.sd, estimate.marker_sd, estimate.determined)
+    gaps = find_gaps(estimate.determined, time_s)
+    jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
+    runs = _runs(gaps, jumps, len(time_s))
+    if not runs:
+        raise InputError(f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape.")
+    return _motion(body, time_s, markers, servo, estimate, (gaps, jumps, runs), labels), servo, notes
+
+
+def _motion(
+    body: Body, time_s: Floats, markers: Floats, servo: ServoAlignment | None, first: ChainEstimate, cuts: tuple, labels
+) -> Motion:
+    """The final estimate, linear about the smooth path, on all frames of all runs."""
+    smooth_poses, smooth_angles = _smooth_runs(first, time_s, cuts[2])
+    known = np.isfinite(smooth_poses[:, 0])
+    poses, angles, covariance, vertices = (
+        np.full((len(time_s), *shape), np.nan)
+        for shape in ((3,), (body.joint_count,), (3 + body.joint_count,) * 2, (body.vertices, 2))
+    )
+    readings = (None, None) if servo is None else (servo.angles[known], servo.sd)
+    about = estimate_about(body, markers[known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
+    poses[known], angles[known], covariance[known] = about.poses, about.joint_angles, about.covariance
+    vertices[known] = about.vertices
+    return Motion(
+        time_s, markers, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
+        known & first.determined, known & ~first.determined, first.marker_sd, *cuts, *labels,
+    )  # fmt: skip
+
+
+def align_servo(estimate: ChainEstimate, time_s: Floats, log: ServoLog) -> tuple[ServoAlignment | None, list[str]]:
+    """Clock offset, joint zeros and scatter of a servo log against angles from markers alone."""
+    if log.position.shape[1] != estimate.joint_angles.shape[1]:
+        joints = estimate.joint_angles.shape[1]
+        return None, [f"servo log has {log.position.shape[1]} joints, the body {joints}: not used"]
+    offset = find_offset(time_s, estimate.joint_angles, log.time_s, log.position)
+    if offset is None or offset.correlation < MIN_CORRELATION:
+        seen = "no common motion" if offset is None else f"correlation {offset.correlation:.2f}"
+        return None, [f"servo log does not match the cameras ({seen}): not used"]
+    angles = interpolate(log.time_s + offset.offset_s, log.position, time_s)
+    difference = estimate.joint_angles - angles
+    zero = np.nanmedian(difference, axis=0)
+    marker_variance = np.nanmean(np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2))
+    scatter = np.nanmean((difference - zero) ** 2) - marker_variance
+    sd = float(np.sqrt(max(scatter, QUANTISATION_SD**2)))
+    return ServoAlignment(offset, zero, sd, angles + zero), []
+
+
+def schedule_start(
+    schedule: Schedule, log: ServoLog | None, servo: ServoAlignment | None, motion: Motion | None
+) -> tuple[Schedule, str, list[str]]:
+    """The schedule with its start on the recording's clock, and where that came from."""
+    by_log = None
+    if log is not None:
+        by_log = start_by_log(log, schedule.cycle_duration_s, schedule.pause_s, len(schedule.table))
+    if motion is None:
+        return (schedule, "none", []) if by_log is None else (replace(schedule, start_s=by_log), "servo log", [])
+    if by_log is not None and servo is not None:
+        return replace(schedule, start_s=by_log + servo.offset.offset_s), "servo log", []
+    found = start_by_shape(schedule, motion.time_s, motion.joint_angles)
+    if found is None or found.correlation < MIN_CORRELATION:
+        seen = "no overlap" if found is None else f"correlation {found.correlation:.2f}"
+        return schedule, "none", [f"the commanded table is not found in the recording ({seen})"]
+    return replace(schedule, start_s=found.offset_s), "shape", []
+
+
+def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passage, ...], list[str]]:
+    """Frames of each cycle; without a schedule the longest run of known frames is one passage."""
+    if schedule is None:
+        return _longest_run(motion.known), []
+    passages, notes = [], []
+    for cycle in range(schedule.cycles):
+        begin, end = schedule.window_s(cycle)
+        inside = np.flatnonzero((motion.time_s >= begin - 1e-9) & (motion.time_s <= end + 1e-9) & motion.known)
+        frame = float(np.median(np.diff(motion.time_s)))
+        if (
+            len(inside) < 8
+            or motion.time_s[inside[0]] > begin + 3 * frame
+            or motion.time_s[inside[-1]] < end - 3 * frame
+        ):
+            notes.append(f"cycle {cycle + 1} is not wholly in the recording: left out")
+            continue
+        if not motion.known[inside[0] : inside[-1] + 1].all():
+            notes.append(
+                f"cycle {cycle + 1} has a long gap: its displacement is used, its steps across the gap are not"
+            )
+        passages.append(Passage(cycle, int(inside[0]), int(inside[-1])))
+    return tuple(passages), notes
+
+
+def _longest_run(known: NDArray[np.bool_]) -> tuple[Passage, ...]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(int), [0]])))
+    runs = list(zip(edges[::2], edges[1::2] - 1, strict=True))
+    if not runs:
+        return ()
+    first, last = max(runs, key=lambda run: run[1] - run[0])
+    return (Passage(0, int(first), int(last)),) if last - first >= 7 else ()
+
+
+def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], frames: int) -> tuple[slice, ...]:
+    """Frames between long gaps and whole-body jumps; a run neither begins nor ends in a gap."""
+    known = np.ones(frames, dtype=bool)
+    for gap in gaps:
+        if not gap.short or gap.first == 0 or gap.last == frames - 1:
+            known[gap.first : gap.last + 1] = False
+    cuts = {jump.frame for jump in jumps if jump.vertex is None}
+    runs, first = [], 0
+    for frame in range(1, frames + 1):
+        if frame == frames or frame in cuts or known[frame] != known[frame - 1]:
+            if known[first] and frame - first >= SHORTEST_RUN:
+                runs.append(slice(first, frame))
+            first = frame
+    return tuple(runs)
+
+
+def _smooth_runs(estimate: ChainEstimate, time_s: Floats, runs: tuple[slice, ...]) -> tuple[Floats, Floats]:
+    """Smooth poses and joint angles on every frame of every run (short gaps bridged); NaN elsewhere."""
+    poses, angles = np.full_like(estimate.poses, np.nan), np.full_like(estimate.joint_angles, np.nan)
+    for run in runs:
+        rows = np.flatnonzero(estimate.determined[run]) + run.start
+        smooth = smooth_states(
+            time_s[rows], estimate.poses[rows], estimate.joint_angles[rows], estimate.covariance[rows]
+        )
+        for target, values in zip((poses, angles), smooth, strict=True):
+            target[run] = interpolate(time_s[rows], values, time_s[run])
+    return poses, angles

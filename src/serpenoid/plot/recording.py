@@ -1,0 +1,131 @@
+"""Pictures of a recording: markers and bodies on the floor, what was seen when, commanded against measured angles.
+
+Legend: F frames, N vertices, m joints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from serpenoid.measure.trial import Trial
+from serpenoid.plot.body import draw_body
+from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREY, INK, ORANGE, RED, SMALL, dress, figure, legend_above
+
+DRAWN = 400  # points of a path: more cannot be seen
+
+
+def trial_figure(trial: Trial) -> Figure:
+    """Floor, visibility and joint angles of one trial."""
+    fig = figure(9.2, 6.4)
+    grid = fig.add_gridspec(2, 2, width_ratios=[1.15, 1.0], height_ratios=[1.0, 1.0])
+    floor(trial, fig.add_subplot(grid[:, 0]))
+    visibility(trial, fig.add_subplot(grid[0, 1]))
+    angles(trial, fig.add_subplot(grid[1, 1]))
+    fig.suptitle(f"{trial.name}: what was recorded", fontsize=11, x=0.01, ha="left")
+    return fig
+
+
+def floor(trial: Trial, ax: Axes) -> Axes:
+    """Paths of the markers, the centroid, and the body at the start and end of every passage."""
+    motion = trial.motion
+    if motion is None:
+        return _nothing(ax, "no motion file")
+    step = max(1, len(motion.time_s) // DRAWN)
+    count = motion.markers.shape[1]
+    for vertex in range(count):
+        ax.plot(*motion.markers[::step, vertex].T, color=CHAIN_MAP(vertex / max(count - 1, 1)), lw=0.6, alpha=0.55)
+    ax.plot(*motion.smooth_poses[::step, :2].T, color=INK, lw=1.6, label="centroid")
+    for passage in trial.passages:
+        for frame, colour in ((passage.first, GREY), (passage.last, BLUE)):
+            draw_body(motion.vertices[frame], ax, colour, width=2.4)
+    for jump in motion.jumps:
+        if jump.vertex is None:
+            ax.plot(*motion.poses[jump.frame, :2], marker="x", color=RED, ms=8, mew=2)
+    ax.set_aspect("equal", adjustable="datalim")
+    unit = "body lengths"
+    return dress(ax, "Markers (tail dark, head light), centroid", f"x [{unit}]", f"y [{unit}]")
+
+
+def visibility(trial: Trial, ax: Axes) -> Axes:
+    """Which vertex was seen when; gaps and jumps marked."""
+    motion = trial.motion
+    if motion is None:
+        return _nothing(ax, "no motion file")
+    seen = np.isfinite(motion.markers[..., 0]).T
+    shares = seen.mean(axis=1)
+    extent = (motion.time_s[0], motion.time_s[-1], -0.5, seen.shape[0] - 0.5)
+    ax.imshow(
+        np.where(seen, 0.12, 0.75), aspect="auto", origin="lower", extent=extent, cmap="Greys", vmin=0, vmax=1,
+        interpolation="nearest",
+    )  # fmt: skip
+    for vertex in (0, len(shares) - 1):
+        label = "tail" if vertex == 0 else "head"
+        ax.text(
+            1.01,
+            vertex,
+            f"{label} {shares[vertex]:.0%}",
+            transform=ax.get_yaxis_transform(),
+            fontsize=SMALL,
+            va="center",
+        )
+    for gap in motion.gaps:
+        if not gap.short:
+            ax.axvspan(motion.time_s[gap.first], motion.time_s[gap.last], color=ORANGE, alpha=0.4, lw=0)
+    for jump in motion.jumps:
+        ax.plot(jump.time_s, 0 if jump.vertex is None else jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
+    title = f"Hidden (dark): {motion.hidden_share:.1%} of all marker positions"
+    return dress(ax, title, "time [s]", "vertex", grid=False)
+
+
+def angles(trial: Trial, ax: Axes) -> Axes:
+    """Three joints: commanded, by servo, by markers and servo together."""
+    motion = trial.motion
+    if motion is None:
+        return _nothing(ax, "no motion file")
+    joints = sorted({0, motion.joint_angles.shape[1] // 2, motion.joint_angles.shape[1] - 1})
+    step = max(1, len(motion.time_s) // (4 * DRAWN))
+    time = motion.time_s[::step]
+    commanded = None
+    if trial.schedule is not None and trial.start_source != "none":
+        commanded = trial.schedule.commanded(time)
+    for joint in joints:
+        colour = CHAIN_MAP(joint / max(motion.joint_angles.shape[1] - 1, 1))
+        ax.plot(time, motion.smooth_angles[::step, joint], color=colour, lw=1.3, label=f"joint {joint + 1}")
+        if commanded is not None:
+            ax.plot(time, commanded[:, joint], color=colour, lw=0.9, ls=(0, (3, 2)))
+    for passage in trial.passages:
+        ax.axvspan(motion.time_s[passage.first], motion.time_s[passage.last], color=FAINT, alpha=0.6, lw=0, zorder=0)
+    dress(ax, "", "time [s]", "joint angle [rad]")
+    legend_above(ax, 3)
+    if commanded is not None:
+        ax.text(0.99, 0.02, "dashed: commanded", transform=ax.transAxes, ha="right", fontsize=SMALL, color=GREY)
+    return ax
+
+
+def repeats(trials: tuple[Trial, ...], ax: Axes) -> Axes:
+    """Repeated trials of one gait, each moved to start at the origin with heading along x (the paper's overlay)."""
+    colours = [BLUE, ORANGE, "#009E73", "#CC79A7", RED]
+    index = 0
+    for trial in trials:
+        if trial.motion is None:
+            continue
+        for passage in trial.passages:
+            poses = trial.motion.smooth_poses[passage.frames]
+            heading = np.nanmean(poses[:, 2])
+            c, s = np.cos(heading), np.sin(heading)
+            moved = (poses[:, :2] - poses[0, :2]) @ np.array([[c, -s], [s, c]])
+            label = trial.name if passage is trial.passages[0] else None
+            ax.plot(*moved.T, color=colours[index % len(colours)], lw=1.2, alpha=0.8, label=label)
+        index += 1
+    ax.set_aspect("equal", adjustable="datalim")
+    dress(ax, "", "along the mean heading [body lengths]", "across [body lengths]")
+    legend_above(ax, 3)
+    return ax
+
+
+def _nothing(ax: Axes, text: str) -> Axes:
+    ax.text(0.5, 0.5, text, ha="center", va="center", color=GREY, transform=ax.transAxes)
+    ax.set_axis_off()
+    return ax

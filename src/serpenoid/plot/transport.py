@@ -1,0 +1,78 @@
+"""Cost of transport over the family of gaits, and the idle level for which each gait is the best.
+
+A gait that minimises -Delta + c D has Delta' = c D' along the family. Its cost of transport (p + D) / Delta, with p the
+idle energy of a cycle in the units of D, is therefore stationary where p = Delta / c - D: each c is the best for one
+idle level p, and p falls as c grows (its slope is -Delta / c^2: the other terms cancel).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+from serpenoid.body import Floats
+from serpenoid.performance import idle_for_minimum, normalised_cost_of_transport
+from serpenoid.plot.family import C_LABEL, Family
+from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, NORMAL, ORANGE, SMALL, dress, legend_above
+
+P_LABEL = "idle energy per cycle p [units of D]"
+BETWEEN = (1.0, 2.0)  # where the paper's robot had its least cost of transport
+
+
+def best_idle(family: Family) -> Floats:
+    """The idle level p at which each gait has the least cost of transport, inf at c = 0; shape (n,)."""
+    with np.errstate(divide="ignore"):
+        return np.where(family.c > 0, family.displacement / family.c, np.inf) - family.dissipation
+
+
+def idle_interval(family: Family, between: tuple[float, float] = BETWEEN) -> tuple[float, float] | None:
+    """Idle levels (lower, upper) whose least cost lies at a c `between`; None if the sweep is shorter than that."""
+    return idle_for_minimum(family.c, family.displacement, family.dissipation, *between)
+
+
+def cost_of_transport(
+    family: Family, ax: Axes, idle_levels: Sequence[float], title: str = "Cost of transport (p + D) / Δ"
+) -> Axes:
+    """A curve per idle level p, its least value starred (hollow at an end of the sweep: it goes on beyond)."""
+    for p, colour in zip(idle_levels, CHAIN_MAP(np.linspace(0, 1, len(idle_levels))), strict=True):
+        cost = normalised_cost_of_transport(family.displacement, family.dissipation, p)
+        least = int(cost.argmin())
+        inside = 0 < least < cost.size - 1
+        star: dict[str, Any] = {"color": colour, "markerfacecolor": colour if inside else "white"}
+        ax.plot(family.c, cost, color=colour, linewidth=1.6)
+        ax.plot(family.c[least], cost[least], "*", markersize=12, markeredgecolor=colour, zorder=4, **star)
+        ax.annotate(
+            f"p = {p:.3g}", (family.c[-1], cost[-1]), xytext=(9, 0), textcoords="offset points", color=INK,
+            fontsize=SMALL, va="center", annotation_clip=False,
+        )  # fmt: skip
+    ax.plot([], [], "*", color=GREY, markersize=10, label="least cost")
+    ax.plot([], [], "*", color=GREY, markersize=10, markerfacecolor="white", label="least at an end of the sweep")
+    ax.set_ylim(0, None)
+    if idle_interval(family) is not None:
+        ax.axvspan(*BETWEEN, color=ORANGE, alpha=0.15, linewidth=0, zorder=0)
+    dress(ax, title, C_LABEL, "cost of transport [units of D / body length]")
+    legend_above(ax, 2)
+    return ax
+
+
+def idle_levels(family: Family, ax: Axes, between: tuple[float, float] = BETWEEN) -> Axes:
+    """For each c the idle level it is best for; the levels whose least cost lies `between` two values are shaded."""
+    real = family.c > 0
+    ax.semilogy(family.c[real], best_idle(family)[real], "o-", color=BLUE, markersize=4, linewidth=1.5)
+    ends = idle_interval(family, between)
+    if ends is not None:
+        ax.axhspan(*ends, color=ORANGE, alpha=0.25, linewidth=0)
+        ax.vlines(between, 0, 1, transform=ax.get_xaxis_transform(), color=GREY, linewidth=1, linestyle="--")
+        ax.text(
+            0.97, 0.95, f"least cost at {between[0]:g} < c < {between[1]:g}\nfor {ends[0]:.3f} < p < {ends[1]:.3f}",
+            transform=ax.transAxes, ha="right", va="top", fontsize=NORMAL, color=INK,
+            bbox={"facecolor": "white", "linewidth": 0, "pad": 3},
+        )  # fmt: skip
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    return dress(ax, "The idle level for which each c is best: p = Δ/c − D", C_LABEL, P_LABEL)

@@ -1,0 +1,57 @@
+"""The SDK's port with a monotonic clock, reads that sleep, and an end to babble.
+
+The SDK times out on the wall clock, polls without sleeping, and reads on as long as bytes keep coming.
+Of `dynamixel_sdk`, this file knows the port; `bus.py` beside it knows the packets.
+"""
+
+from __future__ import annotations
+
+import time
+
+import serial
+from dynamixel_sdk import PortHandler
+
+from serpenoid.robot.faults import BusFault
+
+try:  # what a port raises when its cable is out: on POSIX also an error that is no OSError
+    import termios
+
+    PORT_ERRORS: tuple[type[BaseException], ...] = (serial.SerialException, OSError, termios.error)
+except ImportError:
+    PORT_ERRORS = (serial.SerialException, OSError)
+
+READ_SLICE_S = 0.002  # a read sleeps this long for its bytes before the SDK looks at its own timeout
+LONGEST_EXCHANGE = 5000  # bytes; a broadcast ping that all 253 IDs answer has 3542
+
+
+class SerialLink(PortHandler):
+    """A PortHandler that `bus.py` opens after it holds the port's lock."""
+
+    def __init__(self, port_name: str) -> None:
+        super().__init__(port_name)
+        self._received = 0
+
+    def getCurrentTime(self) -> float:  # noqa: N802 (the SDK's name)
+        return time.monotonic() * 1000.0
+
+    def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802
+        opened = super().setupPort(cflag_baud)
+        self.ser.exclusive = True
+        self.ser.timeout = READ_SLICE_S
+        self.ser.write_timeout = 0.5
+        return opened
+
+    def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
+        super().setPacketTimeout(packet_length)
+        self._received = 0
+
+    def setPacketTimeoutMillis(self, msec: float) -> None:  # noqa: N802
+        super().setPacketTimeoutMillis(msec)
+        self._received = 0
+
+    def readPort(self, length: int) -> bytes:  # noqa: N802
+        data: bytes = self.ser.read(length) if length > 0 else b""
+        self._received += len(data)
+        if self._received > LONGEST_EXCHANGE:
+            raise BusFault("the bus never falls silent: another master, a wrong baud rate, or noise on the line.")
+        return data

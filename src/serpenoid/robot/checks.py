@@ -1,0 +1,151 @@
+"""Checks before anything moves; each refusal names joint, step, value, limit and remedy.
+
+T: steps, m: joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, degrees, tau
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.robot.control_table import no_load_speed_rpm
+from serpenoid.robot.description import Robot
+from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
+from serpenoid.robot.ticks import RADIANS_PER_TICK, to_ticks
+
+BUS_SHARE = 0.9  # of a row's time that its packets may take
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """`where` names joint and step; the sentence reads `where: value, limit. remedy`."""
+
+    where: str
+    value: str
+    limit: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.value}; {self.limit}. {self.remedy}"
+
+
+def check_table(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float) -> list[Refusal]:
+    """All that is wrong with playing `angles` (T, m) [rad] on `robot`, at `voltage` [V] at the servos."""
+    refusals = _check_shape(angles, robot) or check_finite(angles)
+    if refusals:
+        return refusals
+    ticks = to_ticks(angles, robot)
+    refusals = _check_positions(angles, ticks, robot) + _check_speeds(ticks, robot, cycle_duration_s, voltage)
+    return refusals + _check_bus(len(ticks), robot, cycle_duration_s)
+
+
+def check_start(present: NDArray[np.int64], first_row: NDArray[np.int64], robot: Robot) -> list[Refusal]:
+    """The way from the `present` positions (m,) [ticks] to the first row."""
+    refusals = []
+    limit_deg = robot.motion.approach_limit_deg
+    for j, joint in enumerate(robot.joint):
+        where = f"{robot.joint_label(j)}, step 0"
+        if not joint.minimum_ticks <= present[j] <= joint.maximum_ticks:
+            limit = f"the limits are {joint.minimum_ticks}..{joint.maximum_ticks}"
+            remedy = "Torque is off: turn the joint by hand into its range."
+            refusals.append(Refusal(where, f"the servo stands at {present[j]} ticks", limit, remedy))
+            continue
+        jump = degrees(abs(int(first_row[j]) - int(present[j])) * RADIANS_PER_TICK)
+        if jump > limit_deg:
+            remedy = "Torque is off: bring the robot nearer to its first shape by hand, or raise `approach_limit_deg`."
+            value = f"the first row is {jump:.1f} degrees away from where the servo stands"
+            refusals.append(Refusal(where, value, f"the limit is {limit_deg:g} degrees", remedy))
+    return refusals
+
+
+def check_voltage(voltages: NDArray[np.float64], robot: Robot) -> list[Refusal]:
+    """Each servo's input voltage (m,) [V] against the robot's window."""
+    window = robot.voltage
+    refusals = []
+    for j, volts in enumerate(voltages):
+        if not window.minimum_V <= volts <= window.maximum_V:
+            remedy = "Charge the battery." if volts < window.minimum_V else "Check that this is the right supply."
+            limit = f"the window is {window.minimum_V:g}..{window.maximum_V:g} V"
+            refusals.append(
+                Refusal(f"{robot.joint_label(j)}, before step 0", f"input voltage {volts:.1f} V", limit, remedy)
+            )
+    return refusals
+
+
+def _check_shape(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
+    joints = angles.shape[1] if angles.ndim == 2 else 0
+    if joints == len(robot.joint) and len(angles) >= 2:
+        return []
+    value = f"the table is {' x '.join(map(str, angles.shape))} (steps x joints)"
+    limit = f"robot `{robot.name}` has {len(robot.joint)} joints and needs at least 2 steps"
+    return [
+        Refusal("all joints, all steps", value, limit, "Use a table of this robot's body, or the right --robot file.")
+    ]
+
+
+def check_finite(angles: NDArray[np.float64]) -> list[Refusal]:
+    """The first ten cells of `angles` (T, m) that are not finite."""
+    bad = np.argwhere(~np.isfinite(angles))
+    limit = "angles must be finite numbers"
+    remedy = "Solve or export the gait again; a failed solution has no table to play."
+    return [Refusal(f"joint_{j + 1}, step {i}", f"angle {angles[i, j]}", limit, remedy) for i, j in bad[:10]]
+
+
+def _check_positions(angles: NDArray[np.float64], ticks: NDArray[np.int64], robot: Robot) -> list[Refusal]:
+    refusals = []
+    for j, joint in enumerate(robot.joint):
+        excess = np.maximum(ticks[:, j] - joint.maximum_ticks, joint.minimum_ticks - ticks[:, j])
+        step = int(excess.argmax())
+        if excess[step] > 0:
+            low, high = (degrees(angle) for angle in joint.angle_range)
+            value = f"angle {degrees(angles[step, j]):.1f} degrees ({ticks[step, j]} ticks)"
+            limit = f"the limits are {low:.1f}..{high:.1f} degrees ({joint.minimum_ticks}..{joint.maximum_ticks} ticks)"
+            outside = int((excess > 0).sum())
+            remedy = f"{outside} steps are outside: bound the joints when optimising, or reduce the amplitude."
+            refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit, remedy))
+    return refusals
+
+
+def _check_speeds(ticks: NDArray[np.int64], robot: Robot, cycle_duration_s: float, voltage: float) -> list[Refusal]:
+    speeds = row_speeds_rpm(ticks, cycle_duration_s)
+    no_load = no_load_speed_rpm(voltage)
+    refusals = []
+    for j, joint in enumerate(robot.joint):
+        limit = min(joint.speed_limit_rpm, no_load)
+        step = int(speeds[:, j].argmax())
+        if speeds[step, j] > limit:
+            why = f"no-load speed at {voltage:.1f} V" if no_load < joint.speed_limit_rpm else "`speed_limit_rpm`"
+            refusals.append(_speed_refusal(speeds[:, j], step, limit, why, robot.joint_label(j), cycle_duration_s))
+    return refusals
+
+
+def _speed_refusal(
+    speeds: NDArray[np.float64], step: int, limit: float, why: str, label: str, cycle_duration_s: float
+) -> Refusal:
+    """A jump from the last row to the first, alone too fast, is a table that does not close: slower is no remedy."""
+    last = len(speeds) - 1
+    rest = speeds[:-1].max() if last else 0.0
+    value = f"speed {speeds[step]:.1f} rpm in a cycle of {cycle_duration_s:g} s"
+    if step == last and rest <= limit and speeds[last] > 3 * rest:
+        jump = degrees(speeds[last] * cycle_duration_s / len(speeds) * tau / 60)
+        value = f"jump of {jump:.1f} degrees from the last row to the first ({speeds[last]:.1f} rpm)"
+        remedy = "The table does not close: the row after the last one is the first. Export a whole cycle."
+    else:
+        needed = ceil(cycle_duration_s * speeds[step] / limit * 100) / 100
+        remedy = f"Play it slower: a cycle of {needed:g} s or more (--cycle-duration)."
+    return Refusal(f"{label}, step {step}", value, f"the limit is {limit:.1f} rpm ({why})", remedy)
+
+
+def _check_bus(steps: int, robot: Robot, cycle_duration_s: float) -> list[Refusal]:
+    baud, joints = robot.bus.baud_rate, len(robot.joint)
+    needed = (write_time_s(joints, baud) + read_time_s(joints, baud)) / BUS_SHARE
+    period = cycle_duration_s / steps
+    if needed <= period:
+        return []
+    value = f"{needed * 1000:.1f} ms of packets per row at {baud} baud"
+    shortest = ceil(needed * steps * 100) / 100
+    remedy = f"Raise the baud rate of servos and robot file, or play a cycle of {shortest:g} s or more."
+    return [Refusal("all joints, every step", value, f"a row lasts {period * 1000:.1f} ms", remedy)]

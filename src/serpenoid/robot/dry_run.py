@@ -1,0 +1,34 @@
+"""What `play` would send, in words: settings, approach, every row, torque off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from serpenoid.robot.plan import Plan, read_time_s, write_time_s
+
+
+def describe(plan: Plan) -> Iterator[str]:
+    """One line per thing that would be sent."""
+    robot, ids = plan.robot, plan.robot.ids
+    baud = robot.bus.baud_rate
+    yield f"robot {robot.name}: {len(ids)} servos {robot.model} at {baud} baud, IDs {_row(ids)}"
+    yield f"cycle {plan.cycle_duration_s:g} s, {len(plan.ticks)} rows, one every {plan.row_period_s * 1000:.1f} ms"
+    write, read = write_time_s(len(ids), baud) * 1000, read_time_s(len(ids), baud) * 1000
+    yield f"on the bus a row takes {write:.2f} ms to write and {read:.2f} ms to read back"
+    yield "ping each servo; check model, firmware, voltage, hardware errors"
+    yield "torque_enable = 0, bus_watchdog = 0, profile_acceleration = 0 on every servo"
+    for register, values in plan.settings().items():
+        yield f"{register} = {_row(values)}   (where it differs)"
+    yield f"profile_velocity = {_row(plan.approach_velocity())}   (0.229 rpm)"
+    yield "goal_position = present position, torque_enable = 1 on every servo"
+    yield f"bus_watchdog = {plan.watchdog_units}   ({plan.watchdog_s:.2f} s)"
+    yield f"approach:   goal_position = {_row(plan.ticks[0])}; wait for arrival"
+    yield f"profile_velocity = {_row(plan.play_velocity())}"
+    for row in plan.rows():
+        place = f"cycle {row.cycle} step {row.step:3d} {row.phase}"
+        yield f"{row.time:9.3f} s  {place:<22} goal_position = {_row(row.goals)}"
+    yield f"{plan.end_s:9.3f} s  torque_enable = 0 on every servo"
+
+
+def _row(values: Iterable[int]) -> str:  # one format for lists and arrays
+    return " ".join(str(int(value)) for value in values)

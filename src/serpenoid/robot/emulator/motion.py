@@ -1,0 +1,64 @@
+"""A servo's motion in position mode: a velocity profile towards the goal, followed with a lag.
+
+profile: |v| <= Profile Velocity (0: as fast as the motor can), |dv/dt| <= Profile Acceleration (0: at once)
+position: first-order lag behind the profile, never faster than the no-load speed at the present voltage
+"""
+
+from __future__ import annotations
+
+from math import copysign, exp, sqrt
+
+from serpenoid.robot.control_table import (
+    RPM2_PER_ACCELERATION_UNIT,
+    RPM_PER_VELOCITY_UNIT,
+    TICKS_PER_TURN,
+    no_load_speed_rpm,
+)
+
+STEP_S = 0.002
+LAG_S = 0.020
+TICKS_PER_S_PER_RPM = TICKS_PER_TURN / 60.0
+TICKS_PER_S_PER_UNIT = RPM_PER_VELOCITY_UNIT * TICKS_PER_S_PER_RPM
+TICKS_PER_S2_PER_UNIT = RPM2_PER_ACCELERATION_UNIT * TICKS_PER_TURN / 3600.0
+
+
+class Motion:
+    """Position, profile and speed of one shaft [ticks, s]."""
+
+    def __init__(self, position: float) -> None:
+        self.position = position
+        self.profile = position
+        self.velocity = 0.0
+        self._profile_velocity = 0.0
+
+    def rest(self) -> None:
+        """Motor off, or held where it is: the profile starts again from here."""
+        self.profile = self.position
+        self.velocity = self._profile_velocity = 0.0
+
+    def advance(self, duration: float, goal: float, velocity: int, acceleration: int, voltage: float) -> None:
+        """Move for `duration` [s] towards `goal` with the register values of the profile."""
+        fastest = no_load_speed_rpm(voltage) * TICKS_PER_S_PER_RPM
+        limit = min(velocity * TICKS_PER_S_PER_UNIT, fastest) if velocity else fastest
+        remaining = duration
+        while remaining > 0:
+            step = min(STEP_S, remaining)
+            self._move_profile(step, goal, limit, acceleration * TICKS_PER_S2_PER_UNIT)
+            pull = (self.profile - self.position) * (1 - exp(-step / LAG_S))
+            moved = copysign(min(abs(pull), fastest * step), pull)
+            self.position += moved
+            self.velocity = moved / step
+            remaining -= step
+
+    def _move_profile(self, step: float, goal: float, limit: float, acceleration: float) -> None:
+        distance = goal - self.profile
+        wanted = copysign(min(limit, sqrt(2 * acceleration * abs(distance)) if acceleration else limit), distance)
+        if acceleration:
+            change = wanted - self._profile_velocity
+            wanted = self._profile_velocity + copysign(min(abs(change), acceleration * step), change)
+        travel = wanted * step
+        if abs(travel) >= abs(distance) and travel * distance >= 0:
+            self.profile, self._profile_velocity = goal, 0.0
+        else:
+            self.profile += travel
+            self._profile_velocity = wanted

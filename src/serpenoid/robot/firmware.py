@@ -1,0 +1,76 @@
+"""The OpenRB-150 sketch: the template beside this file, filled with a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.resources import files
+from math import ceil, radians
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.robot.control_table import VOLT_PER_UNIT
+from serpenoid.robot.plan import BITS_PER_BYTE, Plan, write_time_s
+from serpenoid.robot.ticks import RADIANS_PER_TICK
+
+BUTTON_PIN = 2
+LONGEST_US = 2**31  # deadlines are differences of a 32-bit microsecond clock
+FLASH_BYTES = 200_000  # of 256 KiB, the rest is for the program
+
+
+def sketch(plan: Plan, power_stream: bool = False) -> str:
+    """The whole .ino file; raise InputError where the board cannot do what the plan asks."""
+    _refuse_oversize(plan)
+    robot = plan.robot
+    motion, window = robot.motion, robot.voltage
+    approach_ticks = radians(motion.approach_limit_deg) / RADIANS_PER_TICK
+    approach_s = motion.approach_limit_deg / (motion.approach_speed_rpm * 6.0)
+    values = {
+        "TITLE": f"{robot.name}: {len(plan.ticks)} rows, {plan.cycles} cycles of {plan.cycle_duration_s:g} s",
+        "JOINTS": len(robot.joint),
+        "STEPS": len(plan.ticks),
+        "CYCLES": plan.cycles,
+        "CYCLE_US": round(plan.cycle_duration_s * 1e6),
+        "PAUSE_US": round(plan.pause_s * 1e6),
+        "BAUD": robot.bus.baud_rate,
+        "BUTTON_PIN": BUTTON_PIN,
+        "STREAM_POWER": "true" if power_stream else "false",
+        "MINIMUM_DECIVOLT": ceil(window.minimum_V / VOLT_PER_UNIT - 1e-9),
+        "MAXIMUM_DECIVOLT": int(window.maximum_V / VOLT_PER_UNIT + 1e-9),
+        "ARRIVAL_TICKS": round(radians(motion.arrival_tolerance_deg) / RADIANS_PER_TICK),
+        "APPROACH_LIMIT_TICKS": round(approach_ticks),
+        "APPROACH_VELOCITY": plan.approach_velocity()[0],
+        "APPROACH_MS": round(1500 * approach_s + 2000),
+        "LOOK_TIME_US": _look_time_us(plan),
+        "WATCHDOG": plan.watchdog_units,
+        "IDS": _list(robot.ids),
+        "MINIMA": _list(joint.minimum_ticks for joint in robot.joint),
+        "MAXIMA": _list(joint.maximum_ticks for joint in robot.joint),
+        "SPEED_LIMITS": _list(plan.settings()["velocity_limit"]),
+        "PLAY_VELOCITIES": _list(plan.play_velocity()),
+        "TABLE": ",\n".join(f"  {{{_list(row)}}}" for row in plan.ticks),
+    }
+    text = files("serpenoid.robot").joinpath("openrb150.ino").read_text(encoding="utf-8")
+    for name, value in values.items():
+        text = text.replace(f"@{name}@", str(value))
+    return text
+
+
+def _look_time_us(plan: Plan) -> int:
+    """Two reads of one servo (at most 58 bytes), one row, and 2 ms for the board itself."""
+    baud = plan.robot.bus.baud_rate
+    return round(1e6 * (58 * BITS_PER_BYTE / baud + write_time_s(len(plan.robot.joint), baud))) + 2000
+
+
+def _refuse_oversize(plan: Plan) -> None:
+    if (plan.cycle_duration_s + plan.pause_s) * 1e6 >= LONGEST_US:
+        raise InputError("--format openrb: cycle and pause together must stay below 2147 s, the board's clock wraps.")
+    size = plan.ticks.size * np.int16().nbytes
+    if size > FLASH_BYTES:
+        raise InputError(
+            f"--format openrb: the table needs {size} bytes of flash, {FLASH_BYTES} are free. Use fewer steps."
+        )
+
+
+def _list(values: Iterable[int]) -> str:
+    return ", ".join(str(int(value)) for value in values)

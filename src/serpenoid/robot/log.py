@@ -1,0 +1,79 @@
+"""The servo log: one line per reading, on disk before the next row is sent (docs/campaign-format.md).
+
+A log that ends in the middle of a line lost that line and no other.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.errors import InputError
+from serpenoid.robot.bus import ServoState
+from serpenoid.robot.description import Robot
+from serpenoid.robot.ticks import to_radians
+
+GROUPS = ("command", "position", "voltage", "load", "temperature", "error")
+
+
+class ServoLog:
+    """Appends to `servo.csv` in `folder`; `folder` None writes nothing. Time zero is the log's beginning."""
+
+    def __init__(self, folder: Path | None, robot: Robot) -> None:
+        self._robot = robot
+        self._start = time.monotonic()
+        self.rows = 0
+        self._stream: TextIO | None = None
+        if folder is not None:
+            self._stream = open_new(folder / "servo.csv")
+            joints = range(1, len(robot.joint) + 1)
+            columns = [f"{group}_{j}" for group in GROUPS for j in joints]
+            self._stream.write(",".join(["t_s", "phase", "cycle", "step", *columns]) + "\n")
+            self._stream.flush()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._stream is not None:
+            self._stream.close()
+
+    def write(
+        self,
+        moment: float,
+        place: tuple[str, int, int],
+        goals: NDArray[np.int64],
+        states: Mapping[int, ServoState],
+        errors: Mapping[int, int],
+    ) -> None:
+        """`moment`: monotonic time [s]; `place`: phase, cycle, step; `goals` (m,) [ticks]; the rest by servo ID."""
+        self.rows += 1
+        if self._stream is None:
+            return
+        servos = [states[servo_id] for servo_id in self._robot.ids]
+        commanded = to_radians(goals, self._robot)
+        measured = to_radians([servo.position for servo in servos], self._robot)
+        cells = [f"{moment - self._start:.6f}", *map(str, place)]
+        cells += [f"{angle:.6f}" for angle in (*commanded, *measured)]
+        cells += [f"{servo.voltage:.1f}" for servo in servos]
+        cells += [f"{servo.load:.3f}" for servo in servos]
+        cells += [str(servo.temperature) for servo in servos]
+        cells += [str(errors.get(servo_id, 0)) for servo_id in self._robot.ids]
+        self._stream.write(",".join(cells) + "\n")
+        self._stream.flush()
+
+
+def open_new(path: Path) -> TextIO:
+    """Open a text file that must not exist yet: a recording is never overwritten."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path.open("x", encoding="utf-8", newline="\n")
+    except FileExistsError:
+        raise InputError(f"{path}: a recording is already there. Choose another --log folder for this trial.") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --log folder.") from None

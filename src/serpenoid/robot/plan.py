@@ -1,0 +1,153 @@
+"""What will be sent and when: the schedule of a trial, the servo settings, and what the bus allows.
+
+At `t0` the first step begins; row `i` of cycle `n` is due at `t0 + n (cycle + pause) + i cycle / T`; row 0 is commanded
+again at the end of each cycle and held for the pause (docs/campaign-format.md).  T: steps, m: joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.errors import InputError
+from serpenoid.robot.bus import HEALTH_BYTES, STATE_BYTES
+from serpenoid.robot.control_table import (
+    POSITION_MODE,
+    RPM_PER_VELOCITY_UNIT,
+    TICKS_PER_TURN,
+    WATCHDOG_UNIT_S,
+)
+from serpenoid.robot.description import Robot
+from serpenoid.robot.ticks import to_ticks
+
+READING_INTERVAL_S = 0.1  # the servos are read at least this often, which also feeds their watchdogs
+SPEED_RESERVE = 1.2  # profile velocity over the table's own peak speed: room to catch up with a late row
+BITS_PER_BYTE = 10
+RETURN_DELAY_UNITS = 10  # 20 us before a servo answers
+
+
+@dataclass(frozen=True)
+class RowCommand:
+    """Goal positions (m,) [ticks] due `time` [s] after t0."""
+
+    time: float
+    phase: str
+    cycle: int
+    step: int
+    goals: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A trial as it will be played; `ticks` (T, m)."""
+
+    robot: Robot
+    ticks: NDArray[np.int64]
+    cycle_duration_s: float
+    cycles: int
+    pause_s: float
+
+    @property
+    def row_period_s(self) -> float:
+        return self.cycle_duration_s / len(self.ticks)
+
+    @property
+    def duration_s(self) -> float:
+        return self.cycles * (self.cycle_duration_s + self.pause_s)
+
+    @property
+    def end_s(self) -> float:
+        """When torque goes off: the last row has at least a row's time to be reached."""
+        return self.duration_s + max(0.0, self.row_period_s - self.pause_s)
+
+    @property
+    def readings_per_row(self) -> int:
+        return max(1, ceil(self.row_period_s / READING_INTERVAL_S - 1e-9))
+
+    @property
+    def watchdog_units(self) -> int:
+        """Bus Watchdog (98)."""
+        return ceil(self.robot.motion.watchdog_s / WATCHDOG_UNIT_S - 1e-9)
+
+    @property
+    def watchdog_s(self) -> float:
+        return self.watchdog_units * WATCHDOG_UNIT_S
+
+    def rows(self) -> Iterator[RowCommand]:
+        """Every row in the order in which it is sent."""
+        steps = len(self.ticks)
+        for cycle in range(self.cycles):
+            start = cycle * (self.cycle_duration_s + self.pause_s)
+            for step in range(steps):
+                yield RowCommand(start + step * self.row_period_s, "play", cycle, step, self.ticks[step])
+            if self.pause_s > 0 or cycle == self.cycles - 1:
+                phase = "pause" if self.pause_s > 0 else "end"
+                yield RowCommand(start + self.cycle_duration_s, phase, cycle, steps, self.ticks[0])
+
+    def peak_speed_rpm(self) -> NDArray[np.float64]:
+        """Fastest step of each joint (m,), the one from the last row to the first among them."""
+        return row_speeds_rpm(self.ticks, self.cycle_duration_s).max(axis=0)
+
+    def approach_velocity(self) -> list[int]:
+        """Profile Velocity (112) on the way to the first row."""
+        return [_velocity_units(self.robot.motion.approach_speed_rpm)] * len(self.robot.joint)
+
+    def play_velocity(self) -> list[int]:
+        """Profile Velocity (112) while playing: enough for the table, never above the joint's limit."""
+        limits = [joint.speed_limit_rpm for joint in self.robot.joint]
+        return [
+            _velocity_units(min(SPEED_RESERVE * peak, cap))
+            for peak, cap in zip(self.peak_speed_rpm(), limits, strict=True)
+        ]
+
+    def settings(self) -> dict[str, list[int]]:
+        """Register -> value per joint, written with torque off and only where it differs."""
+        joints = self.robot.joint
+        return {
+            "return_delay_time": [RETURN_DELAY_UNITS] * len(joints),
+            "drive_mode": [0] * len(joints),
+            "operating_mode": [POSITION_MODE] * len(joints),
+            "homing_offset": [0] * len(joints),
+            "velocity_limit": [_velocity_units(joint.speed_limit_rpm) for joint in joints],
+            "minimum_position_limit": [joint.minimum_ticks for joint in joints],
+            "maximum_position_limit": [joint.maximum_ticks for joint in joints],
+        }
+
+
+def make_plan(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, cycles: int, pause_s: float) -> Plan:
+    """Plan a checked table (`checks.check_table` first: shape and finiteness are its matter)."""
+    check_repetition(cycles, pause_s)
+    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s)
+
+
+def check_repetition(cycles: int, pause_s: float) -> None:
+    if not 1 <= cycles <= 10000:
+        raise InputError(f"--cycles must be between 1 and 10000, got {cycles}.")
+    if not 0 <= pause_s <= 600:
+        raise InputError(f"--pause must be between 0 and 600 seconds, got {pause_s}.")
+
+
+def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float) -> NDArray[np.float64]:
+    """Speed (T, m) of the step that leads from each row to the next, cyclically."""
+    travel = np.abs(np.roll(ticks, -1, axis=0) - ticks)
+    return travel * (len(ticks) * 60.0 / (TICKS_PER_TURN * cycle_duration_s))
+
+
+def write_time_s(joints: int, baud_rate: int) -> float:
+    """One sync write of a row: 14 bytes and 5 per servo."""
+    return (14 + 5 * joints) * BITS_PER_BYTE / baud_rate
+
+
+def read_time_s(joints: int, baud_rate: int) -> float:
+    """One sync read of all states and one servo's health: questions, answers, return delays."""
+    state = 14 + joints + joints * (11 + STATE_BYTES)
+    health = 14 + 11 + HEALTH_BYTES
+    return (state + health) * BITS_PER_BYTE / baud_rate + (joints + 1) * RETURN_DELAY_UNITS * 2e-6
+
+
+def _velocity_units(rpm: float) -> int:
+    return max(1, int(rpm / RPM_PER_VELOCITY_UNIT))

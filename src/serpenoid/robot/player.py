@@ -1,0 +1,213 @@
+"""Play a plan on a bus: prepare, approach, play, and torque off whatever happened. m: joints."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.robot.bus import ATTEMPTS_IN_MOTION, Bus, ServoHealth, ServoState
+from serpenoid.robot.checks import check_start, check_table
+from serpenoid.robot.control_table import name_hardware_errors
+from serpenoid.robot.faults import RobotFault
+from serpenoid.robot.log import ServoLog
+from serpenoid.robot.plan import READING_INTERVAL_S, Plan, RowCommand, read_time_s
+from serpenoid.robot.prepare import refuse, set_profile, set_up
+from serpenoid.robot.stop import StopWatcher
+from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
+from serpenoid.robot.timing import RowTiming
+
+LOW_VOLTAGE_READINGS = 3  # a moment's sag is no empty battery
+UNRELIABLE = 6.0  # failed readings of one servo, each answered one taking back this share of one:
+FADING = 0.25
+SLIPPED_S = 0.5  # rows' time that leaves more than a row late, less what leaves in time
+STANDSTILL_TICKS = 3  # between two readings
+MISSED_SHARE = 0.1  # of a row's time: later than this is a missed deadline
+
+Progress = Callable[[str], None]
+
+
+class Player:
+    """Plays once. The caller owns port, log and stop watcher, and switches torque off afterwards."""
+
+    def __init__(self, bus: Bus, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Progress) -> None:
+        self._bus, self._plan, self._log, self._stop, self._progress = bus, plan, log, stop, progress
+        self._ids = plan.robot.ids
+        self._errors: dict[int, int] = {}
+        self._low_readings = 0
+        self._slipped_s = 0.0
+        self._unreliability = [0.0] * len(self._ids)
+        self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
+        self._gave_up = False
+        self.given_up_readings = 0
+        self._next_health = 0
+        self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
+
+    def run(self) -> None:
+        """Raise RobotFault, StopRequested or InputError; the motors are then still as they were at that moment."""
+        self._progress("checking and setting up the servos")
+        set_up(self._bus, self._plan, self._stop)
+        self._refuse_bad_start()
+        self._switch_on()
+        self._bus.attempts = ATTEMPTS_IN_MOTION
+        self._approach()
+        self._play()
+
+    def _refuse_bad_start(self) -> None:
+        """The table at the voltage that the servos measure, and the way to its first row."""
+        plan, robot = self._plan, self._plan.robot
+        states = self._bus.read_states(self._ids)
+        volts = min(state.voltage for state in states.values())
+        refusals = check_table(to_radians(plan.ticks, robot), robot, plan.cycle_duration_s, volts)
+        refuse(refusals + check_start(self._positions(states), plan.ticks[0], robot))
+
+    def _switch_on(self) -> None:
+        """Goal = where it stands, so that nothing jumps; then profile, torque, watchdog."""
+        states = self._bus.read_states(self._ids)
+        set_profile(self._bus, self._plan, self._plan.approach_velocity())
+        for servo_id in self._ids:
+            self._stop.check()
+            self._bus.write(servo_id, "goal_position", states[servo_id].position)
+            self._bus.write(servo_id, "torque_enable", 1)
+        for servo_id in self._ids:  # last, and together: a watchdog waits for packets to its own servo
+            self._bus.write(servo_id, "bus_watchdog", self._plan.watchdog_units)
+
+    def _approach(self) -> None:
+        """Slowly to the first row; a joint that does not arrive stops the trial."""
+        first = RowCommand(0.0, "approach", 0, 0, self._plan.ticks[0])
+        motion = self._plan.robot.motion
+        states = self._bus.read_states(self._ids)
+        farthest = float(np.abs(self._positions(states) - first.goals).max()) * RADIANS_PER_TICK
+        seconds = farthest / (motion.approach_speed_rpm * 2 * np.pi / 60)
+        self._progress(f"approaching the first row ({seconds:.1f} s)")
+        tolerance = np.radians(motion.arrival_tolerance_deg) / RADIANS_PER_TICK
+        give_up = time.monotonic() + 1.5 * seconds + 2.0
+        self._send(first)
+        before = self._positions(states)
+        while True:
+            self._stop.wait_until(time.monotonic() + READING_INTERVAL_S / 2)
+            now = self._positions(self._read(first))
+            off, moved, before = np.abs(now - first.goals), np.abs(now - before), now
+            if off.max() <= tolerance and moved.max() <= STANDSTILL_TICKS:
+                break
+            if time.monotonic() > give_up:
+                label = self._plan.robot.joint_label(int(off.argmax()))
+                raise RobotFault(
+                    f"{label} did not arrive at the first row ({int(off.max())} ticks short). Is it blocked?"
+                )
+        set_profile(self._bus, self._plan, self._plan.play_velocity())
+
+    def _play(self) -> None:
+        plan = self._plan
+        rows = list(plan.rows())
+        ends = [row.time for row in rows[1:]] + [plan.end_s]
+        start = time.monotonic() + plan.row_period_s
+        for row, end in zip(rows, ends, strict=True):
+            self._progress(f"cycle {row.cycle + 1} of {plan.cycles}, step {row.step} of {len(plan.ticks)}")
+            self._stop.wait_until(start + row.time)
+            late = self._send(row, start + row.time)
+            if late > plan.watchdog_s:
+                self._refuse_after_trip(late)
+            self._refuse_slipped(late)
+            self._read_until(row, start + row.time, start + end)
+        self._stop.wait_until(start + plan.end_s)
+        self._read(RowCommand(plan.end_s, "end", plan.cycles - 1, len(plan.ticks), plan.ticks[0]))
+
+    def _send(self, row: RowCommand, due: float | None = None) -> float:
+        """Send one row; return how late [s] it left."""
+        late = 0.0 if due is None else time.monotonic() - due
+        self._bus.write_goals(dict(zip(self._ids, row.goals.tolist(), strict=True)))
+        if due is not None:
+            self.timing.note(late)
+        return late
+
+    def _read_until(self, row: RowCommand, begin: float, end: float) -> None:
+        """Read at once and, in long rows and pauses, every 0.1 s: this is the watchdogs' food."""
+        readings = max(1, int(np.ceil((end - begin) / READING_INTERVAL_S - 1e-9)))
+        for k in range(readings):
+            due = begin + k * (end - begin) / readings
+            if k and time.monotonic() > due + READING_INTERVAL_S:
+                continue
+            self._stop.wait_until(due)
+            if self._leaves_time_to_read(end):
+                self._read(row)
+
+    def _leaves_time_to_read(self, end: float) -> bool:
+        """After a hitch one reading is given up, so that the next row leaves in time; never two running."""
+        tight = time.monotonic() + self._reading_s > end
+        self._gave_up = tight and not self._gave_up
+        self.given_up_readings += self._gave_up
+        return not self._gave_up
+
+    def _read(self, row: RowCommand) -> dict[int, ServoState]:
+        before, failures = time.monotonic(), self._bus.failures.copy()
+        states = self._bus.read_states(self._ids)
+        moment = (before + time.monotonic()) / 2
+        healths = self._look_after(states)
+        self._log.write(moment, (row.phase, row.cycle, row.step), row.goals, states, self._errors)
+        self._refuse_sick(healths, states)
+        self._refuse_unreliable({i for i in self._ids if self._bus.failures[i] > failures[i]})
+        return states
+
+    def _look_after(self, states: Mapping[int, ServoState]) -> dict[int, ServoHealth]:
+        """The health of every servo that raises its alert bit, and of one more in turn."""
+        turn = self._ids[self._next_health % len(self._ids)]
+        self._next_health += 1
+        wanted = [i for i in self._ids if states[i].alert or i == turn]
+        healths = {i: self._bus.read_health(i) for i in wanted}
+        self._errors = {i: health.hardware_error for i, health in healths.items() if health.hardware_error}
+        return healths
+
+    def _refuse_sick(self, healths: Mapping[int, ServoHealth], states: Mapping[int, ServoState]) -> None:
+        for servo_id, health in healths.items():
+            label = self._plan.robot.joint_label(self._ids.index(servo_id))
+            if health.hardware_error:
+                state = f"{states[servo_id].temperature} deg C, {states[servo_id].voltage:.1f} V"
+                trouble = name_hardware_errors(health.hardware_error)
+                raise RobotFault(f"{label} protects itself: {trouble}; {state}. Then: serpenoid robot reboot.")
+            if health.watchdog_tripped:
+                raise RobotFault(
+                    f"{label}: its bus watchdog tripped: it heard nothing for {self._plan.watchdog_s:.2f} s."
+                )
+            if not health.torque:
+                raise RobotFault(f"{label} has lost its torque without an error: did its power fail for a moment?")
+        self._refuse_low_voltage(states)
+
+    def _refuse_low_voltage(self, states: Mapping[int, ServoState]) -> None:
+        volts = float(np.median([state.voltage for state in states.values()]))
+        minimum = self._plan.robot.voltage.minimum_V
+        self._low_readings = self._low_readings + 1 if volts < minimum else 0
+        if self._low_readings >= LOW_VOLTAGE_READINGS:
+            raise RobotFault(
+                f"battery: {volts:.1f} V at the servos, `minimum_V` is {minimum:g} V. Charge it and play again."
+            )
+
+    def _refuse_after_trip(self, late: float) -> None:
+        tripped = [i for i in self._ids if self._bus.read_health(i).watchdog_tripped]
+        if tripped:
+            text = f"this computer stalled for {late:.2f} s and the bus watchdogs of servos {tripped} stopped them"
+            raise RobotFault(f"{text}. Close what keeps it busy, then play again.")
+
+    def _refuse_unreliable(self, failed: set[int]) -> None:
+        """A servo that answers only when asked again, reading after reading; single failures fade away."""
+        for j, i in enumerate(self._ids):
+            score = self._unreliability[j] + (1.0 if i in failed else -FADING)
+            self._unreliability[j] = max(0.0, score)
+            if score >= UNRELIABLE:
+                text = "answers late or corrupt, reading after reading"
+                raise RobotFault(f"{self._plan.robot.joint_label(j)} {text}. Check its cable and its plugs.")
+
+    def _refuse_slipped(self, late: float) -> None:
+        """One late row is a hitch; a row of them is another gait than the one that was asked for."""
+        period = self._plan.row_period_s
+        self._slipped_s = max(0.0, self._slipped_s + (period if late > period else -period))
+        if self._slipped_s > SLIPPED_S:
+            worst = self._bus.failures.most_common(1)
+            blame = f"servo {worst[0][0]} failed {worst[0][1]} exchanges" if worst else "this computer is too busy"
+            text = f"row after row leaves more than a whole row late: {blame}"
+            raise RobotFault(f"{text}. Check its cable, play a longer cycle, or close what keeps this computer busy.")
+
+    def _positions(self, states: Mapping[int, ServoState]) -> NDArray[np.int64]:
+        return np.array([states[servo_id].position for servo_id in self._ids])

@@ -1,0 +1,156 @@
+"""One trial from the locked port to the summary: whatever happens, the last thing sent is torque off."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from serpenoid.errors import StopRequested
+from serpenoid.files import provenance, write_json, write_text
+from serpenoid.robot.bus import Bus, open_bus
+from serpenoid.robot.faults import BusFault, RobotFault
+from serpenoid.robot.log import ServoLog
+from serpenoid.robot.plan import Plan
+from serpenoid.robot.player import Player, Progress
+from serpenoid.robot.port import exclusive_port
+from serpenoid.robot.power import PowerRecorder
+from serpenoid.robot.stop import StopWatcher
+from serpenoid.robot.table import write_table
+from serpenoid.robot.ticks import to_radians
+
+RECONNECT_S = 3.0  # how long a lost port is waited for, to switch the torque off after all
+
+
+@dataclass(frozen=True)
+class TrialFiles:
+    """Where a trial is recorded; `folder` None records nothing."""
+
+    folder: Path | None = None
+    power_port: str | None = None
+
+
+@dataclass
+class Outcome:
+    """`status`: done, stopped (by the user) or failed; `torque` says what is known about the motors."""
+
+    status: str
+    reason: str
+    torque: str = "never switched on"
+    torque_off: bool = True
+    timing: str = "no rows were sent"
+    numbers: dict[str, Any] = field(default_factory=dict)
+
+
+def play_trial(port: str, plan: Plan, files: TrialFiles, progress: Progress) -> Outcome:
+    """Play and record; faults and stops are reported in the Outcome, bad input is raised."""
+    with ExitStack() as stack:
+        stack.enter_context(exclusive_port(port))
+        log = stack.enter_context(ServoLog(files.folder, plan.robot))
+        if files.power_port is not None:
+            stack.enter_context(PowerRecorder(files.power_port, files.folder))
+        stop = stack.enter_context(StopWatcher())
+        if stop.has_keys:
+            progress("emergency stop: space, Esc or q")
+        outcome = _play(port, plan, log, stop, progress)
+        if files.folder is not None:
+            _write_summary(files.folder, plan, outcome)
+        return outcome
+
+
+def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Progress) -> Outcome:
+    outcome = Outcome("done", "played to the end")
+    bus = open_bus(port, plan.robot.bus.baud_rate)
+    try:
+        player = Player(bus, plan, log, stop, progress)
+        try:
+            player.run()
+        except RobotFault as fault:
+            outcome.status, outcome.reason = "failed", _named(fault, plan)
+        except StopRequested as request:
+            outcome.status, outcome.reason = "stopped", f"stopped by the user {request}".rstrip()
+        finally:
+            stop.disarm()
+            outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress)
+        outcome.timing = player.timing.sentence()
+        outcome.numbers = player.timing.summary() | {
+            "given_up_readings": player.given_up_readings,
+            "failed_exchanges": {str(servo): count for servo, count in sorted(bus.failures.items())},
+        }
+    finally:
+        bus.close()
+    return outcome
+
+
+def _named(fault: RobotFault, plan: Plan) -> str:
+    """The bus knows servo IDs; the user also thinks in joints."""
+    servo_id = fault.servo_id if isinstance(fault, BusFault) else None
+    if servo_id not in plan.robot.ids:
+        return str(fault)
+    return str(fault).replace(f"servo {servo_id}", plan.robot.joint_label(plan.robot.ids.index(servo_id)), 1)
+
+
+def switch_off(bus: Bus, port: str, plan: Plan, progress: Progress) -> tuple[bool, str]:
+    """Torque off, over a port that is opened again if need be: (all confirmed, sentence)."""
+    ids = plan.robot.ids
+    try:
+        silent = bus.torque_off(ids)
+    except BusFault:
+        silent = _switch_off_again(bus, port, plan, progress)
+    if not silent:
+        return True, "torque is off on every servo, each confirmed it"
+    holds = f"their bus watchdogs stop them within {plan.watchdog_s:.2f} s, but they may hold. CUT THE BATTERY"
+    return False, f"servos {', '.join(map(str, silent))} did not confirm torque off: {holds}"
+
+
+def _switch_off_again(bus: Bus, port: str, plan: Plan, progress: Progress) -> list[int]:
+    """The port is lost: a USB adapter often comes back within a second under the same name."""
+    progress(f"the port is lost; trying for {RECONNECT_S:g} s to switch the torque off")
+    give_up = time.monotonic() + RECONNECT_S
+    while time.monotonic() < give_up:
+        bus.close()
+        try:
+            with Bus(port, plan.robot.bus.baud_rate) as again:
+                return again.torque_off(plan.robot.ids)
+        except BusFault:
+            time.sleep(0.1)
+    return plan.robot.ids
+
+
+def _write_summary(folder: Path, plan: Plan, outcome: Outcome) -> None:
+    """What belongs beside the log: the table that was played, how it went, and the campaign's trial section."""
+    write_table(folder / "joint_table.csv", to_radians(plan.ticks, plan.robot))
+    summary = {
+        "status": outcome.status,
+        "reason": outcome.reason,
+        "torque_off": outcome.torque_off,
+        "robot": plan.robot.name,
+        "cycle_duration_s": plan.cycle_duration_s,
+        "cycles": plan.cycles,
+        "pause_s": plan.pause_s,
+        "timing": outcome.numbers,
+        "provenance": provenance(),
+    }
+    write_json(folder / "play.json", summary)
+    write_text(folder / "trial.toml", _trial_section(folder, plan))
+
+
+def _trial_section(folder: Path, plan: Plan) -> str:
+    name = folder.resolve().name
+    lines = [
+        "# Paste into campaign.toml beside this folder; `gait` groups repeats, `motion` names the camera's file.",
+        "[[trial]]",
+        f'name = "{name}"',
+        f'gait = "{name}"',
+        f'joint_table = "{name}/joint_table.csv"',
+        f"cycle_duration_s = {plan.cycle_duration_s!r}",
+        f"cycles = {plan.cycles}",
+        f"pause_s = {plan.pause_s!r}",
+        f'# motion = "{name}/motion.csv"',
+        f'servo_log = "{name}/servo.csv"',
+    ]
+    if (folder / "power.csv").exists():
+        lines.append(f'power_log = "{name}/power.csv"')
+    return "\n".join(lines) + "\n"

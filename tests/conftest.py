@@ -1,0 +1,35 @@
+"""Options and values that all tests share. Long checks are marked `slow` and run with --run-slow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--run-slow", action="store_true", help="also run the tests marked slow")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--run-slow"):
+        return
+    skip = pytest.mark.skip(reason="slow: run with --run-slow")
+    for item in items:
+        if "slow" in item.keywords:
+            item.add_marker(skip)
+
+
+@pytest.fixture(scope="module")
+def virtual_machine() -> Iterator[None]:
+    """Evaluate in CasADi's virtual machine: tests with many bodies would otherwise compile each of them."""
+    from specimens import forget_functions
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SERPENOID_COMPILE", "0")
+        forget_functions()
+        yield
+    forget_functions()

@@ -1,0 +1,1 @@
+"""Symbolic mechanics: energy, momentum, kinematics, compiled evaluation."""

@@ -1,0 +1,178 @@
+"""Compiled evaluation: the same numbers as CasADi's virtual machine, safe among processes, and dispensable."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from serpenoid.mechanics import compile as compilation
+from serpenoid.mechanics import functions
+from serpenoid.mechanics.compile import compiled, find_compiler, generate_c
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.model import Structure
+from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.simulation import simulate_batch, simulate_joint_angles
+from specimens import forget_functions, problem, reference, serpenoid_table
+
+SAME = 1e-12  # the project's bound between compiled and interpreted evaluation
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+SMALL = Structure(4, (1, 2), "vertex")
+
+
+@pytest.fixture
+def fresh() -> Iterator[None]:
+    """Functions are prepared anew inside the test, and again after it."""
+    forget_functions()
+    yield
+    forget_functions()
+
+
+def evaluate() -> list[np.ndarray]:
+    """Motion of a gait, of a batch, and all functions of the gait NLP with limits, at a point that is no optimum."""
+    asked = problem("reference-optimum")
+    model = asked.model
+    motion = simulate_joint_angles(model, serpenoid_table(model, 20))
+    batch = simulate_batch(model, np.array([serpenoid_table(model, 20, a=a) for a in (3.0, 5.0)]))
+    nlp = GaitNLP(model.structure, 10, 2)
+    rng = np.random.default_rng(40)
+    x = np.concatenate([0.1 * rng.normal(size=30), [0.6, 0.5, -0.5, 0.3, 5.0, 1.1]])
+    p = np.concatenate([[0.7, 0.0, 0.4], model.parameters])
+    multipliers = rng.normal(size=sum(nlp.constraint_counts))
+    found = [motion.poses, motion.vertices, motion.step_energy, batch.poses, batch.dissipation]
+    for name, function in nlp.functions().items():
+        more = (1.3, multipliers) if name == "hess_lag" else ()
+        values = function(x, p, *more)
+        found += [ca.densify(v).full() for v in (values if isinstance(values, tuple) else (values,))]
+    return found
+
+
+@needs_compiler
+def test_compiled_evaluation_is_the_virtual_machines(fresh: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine_code = evaluate()
+    monkeypatch.setenv("SERPENOID_COMPILE", "0")
+    forget_functions()
+    interpreted = evaluate()
+    for a, b in zip(machine_code, interpreted, strict=True):
+        scale = max(1.0, float(np.abs(b).max()))
+        assert np.abs(a - b).max() <= SAME * scale
+
+
+def test_switching_compilation_off_leaves_the_functions_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SERPENOID_COMPILE", "0")
+    function = functions.shape(SMALL)
+    assert compiled([function])[0] is function
+
+
+@needs_compiler
+def test_the_cache_is_used_again_and_keyed_by_content(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path))
+    compiled([functions.shape(SMALL)])
+    (library,) = tmp_path.glob("*.so")
+    written = library.stat().st_mtime_ns
+    compiled([functions.shape(SMALL)])
+    assert [p.stat().st_mtime_ns for p in tmp_path.glob("*.so")] == [written]
+    compiled([functions.step_energy(SMALL)])
+    assert len(list(tmp_path.glob("*.so"))) == 2
+    assert not list(tmp_path.glob("*.lock"))
+    assert not list(tmp_path.glob(".*"))  # no half-written library left behind
+
+
+@needs_compiler
+def test_a_compiler_that_fails_is_a_warning_and_the_virtual_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\necho no such processor >&2\nexit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path / "cache"))
+    function = functions.shape(SMALL)
+    with caplog.at_level(logging.WARNING):
+        assert compiled([function])[0] is function
+    assert "no such processor" in caplog.text
+    assert not list((tmp_path / "cache").glob("*.so"))
+
+
+@needs_compiler
+def test_a_library_that_cannot_be_loaded_is_a_warning_and_the_virtual_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path))
+    function = functions.shape(SMALL)
+    compiled([function])
+    (library,) = tmp_path.glob("*.so")
+    library.unlink()  # an open library must not be overwritten in place
+    library.write_bytes(b"")
+    with caplog.at_level(logging.WARNING):
+        again = compiled([function])[0]
+    assert again is function
+    assert "virtual machine" in caplog.text
+    assert compiled([function])[0].class_name() == "External"  # the next one compiles it afresh
+
+
+def test_a_cache_that_cannot_be_written_is_a_warning_and_the_virtual_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path / "file"))
+    monkeypatch.setattr(compilation, "find_compiler", lambda: "cc")
+    function = functions.shape(SMALL)
+    with caplog.at_level(logging.WARNING):
+        assert compiled([function])[0] is function
+    assert "virtual machine" in caplog.text
+
+
+CHILD = """
+import sys
+import numpy as np
+from serpenoid.mechanics import functions
+from serpenoid.mechanics.compile import compiled
+from serpenoid.model import Structure
+structure = Structure(4, (1, 2), "vertex")
+shape, energy = compiled([functions.shape(structure), functions.step_energy(structure)])
+assert shape.class_name() == "External", shape.class_name()
+parameters = [1 / 3] * 3 + [1 / 4] * 4 + [0.2]
+sys.stdout.write(repr(shape([0.3, -0.4], parameters)[0].full().tolist()))
+"""
+
+
+@needs_compiler
+def test_processes_that_compile_at_once_into_an_empty_cache_all_get_the_library(tmp_path: Path) -> None:
+    source = str(Path(compilation.__file__).parents[2])
+    environment = os.environ | {"SERPENOID_CACHE": str(tmp_path), "PYTHONPATH": source}
+    environment.pop("SERPENOID_COMPILE", None)
+    command = [sys.executable, "-c", CHILD]
+    children = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(3)
+    ]
+    results = [child.communicate(timeout=120) for child in children]
+    assert [child.returncode for child in children] == [0, 0, 0], results
+    assert len({output for output, _ in results}) == 1
+    assert len(list(tmp_path.glob("*.so"))) == 1
+
+
+@needs_compiler
+def test_generated_c_of_a_public_function_compiles_by_itself(tmp_path: Path) -> None:
+    source = tmp_path / "momentum.c"
+    source.write_text(generate_c([functions.step_momentum(SMALL)]))
+    library = tmp_path / "momentum.so"
+    subprocess.run([str(find_compiler()), "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True)
+    external, rng = ca.external("step_momentum", str(library)), np.random.default_rng(41)
+    inputs = [rng.normal(size=external.size_in(i)) for i in range(external.n_in())]
+    expected = functions.step_momentum(SMALL)(*inputs).full()
+    np.testing.assert_allclose(external(*inputs).full(), expected, rtol=SAME)
+
+
+def test_joint_tables_need_no_compiler() -> None:
+    model = reference()
+    q = np.array([0.6, 1.0, -1.5, 0.4, 6.0, 0.9])
+    np.testing.assert_allclose(joint_table(model, q, 20), serpenoid_table(model), atol=1e-13)

@@ -1,0 +1,1 @@
+"""The gait NLP: derivatives, certificates, constraints, global search, many starts."""

@@ -1,0 +1,72 @@
+"""The family over c, on an exact family of optima: -Delta + c D is least at x = c / (1 + c)."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from serpenoid.plot import family as panels
+from serpenoid.plot import transport
+from serpenoid.plot.family import Family
+
+
+@pytest.fixture
+def ax():
+    return Figure().add_subplot()
+
+
+def test_the_least_cost_of_transport_is_where_the_first_order_condition_says(family):
+    fine = np.linspace(0.5, 2.5, 2001)
+    x = fine / (1 + fine)
+    dense = Family(fine, 1 - x**2 / 2, (1 - x) ** 2 / 2, np.zeros((fine.size, 6)))
+    for c in (0.8, 1.5, 2.2):
+        p = np.interp(c, fine, transport.best_idle(dense))
+        cost = (p + dense.dissipation) / dense.displacement
+        assert fine[cost.argmin()] == pytest.approx(c, abs=2e-3)  # the grid's spacing, twice
+
+
+def test_idle_levels_fall_as_c_grows_and_bracket_the_interval(family):
+    ends = transport.idle_interval(family)
+    assert ends == pytest.approx((7 / 18 - 1 / 18, 7 / 8 - 1 / 8))  # Delta / c - D at c = 2 and 1 by hand
+    assert (np.diff(transport.best_idle(family)) < 0).all()
+    short = Family(*(values[:15] for values in (family.c, family.displacement, family.dissipation, family.gaits)))
+    assert transport.idle_interval(short) is None
+
+
+def test_cost_of_transport_panel_draws_the_costs_and_stars_their_least(family, ax):
+    transport.cost_of_transport(family, ax, [0.5])
+    cost = (0.5 + family.dissipation) / family.displacement
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), cost)
+    assert ax.lines[1].get_ydata()[0] == cost.min()
+    assert ax.lines[1].get_xdata()[0] == family.c[cost.argmin()]
+
+
+def test_pareto_panel_draws_every_gait_and_joins_the_front(family, ax):
+    worse = Family(family.c, family.displacement.copy(), family.dissipation, family.gaits)
+    worse.displacement[5] = 0.1
+    panels.pareto(worse, ax)
+    points = ax.collections[0].get_offsets()
+    np.testing.assert_array_equal(points, np.column_stack([worse.dissipation, worse.displacement]))
+    assert len(ax.lines[0].get_xdata()) == 25
+
+
+@pytest.mark.parametrize(("name", "column"), [("sigma", 0), ("a", 4), ("xi", 5)])
+def test_gait_parameter_panels(family, ax, name, column):
+    panels.gait_parameters(family, ax, name)
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), family.gaits[:, column])
+
+
+def test_mirror_images_are_drawn_on_one_side(family, ax):
+    gaits = family.gaits.copy()
+    gaits[:, 1], gaits[:, 2] = 1.0, 0.5
+    gaits[1::2, 1:3] *= -1
+    panels.gait_curves(Family(family.c, family.displacement, family.dissipation, gaits), ax)
+    centres = [np.mean(np.column_stack(line.get_data())[:-1], axis=0) for line in ax.lines[:26]]
+    np.testing.assert_allclose(centres, np.tile([1.0, 0.5], (26, 1)), atol=1e-12)  # rounding of a mean of O(10)
+
+
+def test_failures_are_left_out_and_order_does_not_matter(family):
+    displacement = family.displacement.copy()
+    displacement[3] = np.nan
+    back = Family(family.c[::-1], displacement[::-1], family.dissipation[::-1], family.gaits[::-1]).solved()
+    np.testing.assert_array_equal(back.c, np.delete(family.c, 3))
+    np.testing.assert_array_equal(back.dissipation, np.delete(family.dissipation, 3))

@@ -1,0 +1,109 @@
+"""Whole figures: written, not blank, labelled with units, nothing cut off."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from serpenoid.gaits import EllipseGait
+from serpenoid.plot import figures, optima, sweep
+from serpenoid.plot.animate import animation
+from serpenoid.plot.hero import hero
+from serpenoid.status import Status
+
+GAIT = EllipseGait(sigma=0.6, theta=0.5, a=6, xi=1)
+
+
+def check(folder, names):
+    """Every PNG has ink and a white rim (nothing is cut off), every SVG is one."""
+    assert sorted(path.name for path in folder.iterdir()) == sorted(names)
+    for name in names:
+        if name.endswith("png"):
+            pixels = np.asarray(Image.open(folder / name).convert("L"))
+            assert (pixels < 200).mean() > 0.002
+            assert min(pixels[0].min(), pixels[-1].min(), pixels[:, 0].min(), pixels[:, -1].min()) == 255
+        if name.endswith("svg"):
+            assert ElementTree.parse(folder / name).getroot().tag.endswith("svg")
+
+
+def check_labels(fig):
+    for ax in fig.axes:
+        words = [ax.get_xlabel(), ax.get_ylabel()]
+        assert any(words), "an axis without a name"
+        for word in words:
+            assert not word or "[" in word or word.startswith(("dissipation coefficient", "flatness", "waves", "joint"))
+
+
+def test_simulation_figures_are_written(tmp_path, problem, trajectory, table):
+    names = figures.simulation_figures(tmp_path, problem, trajectory, table, GAIT)
+    assert "animation.gif" in names
+    check(tmp_path, names)
+
+
+def test_a_joint_table_has_no_gait_curve_and_a_failed_motion_has_joints_only(tmp_path, problem, trajectory, table):
+    names = figures.simulation_figures(tmp_path / "table", problem, trajectory, table, None)
+    assert not any(name.startswith("gait") for name in names)
+    unknown = replace(trajectory, vertices=np.full_like(trajectory.vertices, np.nan))
+    assert figures.simulation_figures(tmp_path, problem, unknown, table, GAIT) == ["joints.png", "joints.svg"]
+
+
+def test_sweep_figures_are_written(tmp_path, family):
+    check(tmp_path, figures.sweep_figures(tmp_path, family))
+
+
+def test_one_gait_is_no_sweep(tmp_path, family):
+    assert figures.sweep_figures(tmp_path, replace(family, c=np.full(26, np.nan))) == []
+
+
+def test_multistart_figures_show_failures_too(tmp_path):
+    def end(cost, status=Status.SOLVED):
+        return SimpleNamespace(cost=cost, status=status)
+
+    failed = end(np.nan, Status.INFEASIBLE)
+    distinct = tuple(SimpleNamespace(solution=end(cost)) for cost in (-0.4, -0.3))
+    result = SimpleNamespace(solutions=(end(-0.4), end(-0.3), end(-0.4), failed), optima=distinct)
+    costs, optimum = optima.start_costs(result)
+    assert optimum.tolist() == [0, 1, 0, -1]
+    check(tmp_path, figures.multistart_figures(tmp_path, result))
+
+
+def test_all_axes_are_labelled_with_units(problem, trajectory, table, family):
+    made = [
+        figures.gait_figure(GAIT, trajectory), figures.motion_figure(trajectory, problem, 3),
+        figures.joints_figure(table, problem), sweep.family_figure(family), sweep.front_figure(family),
+        sweep.costs_figure(family),
+    ]  # fmt: skip
+    for fig in made:
+        check_labels(fig)
+
+
+def test_hero_is_written(tmp_path, problem, trajectory, table):
+    solution = SimpleNamespace(problem=problem, trajectory=trajectory, gait=GAIT, table=table)
+    fig = hero(solution)
+    check_labels(fig)
+    check(tmp_path, figures.save(fig, tmp_path, "hero"))
+
+
+@pytest.mark.parametrize("cycles", [1, 2])
+def test_animation_has_a_frame_per_row_in_real_time(tmp_path, trajectory, cycles):
+    animation(tmp_path / "a.gif", trajectory, cycles, cycle_duration_s=2.0)
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.n_frames == cycles * 20
+        assert film.info["duration"] == 100
+        assert film.info["loop"] == 0
+        first = np.asarray(film.convert("RGB"))
+        film.seek(10)
+        later = np.asarray(film.convert("RGB"))
+    assert tuple(first[2, 2]) == (255, 255, 255)
+    assert (first != later).any(-1).sum() > 500
+
+
+def test_a_failed_save_leaves_nothing_behind(tmp_path, problem, table, monkeypatch):
+    fig = figures.joints_figure(table, problem)
+    monkeypatch.setattr(fig, "savefig", lambda *a, **k: (_ for _ in ()).throw(OSError("disk full")))
+    with pytest.raises(OSError, match="disk full"):
+        figures.save(fig, tmp_path, "joints")
+    assert not list(tmp_path.iterdir())

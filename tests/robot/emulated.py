@@ -1,0 +1,137 @@
+"""A robot for the tests: emulated servos in a thread, `serpenoid` as a real subprocess."""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.robot.control_table import BAUD_RATES
+from serpenoid.robot.description import Robot
+from serpenoid.robot.emulator.chain import Chain
+from serpenoid.robot.emulator.faults import parse_fault
+from serpenoid.robot.emulator.server import PtyServer
+from serpenoid.robot.emulator.servo import EmulatedServo
+from serpenoid.robot.table import write_table
+from serpenoid.schema import load
+
+ROOT = Path(__file__).parents[2]
+ROBOT_FILE = ROOT / "problems" / "robots" / "snake10-robot.toml"
+LOWEST, HIGHEST = 1138, 2958  # the robot file's limits
+
+
+def robot() -> Robot:
+    return load(Robot, ROBOT_FILE)
+
+
+def gait(steps: int = 20, amplitude: float = 0.15, joints: int = 10) -> np.ndarray:
+    """A travelling wave, (steps, joints) [rad]."""
+    phase = np.arange(steps)[:, None] / steps + np.arange(joints) / 10
+    return amplitude * np.sin(2 * np.pi * phase)
+
+
+def write_gait(folder: Path, **shape: float) -> Path:
+    write_table(folder / "gait.csv", gait(**shape))
+    return folder / "gait.csv"
+
+
+def make_chain(faults: Sequence[str] = (), baud_rate: int = 1000000, position: float = 2048.0) -> Chain:
+    code = {rate: code for code, rate in BAUD_RATES.items()}[baud_rate]
+    servos = [EmulatedServo(i, code, position) for i in range(1, 11)]
+    return Chain(servos, baud_rate, [parse_fault(text) for text in faults])
+
+
+class Emulator:
+    def __init__(self, chain: Chain, server: PtyServer) -> None:
+        self.chain, self.server = chain, server
+
+    @property
+    def port(self) -> str:
+        return self.server.port
+
+    @property
+    def torques(self) -> list[bool]:
+        return [servo.torque for servo in self.chain.servos]
+
+    def check_limits(self) -> None:
+        for servo in self.chain.servos:
+            assert servo.lowest >= LOWEST, servo.id
+            assert servo.highest <= HIGHEST, servo.id
+
+
+@contextmanager
+def emulator(folder: Path, *faults: str, baud_rate: int = 1000000) -> Iterator[Emulator]:
+    """Serves on `folder`/port until the block ends."""
+    chain = make_chain(faults, baud_rate)
+    server = PtyServer(chain, baud_rate, folder / "port")
+    finished = threading.Event()
+    thread = threading.Thread(target=server.serve, args=(finished.is_set,))
+    thread.start()
+    try:
+        yield Emulator(chain, server)
+    finally:
+        finished.set()
+        thread.join()
+        server.close()
+
+
+def command(*words: object) -> list[str]:
+    return [sys.executable, "-m", "serpenoid", *map(str, words)]
+
+
+def environment() -> dict[str, str]:
+    return os.environ | {"PYTHONPATH": str(ROOT / "src")}
+
+
+def serpenoid(*words: object) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end; 60 s is a hang on any machine."""
+    return subprocess.run(
+        command(*words), env=environment(), capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL
+    )
+
+
+def start(*words: object) -> subprocess.Popen[str]:
+    pipe = subprocess.PIPE
+    return subprocess.Popen(
+        command(*words), env=environment(), stdout=pipe, stderr=pipe, text=True, stdin=subprocess.DEVNULL
+    )
+
+
+def play_words(table: Path, port: str, log: Path, cycles: int = 3, pause: float = 0.1) -> list[object]:
+    return [
+        *("play", table, "--robot", ROBOT_FILE, "--port", port, "--log", log),
+        *("--cycles", cycles, "--cycle-duration", 0.8, "--pause", pause),
+    ]
+
+
+def wait_for_rows(log: Path, phase: str = "play", count: int = 3) -> None:
+    """Until the log has `count` rows of `phase`: then the robot is under way."""
+    give_up = time.monotonic() + 30
+    while time.monotonic() < give_up:
+        if log.exists() and log.read_text().count(f",{phase},") >= count:
+            return
+        time.sleep(0.02)
+    raise TimeoutError(f"no {count} rows of {phase} in {log}")
+
+
+def read_log(path: Path) -> tuple[list[str], list[dict[str, str]]]:
+    """Header and whole rows; every row but the last must be whole."""
+    with path.open(newline="") as stream:
+        header, *rows = list(csv.reader(stream))
+    assert all(len(row) == len(header) for row in rows[:-1])
+    return header, [dict(zip(header, row, strict=True)) for row in rows if len(row) == len(header)]
+
+
+def interrupt(process: subprocess.Popen[str], number: int = signal.SIGINT) -> tuple[int, str]:
+    process.send_signal(number)
+    _, err = process.communicate(timeout=30)
+    return process.returncode, err

@@ -1,0 +1,91 @@
+"""Exports are read back: CSV and ticks exactly, the ROS 2 trajectory by the MCAP reader and by a YAML reader."""
+
+import numpy as np
+import pytest
+from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
+
+from serpenoid.robot import ros
+from serpenoid.robot.table import read_table, write_table
+from serpenoid.robot.ticks import to_ticks
+
+
+def export(folder, name, *words):
+    return serpenoid("export", write_gait(folder), "--format", name, "--out", folder / "out", *words)
+
+
+def test_csv_and_ticks_are_read_back(tmp_path):
+    assert export(tmp_path, "csv").returncode == 0
+    assert np.array_equal(read_table(tmp_path / "out").angles, gait())
+    assert export(tmp_path, "ticks", "--robot", ROBOT_FILE).returncode == 0
+    ticks = np.loadtxt(tmp_path / "out" / "ticks.csv", delimiter=",", skiprows=1, dtype=int)
+    assert np.array_equal(ticks, to_ticks(gait(), robot()))
+
+
+def test_formats_that_need_a_robot_or_a_duration_say_so(tmp_path):
+    done = export(tmp_path, "openrb")
+    assert (done.returncode, "needs --robot FILE" in done.stderr) == (2, True)
+    done = export(tmp_path, "ros2")
+    assert (done.returncode, "Give --cycle-duration S or --robot FILE" in done.stderr) == (2, True)
+
+
+def test_refused_table_is_not_exported(tmp_path):
+    bad = gait()
+    bad[3, 0] = 2.0
+    write_table(tmp_path / "bad.csv", bad)
+    words = ["--format", "openrb", "--robot", ROBOT_FILE, "--out", tmp_path / "out"]
+    done = serpenoid("export", tmp_path / "bad.csv", *words)
+    assert done.returncode == 1
+    assert "joint_1 (ID 1), step 3" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def read_mcap(path):
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    with path.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        ((schema, channel, _, message),) = reader.iter_decoded_messages()
+        return schema.name, channel.topic, message
+
+
+def test_mcap_round_trip(tmp_path):
+    assert export(tmp_path, "ros2", "--cycle-duration", 4, "--cycles", 2, "--pause", 1).returncode == 0
+    schema, topic, message = read_mcap(tmp_path / "out" / "joint_trajectory.mcap")
+    assert schema == "trajectory_msgs/msg/JointTrajectory"
+    assert topic == "/joint_trajectory_controller/joint_trajectory"
+    assert message.joint_names == [f"joint_{j}" for j in range(1, 11)]
+    wanted = ros.make_trajectory(gait(), 4.0, 2, 1.0)
+    assert np.array_equal([point.positions for point in message.points], wanted.positions)
+    assert np.array_equal([point.velocities for point in message.points], wanted.velocities)
+    times = [p.time_from_start.sec + p.time_from_start.nanosec * 1e-9 for p in message.points]
+    # a nanosecond is the message's resolution
+    assert np.allclose(times, wanted.times, atol=1e-9)
+
+
+def test_yaml_says_the_same_as_the_mcap(tmp_path):
+    import yaml
+
+    assert export(tmp_path, "ros2", "--cycle-duration", 4).returncode == 0
+    said = yaml.safe_load((tmp_path / "out" / "joint_trajectory.yaml").read_text())
+    assert said == ros.to_message(ros.make_trajectory(gait(), 4.0, 1, 0.0))
+
+
+@pytest.mark.parametrize(("cycles", "pause"), [(1, 0.0), (3, 0.0), (3, 2.0)])
+def test_trajectory_ends_at_rest_on_row_0_and_time_increases(cycles, pause):
+    path = ros.make_trajectory(gait(), 4.0, cycles, pause)
+    assert path.times[0] > 0
+    assert np.all(np.diff(path.times) > 0)
+    for end in (0, -1):
+        assert not path.velocities[end].any()
+        assert np.array_equal(path.positions[end], gait()[0])
+    assert path.times[-1] - path.times[0] == pytest.approx(cycles * (4.0 + pause))
+
+
+def test_velocities_are_those_of_the_wave():
+    """Central differences of a sampled sine are short by sin(h)/h, h = 2 pi / T: 1.6 % at T = 20."""
+    path = ros.make_trajectory(gait(20, 0.15), 4.0, 1, 0.0)
+    phase = np.arange(1, 20)[:, None] / 20 + np.arange(10) / 10
+    exact = 0.15 * 2 * np.pi / 4.0 * np.cos(2 * np.pi * phase)
+    h = 2 * np.pi / 20
+    assert np.allclose(path.velocities[1:20], exact * np.sin(h) / h, atol=1e-12)

@@ -1,0 +1,110 @@
+"""Tables, ticks and robot files: round trips and refusals of bad files."""
+
+import json
+from math import pi
+
+import numpy as np
+import pytest
+from emulated import ROBOT_FILE, gait, robot
+from hypothesis import given
+from hypothesis import strategies as st
+
+from serpenoid.errors import InputError
+from serpenoid.robot.description import Robot
+from serpenoid.robot.table import read_table, write_table
+from serpenoid.robot.ticks import to_radians, to_ticks
+from serpenoid.schema import read_toml, validate
+
+HALF_TICK = pi / 4096
+
+
+@given(
+    angles=st.lists(st.floats(-pi, pi), min_size=10, max_size=10),
+    signs=st.lists(st.sampled_from([-1, 1]), min_size=10, max_size=10),
+    zeros=st.lists(st.integers(1200, 2900), min_size=10, max_size=10),
+)
+def test_radians_to_ticks_and_back_within_half_a_tick(angles, signs, zeros):
+    data = read_toml(ROBOT_FILE)
+    for joint, sign, zero in zip(data["joint"], signs, zeros, strict=True):
+        joint.update(sign=sign, zero_ticks=zero)
+    mapped = validate(Robot, data, "test")
+    back = to_radians(to_ticks(angles, mapped), mapped)
+    # half a tick, and the rounding of angles up to pi in double precision
+    assert np.abs(back - angles).max() <= HALF_TICK + 1e-12
+
+
+@given(ticks=st.lists(st.integers(0, 4095), min_size=10, max_size=10))
+def test_ticks_to_radians_and_back_is_exact(ticks):
+    assert to_ticks(to_radians(ticks, robot()), robot()).tolist() == ticks
+
+
+def test_sign_and_zero_turn_the_way_the_robot_file_says():
+    data = read_toml(ROBOT_FILE)
+    data["joint"][0].update(sign=-1, zero_ticks=2000)
+    angles = np.zeros(10)
+    angles[0] = pi / 2
+    assert to_ticks(angles, validate(Robot, data, "test"))[0] == 2000 - 1024
+
+
+def test_results_folder_is_read_with_its_cycle_duration(tmp_path):
+    write_table(tmp_path / "joint_table.csv", gait())
+    (tmp_path / "solution.json").write_text(json.dumps({"cycle_duration_s": 4.0}))
+    table = read_table(tmp_path)
+    assert np.array_equal(table.angles, gait())
+    assert table.cycle_duration_s == 4.0
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"cycle_duration_s": "x"}', '{"cycle_duration_s": -1}', "{}"])
+def test_solution_without_a_usable_duration_gives_none(tmp_path, content):
+    write_table(tmp_path / "joint_table.csv", gait())
+    (tmp_path / "solution.json").write_text(content)
+    assert read_table(tmp_path).cycle_duration_s is None
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "line 1 must be the header"),
+        ("a,b\n1,2\n", "line 1 must be the header"),
+        ("joint_1,joint_2\n1,2\n", "at least two rows"),
+        ("joint_1,joint_2\n1,2\n3\n", "line 3 has 1 cells, the header has 2"),
+        ("joint_1,joint_2\n1,2\n3,x\n", "line 3: could not convert"),
+    ],
+)
+def test_malformed_table_is_refused_with_its_line(tmp_path, text, complaint):
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(InputError, match=complaint):
+        read_table(tmp_path / "t.csv")
+
+
+def test_binary_file_and_missing_file_are_refused(tmp_path):
+    (tmp_path / "t.csv").write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(InputError, match="not a CSV text file"):
+        read_table(tmp_path / "t.csv")
+    with pytest.raises(InputError, match="Name a results folder"):
+        read_table(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"id": 2}, "servo ID 2 is used by two joints"),
+        ({"id": 300}, "less than or equal to 252"),
+        ({"sign": 0}, "1"),
+        ({"minimum_ticks": 2500}, "`minimum_ticks` < `zero_ticks`"),
+        ({"speed_limit_rpm": 100.0}, "less than or equal to 61"),
+        ({"speed": 1.0}, "unknown key"),
+    ],
+)
+def test_bad_robot_file_is_refused(change, complaint):
+    data = read_toml(ROBOT_FILE)
+    data["joint"][0].update(change)
+    with pytest.raises(InputError, match=complaint):
+        validate(Robot, data, "robot.toml")
+
+
+def test_baud_rate_must_be_one_that_the_servo_knows():
+    data = read_toml(ROBOT_FILE)
+    data["bus"]["baud_rate"] = 12345
+    with pytest.raises(InputError, match="`baud_rate` must be one of 9600, 57600"):
+        validate(Robot, data, "robot.toml")

@@ -1,0 +1,1 @@
+"""Forward simulation: invariants, order, closed formulas, the oracle, the right root, space."""

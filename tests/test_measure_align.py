@@ -1,0 +1,172 @@
+"""Alignment: chains, clocks, labels, gaps and jumps, each with the truth known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rehearsal import serpenoid_table, snake
+from serpenoid.body import Body
+from serpenoid.errors import InputError
+from serpenoid.measure.chain import chain_vertices, estimate_about, estimate_chain
+from serpenoid.measure.clock import find_offset
+from serpenoid.measure.quality import find_gaps, find_jumps
+from serpenoid.measure.relabel import label_vertices
+from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.smooth import smooth_states
+from serpenoid.measure.tracks import Tracks, floor_plane
+
+SD = 0.0002 / 0.836  # 0.2 mm on the snake, in body lengths
+
+
+def _motion(frames: int = 120) -> tuple[Body, np.ndarray, np.ndarray, np.ndarray]:
+    body = snake().body
+    angles = serpenoid_table(frames)
+    time = np.arange(frames) / 60
+    poses = np.stack([0.3 * time, 0.1 * np.sin(time), 2.9 + 0.4 * time], axis=1)  # the heading passes pi
+    return body, poses, angles, chain_vertices(body, poses, angles)
+
+
+def test_floor_is_right_handed_seen_from_above():
+    x, y, z = np.eye(3)
+    for up, first, second in (("y", z, x), ("z", x, y), ("x", y, z)):
+        plane = floor_plane(np.stack([first, second]), up)
+        np.testing.assert_array_equal(plane, np.eye(2))
+        assert np.dot(np.cross(first, second), {"x": x, "y": y, "z": z}[up]) == 1
+
+
+def test_exact_markers_give_back_pose_and_joint_angles():
+    body, poses, angles, vertices = _motion()
+    found = estimate_chain(body, vertices, marker_sd=SD)
+    np.testing.assert_allclose(found.joint_angles, angles, atol=1e-9)  # rounding only
+    np.testing.assert_allclose(found.poses[:, :2], poses[:, :2], atol=1e-9)
+    turns = (found.poses[:, 2] - poses[:, 2]) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.round(turns[0]), atol=1e-9)
+
+
+def test_rigid_vertices_between_joints_are_kept_straight():
+    body = Body(vertices=7, joints=(2, 4))
+    poses, angles = np.zeros((9, 3)), np.stack([np.linspace(-1, 1, 9), np.linspace(0.5, -0.5, 9)], axis=1)
+    found = estimate_chain(body, chain_vertices(body, poses, angles), marker_sd=SD)
+    np.testing.assert_allclose(found.joint_angles, angles, atol=1e-9)
+
+
+def test_covariance_is_the_scatter_of_repeated_measurements():
+    body, poses, angles, vertices = _motion(12)
+    rng, frame = np.random.default_rng(1), 5
+    seen = np.repeat(vertices[frame][None], 4000, axis=0) + rng.normal(scale=SD, size=(4000, *vertices[frame].shape))
+    about = np.repeat(poses[frame][None], 4000, axis=0), np.repeat(angles[frame][None], 4000, axis=0)
+    found = estimate_about(body, seen, *about, marker_sd=SD)
+    state = np.concatenate([found.poses, found.joint_angles], axis=1)
+    # a variance from 4000 draws is known to 1 / sqrt(2000) = 2.2 %; four of those
+    np.testing.assert_allclose(state.var(axis=0), np.diag(found.covariance[0]), rtol=0.09)
+
+
+def test_marker_noise_is_found_from_the_misfit_of_the_links():
+    body, _, _, vertices = _motion(400)
+    rng = np.random.default_rng(2)
+    found = estimate_chain(body, vertices + rng.normal(scale=SD, size=vertices.shape))
+    assert found.marker_sd == pytest.approx(SD, rel=0.05)  # 4400 degrees of freedom: 1 %; trimming costs some
+
+
+def test_a_hidden_vertex_is_found_by_its_links_and_a_hidden_head_is_not():
+    body, _, angles, vertices = _motion()
+    vertices[40, 5] = np.nan
+    vertices[50, -1] = np.nan
+    found = estimate_chain(body, vertices, marker_sd=SD)
+    assert found.determined[40]
+    np.testing.assert_allclose(found.joint_angles[40], angles[40], atol=1e-6)
+    assert not found.determined[50]
+    servo = estimate_chain(body, vertices, angles, 0.002, SD)
+    assert servo.determined[50]  # the servo knows where the head link points
+    np.testing.assert_allclose(servo.joint_angles[50], angles[50], atol=1e-6)
+
+
+def test_smooth_path_is_nearer_to_the_truth_than_the_measurements():
+    body, poses, angles, vertices = _motion(600)
+    rng = np.random.default_rng(3)
+    found = estimate_chain(body, vertices + rng.normal(scale=SD, size=vertices.shape), marker_sd=SD)
+    _, smooth = smooth_states(np.arange(600) / 60, found.poses, found.joint_angles, found.covariance)
+    assert (smooth - angles).std() < 0.5 * (found.joint_angles - angles).std()
+
+
+def test_clock_offset_is_found_and_not_mistaken_by_a_cycle():
+    schedule = Schedule(serpenoid_table(50), 2.0, 3, 1.0, start_s=5.0)
+    time = np.arange(4.0, 15.0, 1 / 60)
+    rng = np.random.default_rng(0)
+    angles = schedule.commanded(time) + rng.normal(scale=0.005, size=(len(time), 10))
+    log_time = np.arange(5.0, 14.0, 0.02)
+    found = find_offset(time, angles, log_time - 3.217, schedule.commanded(log_time))
+    assert found is not None
+    assert found.offset_s == pytest.approx(3.217, abs=0.002)  # a tenth of a frame
+    again = start_by_shape(Schedule(schedule.table, 2.0, 3, 1.0), time, angles)
+    assert again is not None
+    assert again.offset_s == pytest.approx(5.0, abs=0.002)
+
+
+def _tracks(vertices: np.ndarray, names: list[str]) -> Tracks:
+    return Tracks(np.arange(len(vertices)) / 60, tuple(names), vertices, "a.csv", tuple("Unl" in n for n in names))
+
+
+def test_unlabelled_fragments_find_their_vertices():
+    body, _, _, vertices = _motion()
+    names = [f"v{k}" for k in range(12)]
+    broken = vertices.copy()
+    broken[30:70, 4] = broken[50:90, 11] = np.nan
+    fragments = np.full((len(vertices), 3, 2), np.nan)
+    fragments[31:69, 0], fragments[55:88, 1] = vertices[31:69, 4], vertices[55:88, 11]
+    fragments[:, 2] = [5.0, 5.0]  # a reflection on the floor
+    tracks = _tracks(np.concatenate([broken, fragments], axis=1), [*names, "Unlabeled 7", "Unlabeled 9", "Unlabeled 3"])
+    found = label_vertices(tracks, tuple(names), body.edges, 12, False)
+    assert dict(found.relabelled) == {"Unlabeled 7": 4, "Unlabeled 9": 11}
+    assert found.unused == ("Unlabeled 3",)
+    np.testing.assert_array_equal(found.vertices[31:69, 4], vertices[31:69, 4])
+
+
+def test_a_chain_without_any_name_is_recognised_by_its_edges():
+    edges = np.array([0.1, 0.2, 0.3, 0.4])
+    body = Body(vertices=5, edge_lengths=tuple(edges))
+    angles = 0.4 * np.sin(np.arange(40)[:, None] / 6 + np.arange(3))
+    vertices = chain_vertices(body, np.zeros((40, 3)), angles)
+    order = [3, 0, 4, 1, 2]
+    tracks = _tracks(vertices[:, order], [f"Unlabeled {k}" for k in order])
+    found = label_vertices(tracks, None, body.edges, 5, False)
+    np.testing.assert_array_equal(found.vertices, vertices)
+
+
+def test_a_symmetric_chain_without_any_name_is_refused():
+    body = Body(vertices=4)
+    vertices = chain_vertices(body, np.zeros((9, 3)), np.full((9, 2), 0.3))
+    with pytest.raises(InputError, match="fits 2 ways round.*Name at least the head or tail"):
+        label_vertices(_tracks(vertices, [f"Unlabeled {k}" for k in range(4)]), None, body.edges, 4, False)
+
+
+def test_gaps_are_runs_of_undetermined_frames():
+    known = np.array([1, 1, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1], dtype=bool)
+    short, long = find_gaps(known, np.arange(16) / 60)
+    assert (short.first, short.last, short.short) == (2, 2, True)
+    assert (long.first, long.last, long.short) == (6, 13, False)
+
+
+def test_a_bumped_camera_is_found_and_nothing_where_nothing_happened():
+    body, _, _, vertices = _motion(300)
+    rng = np.random.default_rng(4)
+    vertices = vertices + rng.normal(scale=SD, size=vertices.shape)
+    time = np.arange(300) / 60
+    calm = estimate_chain(body, vertices)
+    assert find_jumps(calm.poses, calm.marker_residual, calm.marker_sd, time) == ()
+    vertices[150:] += [0.02, -0.01]
+    vertices[80, 3] += [0.0, 0.03]
+    found = estimate_chain(body, vertices)
+    jumps = find_jumps(found.poses, found.marker_residual, found.marker_sd, time)
+    whole = [j for j in jumps if j.vertex is None]
+    assert [j.frame for j in whole] == [150]
+    assert whole[0].size == pytest.approx(np.hypot(0.02, 0.01), rel=0.1)
+    assert [(j.frame, j.vertex) for j in jumps if j.vertex is not None] == [(80, 3)]
+
+
+def test_schedule_holds_row_zero_in_pauses():
+    table = serpenoid_table(20)
+    schedule = Schedule(table, 2.0, 2, 1.0, start_s=10.0)
+    np.testing.assert_allclose(schedule.commanded(np.array([9.0, 10.0, 12.0, 12.9, 13.0, 16.5, 40.0])), np.tile(table[0], (7, 1)))
+    np.testing.assert_allclose(schedule.commanded(np.array([10.5]))[0], table[5])

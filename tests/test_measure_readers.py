@@ -1,0 +1,199 @@
+"""Readers: the real files read whole, round trips exact, and every kind of rubbish refused with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from serpenoid.errors import InputError
+from serpenoid.measure.logs import read_joint_table, read_power_log, read_servo_log
+from serpenoid.measure.motive import read_motive
+from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
+from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
+
+DATA = Path(__file__).resolve().parents[1].parent / "shared" / "data"
+needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
+LAMPREY = {"time": "t", "frame": "frame", "point": "point", "x": "mxmm", "y": "mymm"}
+
+
+@needs_data
+def test_real_motive_export_gives_measured_markers_and_no_solved_rigid_bodies():
+    tracks = read_motive(DATA / "motive/sample_optitrack_take_v1.21.csv")
+    assert tracks.floor.shape == (250, 9, 2)
+    assert "Rigid Body 1:Marker1" in tracks.names
+    assert sum(tracks.unlabelled) == 6
+    assert tracks.frame_s == pytest.approx(1 / 120, abs=1e-5)  # times are written to a microsecond
+    row = tracks.names.index("Rigid Body 1:Marker2")
+    # first data row of the file: X 0.009910, Z 0.210209; floor x = file z, floor y = file x
+    np.testing.assert_allclose(tracks.floor[0, row], [0.210209, 0.009910], atol=1e-12)
+
+
+@needs_data
+def test_real_lamprey_has_two_empty_frames_and_metres():
+    tracks = read_long(DATA / "fish/lamprey.csv", LAMPREY, "mm")
+    assert tracks.floor.shape == (80, 20, 2)
+    assert not tracks.seen[:2].any()
+    assert tracks.seen[2:].all()
+    np.testing.assert_allclose(tracks.floor[2, 0], [0.415076869235609, 0.135858332240892], rtol=1e-12)
+
+
+@needs_data
+def test_real_sleap_export_is_in_pixels_with_y_up():
+    tracks = read_sleap(DATA / "fish/prickleback_sleap.csv", 60.0)
+    assert tracks.floor.shape == (711, 8, 2)
+    assert not tracks.scale_known
+    np.testing.assert_allclose(tracks.floor[0, 0], [1752.669189453125, -821.0576782226562])
+
+
+@pytest.mark.parametrize("version", ["1.21", "1.23", "1.25"])
+@pytest.mark.parametrize("unit", ["Meters", "Centimeters", "Millimeters"])
+def test_motive_round_trip_in_every_version_and_unit(tmp_path, version, unit):
+    rng = np.random.default_rng(0)
+    floor = rng.normal(size=(7, 3, 2))
+    floor[2, 1] = np.nan
+    time = np.arange(7) / 120
+    write_motive(tmp_path / "a.csv", time, floor, ["S:a", "S:b", "Unlabeled 12"], version, unit)
+    tracks = read_motive(tmp_path / "a.csv")
+    assert tracks.names == ("S:a", "S:b", "Unlabeled 12")
+    assert tracks.unlabelled == (False, False, True)
+    np.testing.assert_allclose(tracks.floor, floor, atol=6e-7)  # six decimals are written, in metres at worst
+    np.testing.assert_array_equal(tracks.seen[2], [True, False, True])
+
+
+def test_motive_timecode_column_is_no_coordinate(tmp_path):
+    write_motive(tmp_path / "a.csv", np.arange(3) / 120, np.ones((3, 1, 2)), ["S:a"])
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    for row, word in [(2, "Type"), (3, "Name"), (4, "ID"), (5, ""), (6, "TimeCode")]:
+        cells = lines[row].split(",")
+        lines[row] = ",".join([*cells[:2], "" if word != "TimeCode" else word, *cells[2:]])
+    for row in range(7, 10):
+        cells = lines[row].split(",")
+        lines[row] = ",".join([*cells[:2], "00:00:01:05", *cells[2:]])
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    np.testing.assert_allclose(read_motive(tmp_path / "a.csv").floor, 1.0)
+
+
+def _motive(tmp_path: Path) -> tuple[Path, list[str]]:
+    path = tmp_path / "a.csv"
+    write_motive(path, np.arange(5) / 120, np.ones((5, 2, 2)), ["S:a", "S:b"])
+    return path, path.read_text().splitlines()
+
+
+@pytest.mark.parametrize(
+    ("edit", "match"),
+    [
+        (lambda lines: lines[:-2], "row 10: the file ends after 3 frames and its first line promises 5"),
+        (lambda lines: [*lines[:-1], lines[-1][:20]], "row 12: has .* cells where the header has 8"),
+        (
+            lambda lines: [*lines[:9], lines[9].replace("1.000000", "abc", 1), *lines[10:]],
+            r"row 10, column C \(`S:a`\)",
+        ),
+        (lambda lines: [*lines[:9], lines[9].replace("1.000000", "", 1), *lines[10:]], "three coordinates or none"),
+        (lambda lines: [lines[0].replace("Meters", "Inches"), *lines[1:]], "`Length Units` must be one of Meters"),
+        (lambda lines: [lines[0].replace("1.23", "2.0"), *lines[1:]], "format version must be 1.21 to 1.25"),
+        (lambda lines: lines[2:], "a Motive export starts with"),
+        (lambda lines: [*lines[:8], lines[7], *lines[9:]], r"row 9, column B \(`Time`\): times must increase"),
+        (lambda lines: [line.replace("Marker", "Rigid Body") for line in lines], "no measured markers"),
+        (lambda lines: [], "is empty"),
+        (lambda lines: lines[:6], "no row starts with `Frame`"),
+        (lambda lines: lines[:7], "a header and no data rows"),
+    ],
+)
+def test_broken_motive_files_are_refused_with_their_place(tmp_path, edit, match):
+    path, lines = _motive(tmp_path)
+    path.write_text("\n".join(edit(lines)) + "\n")
+    with pytest.raises(InputError, match=match):
+        read_motive(path)
+
+
+def test_binary_rubbish_is_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_bytes(bytes(range(256)))
+    for reader in (read_motive, read_tidy, read_servo_log, read_power_log, read_joint_table):
+        with pytest.raises(InputError, match="not a text file"):
+            reader(path)
+
+
+def test_tidy_round_trip_and_faults(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("t_s,x_0,y_0,x_1,y_1\n0,1,2,,\n0.1,1,2,3,4\n")
+    tracks = read_tidy(path, "cm")
+    np.testing.assert_allclose(tracks.floor[1], [[0.01, 0.02], [0.03, 0.04]])
+    assert not tracks.seen[0, 1]
+    path.write_text("t_s,x_0,z_0\n0,1,2\n")
+    with pytest.raises(InputError, match="row 1, column C: a tidy file has `y_0` here, got 'z_0'"):
+        read_tidy(path)
+
+
+def test_long_form_refuses_a_point_given_twice_and_a_missing_column(tmp_path):
+    path = tmp_path / "l.csv"
+    path.write_text("t,point,x,y\n0,1,1,1\n0,1,2,2\n")
+    columns = {"time": "t", "point": "point", "x": "x", "y": "y"}
+    with pytest.raises(InputError, match=r"row 3, column B .*twice in one frame"):
+        read_long(path, columns, "m")
+    with pytest.raises(InputError, match="no column `mx`"):
+        read_long(path, {**columns, "x": "mx"}, "m")
+
+
+def test_servo_log_round_trip_and_a_cut_last_row_is_dropped(tmp_path):
+    path = tmp_path / "s.csv"
+    time, angle = np.arange(4) / 50, np.linspace(-1, 1, 8).reshape(4, 2)
+    schedule = [("approach", 0, 0), ("play", 0, 0), ("play", 0, 1), ("end", 0, 1)]
+    write_servo_log(path, time, angle, angle + 0.1, schedule)
+    log = read_servo_log(path)
+    np.testing.assert_array_equal(log.position, angle)
+    assert log.play_start_s == time[1]
+    text = path.read_text()
+    path.write_text(text[:-9])
+    assert len(read_servo_log(path).time_s) == 3
+
+
+def test_servo_log_in_degrees_is_refused(tmp_path):
+    write_servo_log(tmp_path / "s.csv", np.arange(3) / 50, np.full((3, 2), 30.0))
+    with pytest.raises(InputError, match=r"row 2, column B \(`position_1`\): joint angles are in radians"):
+        read_servo_log(tmp_path / "s.csv")
+
+
+def test_power_log_round_trip_and_negative_power(tmp_path):
+    write_power_log(tmp_path / "p.csv", np.arange(3) / 10, np.array([1.0, 2.0, 3.0]))
+    np.testing.assert_array_equal(read_power_log(tmp_path / "p.csv").power_W, [1, 2, 3])
+    write_power_log(tmp_path / "p.csv", np.arange(3) / 10, np.array([1.0, -2.0, 3.0]))
+    with pytest.raises(InputError, match=r"row 3, column D .*power must be"):
+        read_power_log(tmp_path / "p.csv")
+
+
+def test_c3d_round_trip_and_a_file_that_is_none(tmp_path):
+    ezc3d = pytest.importorskip("ezc3d")
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [120.0]
+    file["parameters"]["POINT"]["LABELS"]["value"] = ["a", "b"]
+    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
+    points = np.ones((4, 2, 5)) * 1000.0
+    points[3] = 1.0
+    points[:3, 1, 2] = np.nan
+    file["data"]["points"] = points
+    file.write(str(tmp_path / "a.c3d"))
+    tracks = read_c3d(tmp_path / "a.c3d")
+    assert tracks.names == ("a", "b")
+    assert not tracks.seen[2, 1]
+    np.testing.assert_allclose(tracks.floor[tracks.seen], 1.0)
+    (tmp_path / "b.c3d").write_bytes(b"nothing of the kind")
+    with pytest.raises(InputError, match="not a readable C3D file"):
+        read_c3d(tmp_path / "b.c3d")
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("joint_1,joint_2\n0,0\n0,60\n0,0\n", r"row 3, column B \(`joint_2`\): joint angles are in radians"),
+        ("joint_1,joint_3\n0,0\n", "a joint table has `joint_2` here"),
+        ("joint_1\n0\n,\n0\n", "row 3: has 2 cells"),
+        ("joint_1\n0\n0\n", "at least 3 rows"),
+    ],
+)
+def test_joint_tables_that_are_none(tmp_path, text, match):
+    (tmp_path / "g.csv").write_text(text)
+    with pytest.raises(InputError, match=match):
+        read_joint_table(tmp_path / "g.csv")

@@ -1,0 +1,214 @@
+"""Every problem file builds, and what it says to expect is so."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from serpenoid.body import Floats
+from serpenoid.errors import InputError
+from serpenoid.gaits import EllipseGait
+from serpenoid.gaits.table import write_table
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solve import solve
+from serpenoid.problem import Problem, load
+from serpenoid.simulation.problem import simulate
+from specimens import PROBLEMS, problem
+
+NAMES = sorted(path.stem for path in PROBLEMS.glob("*.toml"))
+
+
+@lru_cache
+def best(name: str, c: float) -> Solution:
+    return solve(problem(name, f"task.c={c}"), starts=4, seed=0).best
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_problem_file_builds_says_where_it_comes_from_and_simulates(name: str) -> None:
+    asked = problem(name)
+    assert asked.name == name
+    assert asked.about.question.endswith("?")
+    assert asked.about.source
+    assert asked.about.expected
+    motion = simulate(asked).trajectory
+    assert motion.status.ok
+    assert motion.poses.shape == (asked.task.cycles * asked.task.steps + 1, 3)
+
+
+def test_every_problem_file_has_a_check_of_what_it_expects() -> None:
+    assert set(NAMES) == set(CHECKS), "write a check for the new file's `expected` statement"
+
+
+def reference() -> None:
+    motion = simulate(problem("reference")).trajectory
+    assert motion.displacement == pytest.approx(0.4523, abs=5e-5)
+    limit = simulate(problem("reference", "task.steps=1600")).trajectory.displacement
+    assert 1 - motion.displacement / limit == pytest.approx(0.005, abs=0.0005)
+
+
+def reference_optimum() -> None:
+    result = solve(problem("reference-optimum"), starts=4, seed=0)
+    assert result.best.trajectory.displacement == pytest.approx(0.6125, abs=5e-5)
+    assert len(result.optima) == 1
+    q = result.best.gait.parameters
+    twins = [q * [1, -1, -1, 1, 1, 1] + [0, 0, 0, np.pi, 0, 0], q + [0, 0, 0, np.pi, 0, 0]]
+    asked = result.best.problem
+    moved = [displacement(asked, twin) for twin in twins]
+    assert moved[0] == pytest.approx(result.best.trajectory.displacement, abs=1e-9)
+
+
+def displacement(asked: Problem, q: Floats) -> float:
+    return simulate(asked.model_copy(update={"gait": EllipseGait.from_parameters(q)})).trajectory.displacement
+
+
+def snake10() -> None:
+    far = best("snake10", 0.0)
+    assert np.rad2deg(np.abs(far.table).max()) == pytest.approx(60, abs=1e-5)
+    distances = [best("snake10", c).trajectory.displacement for c in (0.0, 1.0, 2.5)]
+    assert distances == sorted(distances, reverse=True)
+    assert distances[0] > distances[-1] + 0.1
+
+
+def gait_a() -> None:
+    # the statement is a measurement with electrical power; what the model must give is a family of which the
+    # normalised cost of transport (idle + dissipation) / displacement is least between c = 1 and 2 for some idle power
+    family = [best("gait-a", c).trajectory for c in (0.0, 1.0, 1.5, 2.0, 2.5)]
+    moved, lost = (np.array([getattr(m, name) for m in family]) for name in ("displacement", "dissipation"))
+    idle = np.linspace(0, 1, 1001)[:, None]
+    cheapest = ((idle + lost) / moved).argmin(1)
+    assert {1, 2, 3} & set(cheapest.tolist())
+
+
+def gait_b() -> None:
+    for c in (0.0, 1.0, 2.5):
+        a, b = best("gait-a", c).trajectory.displacement, best("gait-b", c).trajectory.displacement
+        assert b <= a + 1e-7
+    assert best("gait-b", 0.0).trajectory.displacement < best("gait-a", 0.0).trajectory.displacement - 0.1
+
+
+def gait_c() -> None:
+    for c in (0.0, 1.0, 2.5):
+        limited = best("gait-c", c)
+        assert limited.gait.xi == pytest.approx(1.5, abs=1e-12)
+        assert limited.trajectory.displacement < best("gait-a", c).trajectory.displacement
+
+
+def purcell() -> None:
+    asked = problem("purcell")
+    s = best("purcell", 0.0)
+    assert s.status.ok
+    assert s.trajectory.displacement > 0.05
+    first, second = s.table.T
+    peak = np.array([np.angle(np.exp(2j * np.pi * np.arange(100) / 100) @ joint) for joint in (first, second)])
+    lag = np.abs(np.angle(np.exp(1j * (peak[1] - peak[0]))))
+    assert 0.2 < lag < np.pi - 0.2  # one joint after the other
+    in_step = asked.model_copy(update={"gait": EllipseGait(sigma=0.0, a=4.0, xi=0.75)})
+    assert simulate(in_step).trajectory.displacement < 1e-12
+
+
+CHECKS = {
+    "reference": reference,
+    "reference-optimum": reference_optimum,
+    "snake10": snake10,
+    "gait-a": gait_a,
+    "gait-b": gait_b,
+    "gait-c": gait_c,
+    "purcell": purcell,
+}
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_what_a_problem_file_expects_is_so(name: str) -> None:
+    CHECKS[name]()
+
+
+BODY = "[body]\nvertices = 5\n"
+MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (MEDIUM, r"mine\.toml: body: is required and not there"),
+        (BODY, r"mine\.toml: medium: is required and not there"),
+        (BODY + MEDIUM + "[tsk]\nsteps = 5\n", r"tsk: unknown key\. Did you mean `task`\?"),
+        (BODY + MEDIUM + "[task]\nstep = 5\n", r"\[task\] step: unknown key\. Did you mean `steps`\?"),
+        (BODY + MEDIUM + "[task]\nsteps = 2\n", r"\[task\] steps: .*greater than or equal to 3, got 2"),
+        (BODY + MEDIUM + "[task]\nc = -1.0\n", r"\[task\] c: .*greater than or equal to 0, got -1\.0"),
+        (BODY + MEDIUM + "[task]\nc = nan\n", r"\[task\] c: .*(finite|greater).*nan"),
+        (BODY + MEDIUM + "[task.bounds]\na = [3.0, 1.0]\n", r"\[task\] bounds: `a` needs \[lower, upper\]"),
+        (BODY + MEDIUM + "[task.bounds]\na = [3.0]\n", r"\[task\.bounds\.a\] 1: is required"),
+        (BODY + MEDIUM + "[task.bounds]\nsigma = [-2.0, 1.0]\n", r"`sigma` must lie in \[-1, 1\]"),
+        (BODY + MEDIUM + "[task.bounds]\nxi = [0.0, 1.0]\n", r"`xi` must be positive"),
+        (BODY + MEDIUM + "[task.bounds]\namplitude = [0.0, 1.0]\n", r"\[task\.bounds\] amplitude: unknown key"),
+        (
+            BODY + MEDIUM + "[task.constraints]\nstraight = true\nheading_change_rad = 0.1\n",
+            r"`straight` is `heading_change_rad = 0`: give one of the two",
+        ),
+        (BODY + MEDIUM + "[task.constraints]\njoint_limits = true\n", r"needs `joint_limit_deg` in \[body\]"),
+        (
+            BODY + MEDIUM + "[task.constraints]\njoint_speed_limits = true\n",
+            r"needs `joint_speed_limit_rpm` in \[body\]",
+        ),
+        (
+            BODY + "joint_speed_limit_rpm = 57\n" + MEDIUM + "[task.constraints]\njoint_speed_limits = true\n",
+            r"needs `cycle_duration_s` in \[task\]",
+        ),
+        (BODY + MEDIUM + "[gait]\nsigma = 1.5\n", r"sigma: .*less than or equal to 1, got 1\.5"),
+        (BODY + MEDIUM + "[gait]\nampl = 1.5\n", r"ampl: unknown key"),
+        (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"gait: .*'spiral'"),
+        (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*swap tangential and normal"),
+    ],
+)
+def test_a_fault_in_a_problem_file_is_located_and_named(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        load(path)
+
+
+def test_assignments_go_before_the_file_and_are_checked_like_it() -> None:
+    asked = load(PROBLEMS / "reference.toml", set=["medium.anisotropy_ratio=0.5", "task.bounds.a=[1.0, 2.0]"])
+    assert asked.medium.anisotropy_ratio == 0.5
+    assert asked.task.bounds.a == (1.0, 2.0)
+    with pytest.raises(InputError, match=r"reference\.toml: \[medium\] anisotropy_ratio: .*got 1\.5"):
+        load(PROBLEMS / "reference.toml", set=["medium.anisotropy_ratio=1.5"])
+    with pytest.raises(InputError, match=r"\[medium\] ratio: unknown key"):
+        load(PROBLEMS / "reference.toml", set=["medium.ratio=0.5"])
+
+
+def test_a_gait_may_be_a_joint_table_beside_the_problem_file(tmp_path: Path) -> None:
+    asked = problem("reference")
+    table = joint_table(asked.model, asked.gait.parameters, 50)
+    write_table(tmp_path / "gait.csv", table)
+    text = (PROBLEMS / "reference.toml").read_text().split("[gait]")[0] + '[gait]\npath = "gait.csv"\n'
+    (tmp_path / "mine.toml").write_text(text)
+    played = simulate(load(tmp_path / "mine.toml"))
+    np.testing.assert_array_equal(played.table, table)
+    assert played.trajectory.displacement == simulate(asked).trajectory.displacement
+
+
+def test_a_table_of_the_wrong_width_is_refused(tmp_path: Path) -> None:
+    write_table(tmp_path / "gait.csv", np.zeros((5, 9)))
+    (tmp_path / "mine.toml").write_text("[body]\nvertices = 12\n" + MEDIUM + '[gait]\npath = "gait.csv"\n')
+    with pytest.raises(InputError, match=r"gait\.csv: the header must be .* with 10 joints"):
+        simulate(load(tmp_path / "mine.toml"))
+
+
+def test_the_hash_changes_with_any_number_and_with_nothing_else() -> None:
+    one, same, other = problem("snake10"), problem("snake10"), problem("snake10", "task.c=0.1")
+    assert one.hash == same.hash
+    assert one.hash != other.hash
+
+
+def test_theta_is_reported_within_half_a_turn() -> None:
+    q = np.array([0.5, 0.0, 0.0, 3 * np.pi, 6.0, 1.0])
+    gait = EllipseGait.from_parameters(q)
+    assert -np.pi < gait.theta <= np.pi
+    phases = np.linspace(0, 1, 7)
+    turned = EllipseGait(sigma=0.5, theta=np.pi).curve(phases)
+    np.testing.assert_allclose(gait.curve(phases), turned, atol=1e-13)

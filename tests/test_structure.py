@@ -1,0 +1,170 @@
+"""The way of the data is one way: no cycles among modules, and heavy imports only where they belong."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import serpenoid
+
+SOURCE = Path(serpenoid.__file__).parent
+FILES = sorted(SOURCE.rglob("*.py"))
+
+# rooms that may import each heavy package; a name ending in / is a folder
+ALLOWED = {
+    "casadi": ("mechanics/", "effects/", "simulation/", "optimise/", "compare/", "diagnose/"),
+    "matplotlib": ("plot/",),
+    "dynamixel_sdk": ("robot/bus.py",),
+    "mujoco": ("arena/",),
+}
+# what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
+LEFT_OF_MODELS = {"errors", "schema", "files", "status", "body", "medium", "group", "gaits"}
+MAY_IMPORT = {
+    "body": {"schema"},
+    "medium": {"schema"},
+    "group": {"body"},
+    "gaits": {"body", "schema", "errors", "files"},
+    "schema": {"errors"},
+    "files": set(),
+    "errors": set(),
+    "status": set(),
+    "model": LEFT_OF_MODELS | {"effects"},
+    "trajectory": LEFT_OF_MODELS,
+    "problem": LEFT_OF_MODELS | {"model", "effects"},
+    "mechanics": LEFT_OF_MODELS | {"model", "effects"},
+    "simulation": LEFT_OF_MODELS | {"model", "effects", "trajectory", "problem", "mechanics"},
+    "optimise": LEFT_OF_MODELS | {"model", "effects", "trajectory", "problem", "mechanics", "simulation"},
+}
+
+
+def imports(path: Path) -> set[str]:
+    """Modules that a file imports when it runs: everything but what stands under `if TYPE_CHECKING`."""
+    found: set[str] = set()
+
+    def visit(node: ast.AST) -> None:
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            return
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            found.add(node.module)
+            found.update(f"{node.module}.{alias.name}" for alias in node.names)
+        for child in ast.iter_child_nodes(node):
+            visit(child)
+
+    visit(ast.parse(path.read_text(encoding="utf-8")))
+    return found
+
+
+def module(path: Path) -> str:
+    """`serpenoid.a.b` of a file."""
+    parts = path.relative_to(SOURCE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def room(name: str) -> str:
+    """Top-level part below `serpenoid`."""
+    return (name.split(".") + [""])[1]
+
+
+@pytest.mark.parametrize("package", ALLOWED)
+def test_heavy_packages_are_imported_in_their_rooms_alone(package: str) -> None:
+    users = {
+        path.relative_to(SOURCE).as_posix() for path in FILES if package in {m.split(".")[0] for m in imports(path)}
+    }
+    strangers = {user for user in users if not user.startswith(ALLOWED[package])}
+    assert not strangers
+
+
+@pytest.mark.parametrize("name", MAY_IMPORT)
+def test_imports_point_one_way(name: str) -> None:
+    for path in FILES:
+        if room(module(path)) == name:
+            known = {room(m) for m in imports(path) if m.startswith("serpenoid.")} - {name}
+            assert known <= MAY_IMPORT[name], f"{path.relative_to(SOURCE)} reaches to the right"
+
+
+def test_no_module_imports_itself_through_others() -> None:
+    names = {module(path): path for path in FILES}
+    graph = {name: {m for m in imports(path) if m in names and m != name} for name, path in names.items()}
+    done: set[str] = set()
+
+    def walk(name: str, trail: tuple[str, ...]) -> None:
+        assert name not in trail, " -> ".join([*trail[trail.index(name) :], name])
+        if name not in done:
+            for other in graph[name] - {"serpenoid"}:  # the package itself only forwards names, lazily
+                walk(other, (*trail, name))
+            done.add(name)
+
+    for name in names:
+        walk(name, ())
+
+
+def test_nothing_but_the_command_line_imports_the_command_line() -> None:
+    for path in FILES:
+        if room(module(path)) not in ("cli", "__main__"):
+            assert not {m for m in imports(path) if m.startswith("serpenoid.cli")}, path
+
+
+def loaded_after(code: str) -> set[str]:
+    """Top-level modules in a fresh interpreter after `code`."""
+    script = f"{code}\nimport sys\nprint(*sorted({{m.split('.')[0] for m in sys.modules}}), file=sys.stderr)"
+    environment = os.environ | {"PYTHONPATH": str(SOURCE.parent)}
+    command = [sys.executable, "-c", script]
+    child = subprocess.run(command, capture_output=True, text=True, env=environment, check=True, timeout=60)
+    return set(child.stderr.split())
+
+
+HELP = """
+import contextlib
+from serpenoid.cli.main import main
+with contextlib.suppress(SystemExit):
+    main("{} --help".split())
+"""
+HEAVY = {"casadi", "matplotlib", "scipy", "mujoco", "dynamixel_sdk", "joblib"}
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    assert not loaded_after("import serpenoid") & (HEAVY | {"numpy", "pydantic"})
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import contextlib\nfrom serpenoid.cli.main import main\nwith contextlib.suppress(SystemExit): main(['--help'])"
+    )
+    assert not loaded_after(code) & (HEAVY | {"numpy", "pydantic"})
+
+
+@pytest.mark.parametrize("verb", ["simulate", "solve", "sweep", "show", "schema"])
+def test_help_of_a_verb_loads_nothing_heavy(verb: str) -> None:
+    assert not loaded_after(HELP.format(verb)) & HEAVY
+
+
+def test_every_public_name_can_be_imported_and_the_list_is_complete() -> None:
+    for name in serpenoid.__all__:
+        assert getattr(serpenoid, name) is not None
+    assert set(serpenoid.__all__) == set(serpenoid._PUBLIC)
+    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+        _ = serpenoid.simulat
+
+
+def test_source_raises_no_bare_exceptions_asserts_nothing_and_never_prints() -> None:
+    for path in FILES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            where = f"{path.relative_to(SOURCE)}:{getattr(node, 'lineno', 0)}"
+            assert not isinstance(node, ast.Assert), where
+            if isinstance(node, ast.Raise) and node.exc is not None:
+                raised = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+                assert not (isinstance(raised, ast.Name) and raised.id in ("Exception", "BaseException")), where
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id != "print", where
+
+
+def test_every_module_says_what_it_is() -> None:
+    for path in FILES:
+        assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))), path
