@@ -8,6 +8,8 @@ Legend: S steps, M elements.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from serpenoid.body import Floats
@@ -19,12 +21,34 @@ ITERATIONS = 60
 STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
 
 
-def solve_balance(model: Model, before: Floats, after: Floats, times: Floats, starts: Floats, guess: Floats) -> Steps:
+@dataclass(frozen=True)
+class Coast:
+    """Momentum known from earlier steps: the residual gains rate (S,) times this step's momentum, and carried (S, 3)."""
+
+    rate: Floats
+    carried: Floats
+
+    def part(self, keep: np.ndarray) -> Coast:
+        """Some of the steps."""
+        return Coast(self.rate[keep], self.carried[keep])
+
+
+def solve_balance(
+    model: Model,
+    before: Floats,
+    after: Floats,
+    times: Floats,
+    starts: Floats,
+    guess: Floats,
+    coast: Coast | None = None,
+) -> Steps:
     """Relative poses of S steps between `times` (S, 2) [s], from poses `starts` (S, 3) on the floor.
 
-    before, after: elements (4, M S). guess (S, 3): relative poses, usually the baseline's.
+    before, after: elements (4, M S). guess (S, 3): relative poses, usually the baseline's. Without `coast` effects
+    that know history are left out.
     """
-    root = _newton(model, before, after, times, starts, compose(starts, guess), 1.0)
+    coast = coast or Coast(np.zeros(len(guess)), np.zeros((len(guess), 3)))
+    root = _newton(model, before, after, times, starts, compose(starts, guess), coast, 1.0)
     for strength in STRENGTHS:
         bad = ~root.sound
         if not bad.any():
@@ -32,7 +56,7 @@ def solve_balance(model: Model, before: Floats, after: Floats, times: Floats, st
         if strength == STRENGTHS[0]:
             root.relative[bad] = compose(starts, guess)[bad]
         again = _subset(model, before, after, bad)
-        part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], strength)
+        part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], coast.part(bad), strength)
         root.relative[bad] = part.relative
         if strength == STRENGTHS[-1]:
             root.sound[bad], root.residual[bad], root.energy[bad] = part.sound, part.residual, part.energy
@@ -40,7 +64,14 @@ def solve_balance(model: Model, before: Floats, after: Floats, times: Floats, st
 
 
 def _newton(
-    model: Model, before: Floats, after: Floats, times: Floats, starts: Floats, ends: Floats, strength: float
+    model: Model,
+    before: Floats,
+    after: Floats,
+    times: Floats,
+    starts: Floats,
+    ends: Floats,
+    coast: Coast,
+    strength: float,
 ) -> Steps:
     """Damped Newton for the second poses; `relative` of the answer holds poses on the floor."""
     law, m = Law.of(model, strength), model.structure.elements
@@ -55,13 +86,15 @@ def _newton(
         part = _columns(before, todo, m), _columns(after, todo, m)
         poses = np.hstack([starts[todo], trial]).T
         value, work, slope = evaluate("balance", law, *part, poses, clocks[:, todo])
-        size = np.abs(value[:, :3]).max(1)
+        rate = coast.rate[todo, None]
+        excess = value[:, :3] + rate * value[:, 3:] + coast.carried[todo]
+        size = np.abs(excess).max(1)
         size = np.where(np.isfinite(size), size, np.inf)
         better = size < residual[todo]
         won, lost = todo[better], todo[~better]
         base[won], residual[won], energy[won] = trial[better], size[better], work[better]
-        slopes[won] = slope[better][:, :3]
-        step[won] = -_solve(slopes[won], value[better, :3])
+        slopes[won] = (slope[:, :3] + rate[..., None] * slope[:, 3:])[better]
+        step[won] = -_solve(slopes[won], excess[better])
         damping[won], damping[lost] = np.minimum(1.0, 2 * damping[won]), damping[lost] / 3
         todo = todo[(residual[todo] > TOLERANCE / 10) & (damping[todo] > 1e-8)]
         if todo.size == 0:

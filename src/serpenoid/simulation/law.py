@@ -5,6 +5,7 @@ Legend: S steps, M vertices, P coordinates.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics.extended import step_functions
 from serpenoid.model import Model
@@ -27,19 +29,27 @@ class Law:
     length_m: float
 
     @classmethod
-    def of(cls, model: Model, strength: float = 1.0, kinds: tuple | None = None) -> Law:
-        """A model's numbers; `strength` between 0 and 1 scales the effects' coordinates (1 = as they are)."""
+    def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> Law:
+        """A model's numbers; `strength` between 0 and 1 scales the effects' coordinates (1 = as they are).
+
+        Candidates are effects at neutral values that lend their other values (where a patch lies).
+        """
         weights = model.body.vertex_weights
         medium = np.vstack([weights, np.full(weights.size, model.medium.anisotropy_ratio)])
-        return cls(medium, coordinates(model, strength, kinds), model.body.total_length_m)
+        return cls(medium, coordinates(model, strength, candidates=candidates), model.body.total_length_m)
 
     def clocks(self, times: Floats) -> Floats:
         """Clock inputs (3, S) of steps that begin and end at `times` (S, 2) [s]."""
         return np.vstack([np.full(len(times), self.length_m), times[:, 1] - times[:, 0], times.mean(1)])
 
 
-def coordinates(model: Model, strength: float = 1.0, kinds: tuple | None = None) -> Floats:
-    """theta (P, M): an effect's coordinates where it sits, its resting ones elsewhere."""
+def coordinates(
+    model: Model,
+    strength: float = 1.0,
+    kinds: Sequence[MediumEffect] | None = None,
+    candidates: Sequence[ActiveEffect] = (),
+) -> Floats:
+    """theta (P, M) of `kinds` (default all): an effect's coordinates where it sits, its resting ones elsewhere."""
     n = model.body.vertices
     blocks = []
     for kind in medium_effects() if kinds is None else kinds:
@@ -47,7 +57,7 @@ def coordinates(model: Model, strength: float = 1.0, kinds: tuple | None = None)
         block = np.repeat(resting[:, None], n, axis=1)
         if kind.place is None:
             block[-1] = [kind.is_present(vertex, n) for vertex in range(n)]
-        for active in (e for e in model.medium_effects if e.name == kind.name):
+        for active in (e for e in (*model.medium_effects, *candidates) if e.name == kind.name):
             _enter(block, resting, active, strength)
         blocks.append(block)
     return np.vstack(blocks)

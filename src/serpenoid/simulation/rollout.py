@@ -13,10 +13,13 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
+from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
+
+__all__ = ["Batch", "body_frame", "body_poses", "simulate_batch", "simulate_joint_angles", "simulate_vertices"]
 
 
 def simulate_joint_angles(
@@ -58,20 +61,6 @@ def simulate_vertices(
     else:
         steps = solve_steps(model, elements[:, :-m], elements[:, m:])
     return _assemble(model, shapes, steps, 1, start)
-
-
-def body_poses(model: Model, vertices: Floats) -> Floats:
-    """Pose (weighted centroid, mean edge angle, unwrapped over rows) of chains (R, N, 2): shape (R, 3)."""
-    centroid = np.einsum("rni,n->ri", vertices, model.body.vertex_weights)
-    edge = np.diff(vertices, axis=1)
-    angles = np.unwrap(np.arctan2(edge[..., 1], edge[..., 0]), axis=1)
-    return np.column_stack([centroid, np.unwrap(angles.mean(axis=1))])
-
-
-def body_frame(model: Model, vertices: Floats) -> Floats:
-    """Chains (R, N, 2) moved to the body frame."""
-    poses = body_poses(model, vertices)
-    return np.einsum("rji,rnj->rni", group.rotation(poses[:, 2]), vertices - poses[:, None, :2])
 
 
 @dataclass(frozen=True)
