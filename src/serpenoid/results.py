@@ -79,17 +79,17 @@ def solution_record(solution: Solution) -> dict[str, Any]:
     return record
 
 
-def read_record(folder: str | Path) -> dict[str, Any]:
-    """Read a results folder's solution.json."""
-    path = Path(folder) / "solution.json"
+def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, Any]:
+    """Read a results folder's record."""
+    path = Path(folder) / name
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{folder}: no solution.json there. Name a folder that `solve` or `simulate` wrote.") from None
     except (ValueError, OSError) as error:
         raise InputError(f"{path}: cannot be read ({error}).") from None
-    if not isinstance(record, dict) or "status" not in record:
-        raise InputError(f"{path}: is not a solution of this package.")
+    if not isinstance(record, dict):
+        raise InputError(f"{path}: is not a record of this package.")
     return record
 
 

@@ -8,8 +8,12 @@ from __future__ import annotations
 import argparse
 import importlib
 import logging
+import os
+import signal
 import sys
+import threading
 from collections.abc import Sequence
+from types import FrameType
 
 from serpenoid.errors import InputError, StopRequested
 
@@ -54,18 +58,45 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     verb = next((word for word in words if not word.startswith("-")), None)
     args = build_parser(verb).parse_args(words)
-    level = logging.DEBUG if args.verbose else logging.WARNING
+    level = logging.DEBUG if args.verbose else logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
+    interrupted = _note_interrupts()
     try:
-        return args.run(args)
+        code = args.run(args)
+        sys.stdout.flush()
+        return code
     except InputError as error:
-        sys.stderr.write(f"serpenoid: {error}\n")
-        return 2
+        return _complain(str(error), 2)
     except (KeyboardInterrupt, StopRequested) as error:
-        sys.stderr.write(f"\nserpenoid: stopped. {error}\n")
-        return 130
+        return _complain(f"stopped. {error}", 130)
     except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 1
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{place}{error.strerror or error}.", 1)
+    except Exception:
+        if not interrupted:
+            raise
+        return _complain("stopped.", 130)
+
+
+def _note_interrupts() -> list[int]:
+    """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception."""
+    interrupted: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        interrupted.append(number)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, note)
+    return interrupted
+
+
+def _complain(message: str, code: int) -> int:
+    sys.stderr.write(f"serpenoid: {message}\n")
+    return code
 
 
 def entry() -> None:

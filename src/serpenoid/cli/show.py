@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
@@ -28,21 +27,18 @@ def run(args: argparse.Namespace) -> int:
     folder = Path(args.folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
-    if (folder / "sweep.json").exists():
-        record = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
-        lines = _sweep_lines(folder, record)
-    elif (folder / "set.json").exists():
-        record = json.loads((folder / "set.json").read_text(encoding="utf-8"))
-        lines = [f"gait {g['gait']}: {g['random']:.4f} -> {g['improved']:.4f} ({g['status']})" for g in record["gaits"]]
-    else:
-        record = read_record(folder)
-        lines = _lines(record)
+    name = next((name for name in KINDS if (folder / name).exists()), "solution.json")
+    record = read_record(folder, name)
+    try:
+        lines = KINDS[name](folder, record)
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        raise InputError(f"{folder / name}: is not a record of this version ({error!r}).") from None
     pictures = sorted(path.name for path in folder.iterdir() if path.suffix in {".png", ".svg", ".gif"})
     options.report(args, record, [*lines, f"files             {', '.join(_files(folder))}", *_pictures(pictures)])
     return 0
 
 
-def _lines(record: dict[str, Any]) -> list[str]:
+def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
     lines = [
         f"{record['kind']}: {record['status']} ({record['message']})",
@@ -68,6 +64,10 @@ def _lines(record: dict[str, Any]) -> list[str]:
     return lines
 
 
+def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+    return [f"gait {g['gait']}: {g['random']:.4f} -> {g['improved']:.4f} ({g['status']})" for g in record["gaits"]]
+
+
 def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     with (folder / "sweep.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
@@ -80,6 +80,9 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
         numbers = [float(row[key]) for key in ("c", "displacement_body_lengths", "dissipation", "cost")]
         lines.append(f"{numbers[0]:8.3f}{numbers[1]:14.6f}{numbers[2]:13.6f}{numbers[3]:11.6f}")
     return lines
+
+
+KINDS = {"sweep.json": _sweep_lines, "set.json": _set_lines, "solution.json": _lines}
 
 
 def _files(folder: Path) -> list[str]:

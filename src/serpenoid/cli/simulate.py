@@ -28,8 +28,8 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.simulation.problem import simulate
 
     problem = load(args.problem, args.set, args.model)
-    result = simulate(problem)
     folder = options.output_folder(args, default_folder(problem, "simulate"))
+    result = simulate(problem)
     record = write_simulation(folder, result, figures=not args.no_figures and result.trajectory.status.ok)
     motion = result.trajectory
     if not motion.status.ok:

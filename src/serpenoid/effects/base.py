@@ -57,7 +57,7 @@ class Parameter:
         return self.coordinate(self.typical if self.neutral is None else self.neutral)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Effect:
     """Description of one physical effect; each file of the catalogue makes one instance, called EFFECT.
 
@@ -97,7 +97,7 @@ class Effect:
         return SimpleNamespace(**dict(zip(names, ca.vertsplit(coordinates), strict=True)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MediumEffect(Effect):
     """Shape to motion. Override `on_element` (geometry, weights, pushes, momentum) or `on_drag` (the force law).
 
@@ -130,7 +130,7 @@ class MediumEffect(Effect):
         return bool(self.knows & {"speed", "clock", "history"})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ActuationEffect(Effect):
     """Command to shape. `respond` takes one joint from one time to the next.
 
@@ -151,7 +151,7 @@ class ActuationEffect(Effect):
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ObservationEffect(Effect):
     """Motion to data: what cameras and clocks make of it. Everything in SI, by numbers."""
 

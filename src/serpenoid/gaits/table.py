@@ -41,6 +41,8 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
         raise InputError(f"{path}: no such joint table.") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: not a CSV text file ({error}).") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
     m = joint_count or (len(rows[0]) if rows else 0)
     if not rows or rows[0] != header(m):
         raise InputError(f"{path}: the header must be {','.join(header(min(m, 3)))},... with {m or 'm'} joints.")

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.extended import ExtendedNLP
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, worst_violation
@@ -56,6 +58,14 @@ class GaitSolver:
             pairs[EllipseGait.NAMES.index("xi")] = frequency
         return pairs[:, 0], pairs[:, 1]
 
+    def prepare(self, q: Floats) -> None:
+        """Compile what solving from gait q calls: done before Ctrl-C is caught, so that it ends a compile at once."""
+        self.start(q)
+        self.prepared(len(self._first_rows()))
+
+    def _first_rows(self) -> list[int]:
+        return even_rows(self.steps, min(FIRST_ROWS, self.steps)) if self.limits.any else []
+
     def start(self, q: Floats) -> Floats:
         """A start that satisfies all momentum equations: the simulated poses of gait q."""
         trajectory = simulate_joint_angles(self.model, joint_table(self.model, q, self.steps))
@@ -73,7 +83,7 @@ class GaitSolver:
     ) -> Answer:
         """Optimise from gait parameters (6,) or warm from a Point whose constraints had `rows`."""
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
-        chosen = list(rows) or (even_rows(self.steps, min(FIRST_ROWS, self.steps)) if self.limits.any else [])
+        chosen = list(rows) or self._first_rows()
         iterations, seconds = 0, 0.0
         for _ in range(EXCHANGES):
             _, ipopt = self.prepared(len(chosen))
@@ -90,7 +100,9 @@ class GaitSolver:
     def prepared(self, path_rows: int) -> tuple[GaitNLP, Ipopt]:
         """The NLP with `path_rows` limit rows, and its solver."""
         if path_rows not in self._prepared:
-            nlp = GaitNLP(self.model.structure, self.steps, path_rows)
+            extended = self.model.medium_effects or self.model.actuation_effects
+            kind = partial(ExtendedNLP, self.model) if extended else partial(GaitNLP, self.model.structure)
+            nlp: GaitNLP = kind(self.steps, path_rows)
             if self.customise is not None:
                 self.customise(nlp)
             self._prepared[path_rows] = nlp, Ipopt(nlp)

@@ -51,7 +51,7 @@ def coordinates(
 ) -> Floats:
     """theta (P, M) of `kinds` (default all): an effect's coordinates where it sits, its resting ones elsewhere."""
     n = model.body.vertices
-    blocks = []
+    blocks = [np.zeros((0, n))]
     for kind in medium_effects() if kinds is None else kinds:
         resting = np.array([*(p.resting for p in kind.parameters), 0.0])
         block = np.repeat(resting[:, None], n, axis=1)
