@@ -23,7 +23,7 @@ def snake(eps: float = EPS, dissipation: str = "vertex") -> Model:
 
 
 def serpenoid_table(rows: int, a: float = 6.0, xi: float = 1.0, turn: float = 0.0) -> np.ndarray:
-    """Joint angles (rows, 10) of a travelling serpenoid wave on equal links; written out here, not taken from the package."""
+    """Joint angles (rows, 10) of a travelling serpenoid wave on equal links; not the package's own formula."""
     phase = 2 * np.pi * np.arange(rows)[:, None] / rows
     s, k = (np.arange(11) + 0.5) / 11, 2 * np.pi * xi
     w1, w2 = a * np.cos(phase) + turn, a * np.sin(phase)

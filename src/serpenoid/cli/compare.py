@@ -4,9 +4,9 @@
     serpenoid compare problems/campaigns/fish.toml
 
 Exp is what the cameras saw, Sim the commanded shapes simulated, Resim the measured shapes simulated. Exp - Sim splits
-into an actuation part (Resim - Sim) and a motion part (Exp - Resim) that add up to it. Without an anisotropy ratio on the
-command line or in campaign.toml, it is fitted to all trials first. Writes compare.json, comparison.csv, figures (paths,
-heat maps of performance ratios, cost of transport) and report.html, one file with everything and an animation to scrub.
+into an actuation part (Resim - Sim) and a motion part (Exp - Resim) that add up to it. With no anisotropy ratio on the
+command line or in campaign.toml, it is fitted to all trials first. Writes compare.json, comparison.csv, figures (heat
+maps of performance ratios, cost of transport) and report.html, one file with everything and an animation to scrub.
 """
 
 from __future__ import annotations

@@ -12,7 +12,8 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from types import FrameType
 
 from serpenoid.errors import InputError, StopRequested
@@ -32,6 +33,7 @@ VERBS: dict[str, str] = {
     "play": "play a gait on the robot and record it",
     "robot": "find, check, rehearse and switch off the robot's servos",
     "arena": "play gaits in the virtual laboratory and write a campaign",
+    "reproduce": "the paper's whole protocol in the arena, start to figures",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
@@ -60,7 +62,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = build_parser(verb).parse_args(words)
     level = logging.DEBUG if args.verbose else logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
-    interrupted = _note_interrupts()
+    with _noted_interrupts() as interrupted:
+        return _run(args, interrupted)
+
+
+def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     try:
         code = args.run(args)
         sys.stdout.flush()
@@ -81,7 +87,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _complain("stopped.", 130)
 
 
-def _note_interrupts() -> list[int]:
+@contextmanager
+def _noted_interrupts() -> Iterator[list[int]]:
     """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception."""
     interrupted: list[int] = []
 
@@ -89,9 +96,15 @@ def _note_interrupts() -> list[int]:
         interrupted.append(number)
         raise KeyboardInterrupt
 
-    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-        signal.signal(signal.SIGINT, note)
-    return interrupted
+    previous = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or previous is signal.SIG_IGN:
+        yield interrupted
+        return
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, previous)
 
 
 def _complain(message: str, code: int) -> int:

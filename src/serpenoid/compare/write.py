@@ -145,7 +145,7 @@ def _ratios(study: Study) -> str:
          f"{len(s.wrong_pairs)} of {s.pair_count}"] for s in study.ratios
     ]  # fmt: skip
     text = (
-        "<p>Mean and STD of Xi without the diagonal, as published. They hide a common scale (see the bias), and the mean "
+        "<p>Mean and STD of Xi without the diagonal, as published. They hide a common scale (see the bias); the mean "
         "is at least 1 whatever the data; s is the SD of ln q, with 95 % bootstrap intervals.</p>"
     )
     return text + report.table(header, rows)

@@ -123,7 +123,11 @@ def _continuity_cost(known: Floats, path: Floats, edges: Floats, reach: int = 12
     for end, near in ((mine[0], seen[seen < mine[0]][-1:]), (mine[-1], seen[seen > mine[-1]][:1])):
         if len(near) and abs(int(near[0]) - int(end)) <= reach:
             inside = end + 1 if end == mine[0] else end - 1
-            speed = (path[inside % len(path)] - path[end]) * (inside - end) if np.isfinite(path[inside % len(path), 0]) else 0.0
+            speed = (
+                (path[inside % len(path)] - path[end]) * (inside - end)
+                if np.isfinite(path[inside % len(path), 0])
+                else 0.0
+            )
             jump = float(np.linalg.norm(path[end] - known[near[0]] - speed * (end - near[0])))
             worst = np.fmax(worst, jump / (GATE * np.median(edges)))
     return float(worst)

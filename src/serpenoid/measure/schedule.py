@@ -55,7 +55,10 @@ class Schedule:
 
 
 def start_by_log(log: ServoLog, cycle_duration_s: float, pause_s: float, rows: int) -> float | None:
-    """t0 on the log's clock, from the first log row of every (cycle, step); None where the log does not say."""
+    """t0 on the log's clock, None where the log does not say.
+
+    The first log row of every (cycle, step) is late by up to one log interval: the earliest ones tell.
+    """
     if log.phase is None or log.cycle is None or log.step is None:
         return None
     playing = np.array([phase == "play" for phase in log.phase])
@@ -66,7 +69,7 @@ def start_by_log(log: ServoLog, cycle_duration_s: float, pause_s: float, rows: i
     times = log.time_s[playing][first]
     due = log.cycle[playing][first] * (cycle_duration_s + pause_s)
     due = due + log.step[playing][first] * cycle_duration_s / rows
-    return float(np.median(times - due))
+    return float(np.percentile(times - due, 5))
 
 
 def start_by_shape(schedule: Schedule, time_s: Floats, joint_angles: Floats) -> Offset | None:

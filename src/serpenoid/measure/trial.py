@@ -158,10 +158,22 @@ def align_servo(estimate: ChainEstimate, time_s: Floats, log: ServoLog) -> tuple
     angles = interpolate(log.time_s + offset.offset_s, log.position, time_s)
     difference = estimate.joint_angles - angles
     zero = np.nanmedian(difference, axis=0)
-    marker_variance = np.nanmean(np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2))
-    scatter = np.nanmean((difference - zero) ** 2) - marker_variance
-    sd = float(np.sqrt(max(scatter, QUANTISATION_SD**2)))
+    sd = _servo_sd(difference - zero, np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2))
     return ServoAlignment(offset, zero, sd, angles + zero), []
+
+
+def _servo_sd(difference: Floats, variance: Floats) -> float:
+    """Scatter of the servos' angles beyond the markers' own noise, no smaller than these data can tell.
+
+    One standard error is added: servos that agree with the markers within their noise are not thereby exact, and their
+    errors (rounding, interpolation between log rows, the zero itself) last longer than a frame.
+    """
+    both = np.isfinite(difference) & np.isfinite(variance)
+    weight = np.where(both, 1 / np.where(both, variance, 1.0) ** 2, 0.0)
+    excess = np.where(both, difference, 0.0) ** 2 - np.where(both, variance, 0.0)
+    scatter = (weight * excess).sum() / weight.sum()
+    unsure = np.sqrt(2 / both.sum()) / np.sqrt(weight.sum() / both.sum())
+    return float(np.sqrt(max(scatter, QUANTISATION_SD**2) + unsure))
 
 
 def schedule_start(

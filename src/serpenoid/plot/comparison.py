@@ -43,7 +43,9 @@ def paths(comparison: Comparison, ax: Axes) -> Axes:
     """Centroid paths and the last bodies."""
     for name, colour, path in _three(comparison):
         ax.plot(*path.poses[:, :2].T, color=colour, label=name, **LINES[name])
-        draw_body(path.vertices[-1], ax, colour, width=BODIES[name], joints=name == "Exp")
+        body = path.vertices[-1]
+        joints = range(1, len(body) - 1) if name == "Exp" else ()
+        draw_body(body, ax, colour, width=BODIES[name], joints=joints)
     draw_body(comparison.exp.vertices[0], ax, GREY, width=2.0)
     ax.set_aspect("equal", adjustable="datalim")
     dress(ax, "", "x [body lengths]", "y [body lengths]")

@@ -63,7 +63,9 @@ def test_derivatives_of_the_step_are_those_of_finite_differences():
             np.testing.assert_allclose(exact[0, :, 3 + joint], slope, atol=1e-8)  # h^2 plus rounding over h
     up, down = (changed(model, ONLY_EPS, np.array([EPS + s * h])) for s in (1, -1))
     slope = -(modelled(angles, up) - modelled(angles, down)) / (2 * h)
-    np.testing.assert_allclose(lin.by_parameters[0] @ direction(model, ONLY_EPS, np.array([EPS]))[:, 0], slope, atol=1e-8)
+    np.testing.assert_allclose(
+        lin.by_parameters[0] @ direction(model, ONLY_EPS, np.array([EPS]))[:, 0], slope, atol=1e-8
+    )
 
 
 def test_exact_data_give_back_eps_to_rounding():

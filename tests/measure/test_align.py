@@ -168,5 +168,7 @@ def test_a_bumped_camera_is_found_and_nothing_where_nothing_happened():
 def test_schedule_holds_row_zero_in_pauses():
     table = serpenoid_table(20)
     schedule = Schedule(table, 2.0, 2, 1.0, start_s=10.0)
-    np.testing.assert_allclose(schedule.commanded(np.array([9.0, 10.0, 12.0, 12.9, 13.0, 16.5, 40.0])), np.tile(table[0], (7, 1)))
+    np.testing.assert_allclose(
+        schedule.commanded(np.array([9.0, 10.0, 12.0, 12.9, 13.0, 16.5, 40.0])), np.tile(table[0], (7, 1))
+    )
     np.testing.assert_allclose(schedule.commanded(np.array([10.5]))[0], table[5])

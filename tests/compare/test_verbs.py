@@ -1,0 +1,145 @@
+"""The verbs as a user meets them: a folder in, numbers and pictures out, rubbish refused, Ctrl-C clean."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from rehearsal import EPS, serpenoid_table, snake
+from serpenoid.cli.main import main
+from serpenoid.compare.rehearse import Laboratory, write_campaign
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("lab")
+    lab = Laboratory(frames_per_second=30.0)
+    tables = {"A-c0.5": serpenoid_table(30), "A-c1.0": serpenoid_table(30, a=4.0)}
+    write_campaign(path, snake(), tables, lab, 2, 0, cycle_duration_s=2.0, cycles=1, pause_s=1.0)
+    text = (path / "campaign.toml").read_text()
+    for c in ("0.5", "1.0"):
+        text = text.replace(f'gait = "A-c{c}"\n', f'gait = "A-c{c}"\ndissipation_coefficient = {c}\n')
+    (path / "campaign.toml").write_text(text)
+    return path
+
+
+def test_measure_writes_a_record_and_a_picture_of_every_trial(folder, tmp_path, capsys):
+    assert main(["measure", str(folder), "--out", str(tmp_path)]) == 0
+    record = json.loads((tmp_path / "campaign.json").read_text())
+    assert [t["trial"] for t in record["trials"]] == ["A-c0.5-1", "A-c0.5-2", "A-c1.0-1", "A-c1.0-2"]
+    assert record["trials"][0]["marker_sd_mm"] == pytest.approx(0.2, rel=0.1)
+    assert (tmp_path / "trial-A-c0.5-1.png").stat().st_size > 10_000
+    assert (tmp_path / "repeats-A-c0.5.svg").exists()
+    assert "A-c1.0-2" in capsys.readouterr().out
+
+
+def test_fit_prints_json_and_nothing_else(folder, tmp_path, capsys):
+    assert main(["fit", str(folder), "--out", str(tmp_path), "--json"]) == 0
+    out, err = capsys.readouterr()
+    record = json.loads(out)
+    assert err == ""
+    assert record["joint"]["values"]["anisotropy_ratio"] == pytest.approx(EPS, rel=0.005)
+    assert (tmp_path / "displacement-for-eps.png").exists()
+    assert (tmp_path / "calibration.svg").exists()
+
+
+def test_compare_quiet_without_figures_writes_numbers_only(folder, tmp_path, capsys):
+    assert (
+        main(
+            ["compare", str(folder), "--anisotropy-ratio", "0.1865", "--out", str(tmp_path), "--quiet", "--no-figures"]
+        )
+        == 0
+    )
+    assert capsys.readouterr().out == ""
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["compare.json", "comparison.csv"]
+    record = json.loads((tmp_path / "compare.json").read_text())
+    assert [p["dissipation_coefficient"] for p in record["cost_of_transport"]] == [0.5, 1.0]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no chromium: apt-get install chromium")
+def test_the_report_runs_in_a_real_browser(folder, tmp_path):
+    assert main(["compare", str(folder), "--out", str(tmp_path), "--quiet"]) == 0
+    report = tmp_path / "report.html"
+    text = report.read_text()
+    assert "http://" not in text.replace("http://www.w3.org", "")
+    assert "https://" not in text
+    lone = tmp_path / "lone"
+    lone.mkdir()
+    shutil.copy(report, lone / "report.html")  # it needs nothing beside it
+    probe = "<script>window.onerror=m=>{document.body.dataset.fault=m};</script>"
+    scrub = (
+        "<script>{const s=document.getElementById('scrub'),c=document.getElementById('stage');"
+        "const ink=()=>{const d=c.getContext('2d').getImageData(0,0,c.width,c.height).data;let n=0;"
+        "for(let i=3;i<d.length;i+=4)n+=d[i]>0?(i%9973):0;return n};const a=ink();"
+        "s.value=s.max;s.oninput();document.body.dataset.moved=(ink()!==a);"
+        "document.body.dataset.clock=document.getElementById('clock').textContent;"
+        "document.body.dataset.images=[...document.images].every(i=>i.complete&&i.naturalWidth>50)}</script>"
+    )
+    html = text.replace("<body>", "<body>" + probe, 1).replace("</body>", scrub + "</body>", 1)
+    (lone / "report.html").write_text(html)
+    dom = _browse(lone / "report.html", tmp_path)
+    assert 'data-ready="yes"' in dom
+    assert "data-fault" not in dom
+    assert 'data-moved="true"' in dom
+    assert re.search(r'data-clock="2\.[45]', dom)  # two seconds of gait and half the pause, to a frame
+
+
+def _browse(page: Path, home: Path) -> str:
+    command = [
+        str(BROWSER),
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-dev-shm-usage",
+        "--virtual-time-budget=3000",
+    ]
+    command += [f"--user-data-dir={home / 'profile'}", "--dump-dom", page.as_uri()]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+
+
+@pytest.mark.parametrize("verb", ["measure", "fit", "compare"])
+def test_rubbish_is_refused_in_one_sentence(verb, tmp_path, capsys):
+    assert main([verb, str(tmp_path / "nothing")]) == 2
+    assert "no such file" in capsys.readouterr().err
+    (tmp_path / "campaign.toml").write_text("format = 1\nname = [")
+    assert main([verb, str(tmp_path)]) == 2
+    assert "not valid TOML" in capsys.readouterr().err
+
+
+def test_a_wrong_parameter_and_a_wrong_eps_are_refused(folder, tmp_path, capsys):
+    assert main(["fit", str(folder), "--parameter", "eps", "--quiet", "--out", str(tmp_path)]) == 2
+    assert "one can fit anisotropy_ratio" in capsys.readouterr().err
+    assert main(["compare", str(folder), "--anisotropy-ratio", "3", "--quiet", "--out", str(tmp_path)]) == 2
+    assert "must be in (0, 1]" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_ctrl_c_exits_with_130_and_leaves_no_half_written_file(folder, tmp_path):
+    command = [sys.executable, "-m", "serpenoid", "compare", str(folder), "--out", str(tmp_path / "out")]
+    source = Path(__file__).resolve().parents[2] / "src"
+    process = subprocess.Popen(
+        command,
+        env={**os.environ, "PYTHONPATH": str(source)},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    time.sleep(2.5)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "stopped" in err
+    assert "Traceback" not in err
+    left = [p.name for p in (tmp_path / "out").glob(".*")] if (tmp_path / "out").exists() else []
+    assert left == []
