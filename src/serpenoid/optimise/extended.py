@@ -1,10 +1,10 @@
 """The gait NLP of a model with effects: the same variables and constraints, with the residual that has the effects.
 
-    T (drag_t + dt (c_0 P_t + c_1 P_{t-1} + c_2 P_{t-2})) = 0 for every step     (frame of the floor; see mechanics.extended)
+    T (drag_t + dt (c_0 P_t + c_1 P_{t-1} + c_2 P_{t-2})) = 0 for every step     (on the floor; see mechanics.extended)
 
 The cycle begins at the origin, heading along x, at rest, with the clock at zero: what depends on place, time or history
-is optimised as a robot would play it. Rows are the realised ones: a lag turns an ellipse into a smaller and later ellipse,
-other servo effects are formulas; a speed saturation becomes a limit (`limits.py`), and what has kinks is refused.
+is optimised as a robot would play it. Rows are the realised ones: a lag makes an ellipse smaller and later, other servo
+effects are formulas; a speed saturation becomes a limit (`limits.py`), and what has kinks is refused.
 Derivatives come from CasADi, vertex by vertex. Legend: T steps, M vertices, m joints, q gait (6).
 """
 
@@ -161,7 +161,7 @@ def _row(model: Model, q: ca.SX, phase: ca.SX, parameters: ca.SX, steps: int) ->
 def harmonic_response(model: Model, steps: int) -> tuple[float, float]:
     """What the servos with memory make of a sampled sine in the steady state: its gain and its shift [cycles].
 
-    With z = exp(2 pi i / T) the recursion angle_1 = A angle_0 + B set_0 + C set_1 answers H = (B / z + C) / (1 - A / z).
+    z = exp(2 pi i / T): the recursion angle_1 = A angle_0 + B set_0 + C set_1 answers H = (B / z + C) / (1 - A / z).
     """
     response, z = 1.0 + 0j, np.exp(2j * np.pi / steps)
     duration = model.step_duration(steps)

@@ -23,7 +23,7 @@ STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
 
 @dataclass(frozen=True)
 class Coast:
-    """Momentum known from earlier steps: the residual gains rate (S,) times this step's momentum, and carried (S, 3)."""
+    """What earlier momenta add to the residual: `rate` (S,) times this step's momentum, and `carried` (S, 3)."""
 
     rate: Floats
     carried: Floats

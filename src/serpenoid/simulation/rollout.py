@@ -19,7 +19,15 @@ from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, 
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
-__all__ = ["Batch", "body_frame", "body_poses", "simulate_batch", "simulate_joint_angles", "simulate_vertices"]
+__all__ = [
+    "Batch",
+    "body_frame",
+    "body_poses",
+    "simulate_batch",
+    "simulate_joint_angles",
+    "simulate_realised",
+    "simulate_vertices",
+]
 
 
 def simulate_joint_angles(
@@ -42,6 +50,18 @@ def simulate_joint_angles(
     return _assemble(model, vertices, steps, cycles if closed else 1, start)
 
 
+def simulate_realised(model: Model, joint_angles: Floats, times: Floats, start: Floats | None = None) -> Trajectory:
+    """Simulate joint angles that the body really had, shape (R, m) [rad] at `times` (R,) [s since the motion began].
+
+    Actuation effects do not act on them; `simulation.servos.realise` makes such angles from commanded ones.
+    """
+    angles = np.asarray(joint_angles, float)
+    if not np.isfinite(angles).all():
+        return _failed(Status.BAD_SHAPE, angles.shape[0], model)
+    vertices, elements = shape_rows(model, angles)
+    return _assemble(model, vertices, _solve_rows(model, elements, times, start), 1, start)
+
+
 def simulate_vertices(
     model: Model, vertices: Floats, start: Floats | None = None, times: Floats | None = None
 ) -> Trajectory:
@@ -55,12 +75,7 @@ def simulate_vertices(
     if not np.isfinite(shapes).all() or (lengths <= 0).any():
         return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
     elements = elements_of_vertices(model, shapes)
-    m = model.structure.elements
-    if model.medium_effects:
-        steps = solve_extended(model, elements, _checked_times(model, times, len(shapes)), start)
-    else:
-        steps = solve_steps(model, elements[:, :-m], elements[:, m:])
-    return _assemble(model, shapes, steps, 1, start)
+    return _assemble(model, shapes, _solve_rows(model, elements, times, start), 1, start)
 
 
 @dataclass(frozen=True)
@@ -111,13 +126,17 @@ def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats |
     played = cycles if closed and not alike else 1
     rows = np.concatenate([np.tile(angles, (played, 1)), angles[:1]]) if closed else angles
     vertices, elements = shape_rows(model, rows)
-    if model.medium_effects:
-        steps = solve_extended(model, elements, _clock(duration, len(rows)), start)
-    else:
-        m = model.structure.elements
-        steps = solve_steps(model, elements[:, :-m], elements[:, m:])
+    steps = _solve_rows(model, elements, _clock(duration, len(rows)), start)
     trajectory = _assemble(model, vertices, steps, cycles if closed and alike else 1, start)
     return replace(trajectory, steps_per_cycle=len(table)) if closed else trajectory
+
+
+def _solve_rows(model: Model, elements: Floats, times: Floats | None, start: Floats | None) -> Steps:
+    """Steps of consecutive rows, elements (4, M R): the baseline's, or with effects."""
+    m = model.structure.elements
+    if model.medium_effects:
+        return solve_extended(model, elements, _checked_times(model, times, elements.shape[1] // m), start)
+    return solve_steps(model, elements[:, :-m], elements[:, m:])
 
 
 def _checked_times(model: Model, times: Floats | None, rows: int) -> Floats:

@@ -131,7 +131,7 @@ class _Recorded:
         _, _, slope = evaluate("balance", self.law, self.before, self.after, poses, self.clocks)
         by = self._residual_derivatives(poses, columns)
         matrix = slope[:, :3] + self.rates[:, :1, None] * slope[:, 3:]
-        ends_by: Floats = -np.linalg.solve(matrix, by)
+        ends_by = -np.linalg.solve(matrix, by)
         c, s = np.cos(starts[:, 2])[:, None], np.sin(starts[:, 2])[:, None]
         x, y = ends_by[:, 0], ends_by[:, 1]
         return np.stack([c * x + s * y, c * y - s * x, ends_by[:, 2]], axis=1)

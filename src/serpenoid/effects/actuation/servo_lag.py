@@ -6,7 +6,7 @@ import casadi as ca
 
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
 
-INSTANT = 1e-9  # s: keeps the division defined at a lag of zero, where the answer is the set-point to the last bit
+INSTANT = 1e-12  # s: keeps the division defined at a lag of zero, where the answer is the set-point to the last bit
 
 
 class ServoLag(ActuationEffect):
