@@ -13,11 +13,12 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import MediumEffect
+from serpenoid.effects.base import ActuationEffect, MediumEffect
 from serpenoid.effects.catalogue import find, medium_effects
 from serpenoid.mechanics.extended import parameter_rows
+from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
 from serpenoid.model import Model
-from serpenoid.simulation import balance
+from serpenoid.simulation import balance, servos
 from serpenoid.simulation.chain import difference_weights
 from serpenoid.simulation.law import Law, evaluate, sensitivities
 from serpenoid.simulation.poses import body_frame, body_poses
@@ -75,6 +76,45 @@ def step_sensitivities(
     jacobian = problem.differentiate(relative, columns)
     jacobian[~sound] = np.nan
     return StepSensitivities(relative, jacobian, columns, sound)
+
+
+@dataclass(frozen=True)
+class ServoSensitivities:
+    """angles, readings (R, m) [rad] of a trial, their derivatives (R, m, P) by the columns' coordinates."""
+
+    angles: Floats
+    readings: Floats
+    angles_by: Floats
+    readings_by: Floats
+    columns: tuple[Column, ...]
+
+
+def servo_sensitivities(
+    model: Model, setpoints: Floats, times: Floats, candidates: Sequence[ActiveEffect] = ()
+) -> ServoSensitivities:
+    """What the joints do with set-points (R, m) at `times` (R,) [s], from rest, and derivatives by actuation effects.
+
+    These are the model's and the candidates, at their neutral values; an effect without one must be in the model.
+    """
+    wanted = [e for e in (*model.actuation_effects, *candidates) if isinstance(e.effect, ActuationEffect)]
+    for active in wanted:
+        if active not in model.effects and not active.is_neutral:
+            raise ValueError(f"`{active.name}` is a candidate and not neutral: put it into the model")
+    wanted = list({(e.name, e.place): e for e in reversed(wanted)}.values())[::-1]
+    # play of no width is at its edge wherever the joint rests: it is looked at alone, or other derivatives would stick
+    edges = [e for e in wanted if e not in model.effects and e.effect.place == "joint" and e.effect.memory]
+    angles, readings, plain = servos.play_with_derivatives(servos.coordinates(model), setpoints, times)
+    alone = plain
+    if edges:
+        alone = servos.play_with_derivatives(servos.coordinates(model, edges), setpoints, times)[2]
+    columns = tuple(Column(e.name, e.place, p.name) for e in wanted for p in e.effect.parameters)
+    rows = parameter_rows_of_servos()
+    by = np.zeros((*plain.shape[:2], len(columns), 2))
+    for i, column in enumerate(columns):
+        where = slice(None) if column.place is None else slice(column.place - 1, column.place)
+        source = alone if any((e.name, e.place) == (column.effect, column.place) for e in edges) else plain
+        by[:, where, i] = source[:, where, rows[column.effect or "", column.parameter]]
+    return ServoSensitivities(angles, readings, by[..., 0], by[..., 1], columns)
 
 
 @dataclass(frozen=True)
