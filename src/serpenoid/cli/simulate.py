@@ -24,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.problem import load
-    from serpenoid.results import default_folder, write_simulation
+    from serpenoid.results import crossing_warning, default_folder, write_simulation
     from serpenoid.simulation.problem import simulate
 
     problem = load(args.problem, args.set, args.model)
@@ -42,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {motion.heading_change:+.6f} rad",
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
+        *crossing_warning(motion),
         f"written to        {folder}",
     ]
     options.report(args, record, lines)

@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.optimise.solve import solve
-    from serpenoid.results import default_folder, write_solution
+    from serpenoid.results import crossing_warning, default_folder, write_solution
     from serpenoid.status import Status
 
     folder = options.output_folder(args, default_folder(problem, "solve", args.starts, args.seed))
@@ -68,7 +68,8 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
 
         multistart_figures(folder, result)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
-    options.report(args, record, [*_lines(best, result), f"written to        {folder}"])
+    lines = [*_lines(best, result), *crossing_warning(best.trajectory), f"written to        {folder}"]
+    options.report(args, record, lines)
     if stopped:
         options.complain(f"stopped after {len(result.solutions)} of {args.starts} starts; the best is in {folder}")
         return 130

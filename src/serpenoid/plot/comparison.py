@@ -92,7 +92,7 @@ def residual_along_body(comparison: Comparison, ax: Axes) -> Axes:
 
 def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
     """Xi of every pair of classes on one logarithmic scale, with what is published and what it hides below."""
-    fig = figure(4.1 * len(statistics) + 0.9, 5.0)
+    fig = figure(4.1 * len(statistics) + 0.9, 5.5)
     axes = fig.subplots(1, len(statistics), squeeze=False)[0]
     reach = max(1.25, max(float(np.exp(np.abs(np.log(s.quotients)).max())) for s in statistics))
     image = None
@@ -104,7 +104,10 @@ def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
         ax.set_yticks(shown, [gaits[i] for i in shown], fontsize=SMALL)
         if len(gaits) <= 8:
             for (i, j), value in np.ndenumerate(s.quotients):
-                ax.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=SMALL - 1, color=INK)
+                dark = abs(np.log(value)) > 0.6 * np.log(reach)
+                ax.text(
+                    j, i, f"{value:.2f}", ha="center", va="center", fontsize=SMALL - 1, color="white" if dark else INK
+                )
         dress(ax, s.pair, ratio_caption(s), "", grid=False)
         ax.xaxis.label.set_fontsize(SMALL)
     if image is not None:

@@ -120,9 +120,9 @@ def _evaluate(function: ca.Function, *arguments: Floats) -> list[Floats]:
     inputs = [np.ascontiguousarray(a, float) for a in arguments]
     results = [np.empty(function.size_out(i), order="F") for i in range(function.n_out())]
     for i, values in enumerate(inputs):
-        buffer.set_arg(i, memoryview(values.reshape(-1)))
+        buffer.set_arg(i, values.reshape(-1).data)
     for i, values in enumerate(results):
-        buffer.set_res(i, memoryview(values.reshape(-1, order="A")))
+        buffer.set_res(i, values.reshape(-1, order="A").data)
     run()
     return results
 
