@@ -128,9 +128,8 @@ def _extended_batch(model: Model, tables: Floats) -> Batch:
     times = np.tile(_clock(model.step_duration(t), t + 1), (b, 1))
     steps = solve_independent(model, before, after, times)
     energy, residual = steps.energy.reshape(b, t).sum(1), steps.residual.reshape(b, t).max(1)
-    return Batch(
-        group.accumulate(steps.relative.reshape(b, t, 3)), t * energy, residual, steps.sound.reshape(b, t).all(1)
-    )
+    poses = group.accumulate(steps.relative.reshape(b, t, 3))
+    return Batch(poses, t * energy, residual, np.asarray(steps.sound.reshape(b, t).all(1)))
 
 
 def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats | None, closed: bool) -> Trajectory:

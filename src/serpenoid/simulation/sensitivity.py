@@ -102,7 +102,7 @@ def servo_sensitivities(
             raise ValueError(f"`{active.name}` is a candidate and not neutral: put it into the model")
     wanted = list({(e.name, e.place): e for e in reversed(wanted)}.values())[::-1]
     # play of no width is at its edge wherever the joint rests: it is looked at alone, or other derivatives would stick
-    edges = [e for e in wanted if e not in model.effects and e.effect.place == "joint" and e.effect.memory]
+    edges = [e for e in wanted if e not in model.effects and _has_edge(e)]
     angles, readings, plain = servos.play_with_derivatives(servos.coordinates(model), setpoints, times)
     alone = plain
     if edges:
@@ -115,6 +115,10 @@ def servo_sensitivities(
         source = alone if any((e.name, e.place) == (column.effect, column.place) for e in edges) else plain
         by[:, where, i] = source[:, where, rows[column.effect or "", column.parameter]]
     return ServoSensitivities(angles, readings, by[..., 0], by[..., 1], columns)
+
+
+def _has_edge(active: ActiveEffect) -> bool:
+    return isinstance(active.effect, ActuationEffect) and active.effect.memory and active.effect.place is not None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ class Backlash(ActuationEffect):
     """The play operator, exact at the ends of steps in which the set-point is monotone."""
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
-        """Stay, or be pushed; a joint at rest stays at rest in the derivatives too, one without play follows in them."""
+        """Stay, or be pushed; a joint at rest stays so in the derivatives too, one without play follows."""
         half = p.width / 2
         pushed_down = ca.if_else(angle > after + half, after + half, angle)
         played = ca.if_else(angle < after - half, after - half, pushed_down)
