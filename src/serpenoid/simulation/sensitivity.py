@@ -64,15 +64,9 @@ def step_sensitivities(
     motion, at rest before]; poses (R, 3) on the floor [body lengths, rad], by default those of the vertices. Candidates
     are not in the model: `ActiveEffect.neutral(name, place)`, with values for parameters that have no neutral one.
     """
-    m = model.structure.elements
-    elements = elements_of_vertices(model, body_frame(model, vertices))
-    before, after = elements[:, :-m], elements[:, m:]
     floor = body_poses(model, vertices) if poses is None else np.asarray(poses, float)
-    wanted = [e for e in (*model.medium_effects, *candidates) if isinstance(e.effect, MediumEffect)]
-    wanted = list({(e.name, e.place): e for e in reversed(wanted)}.values())[::-1]
-    problem = _Recorded.of(model, before, after, np.asarray(times, float), floor, wanted)
+    problem, columns = recorded(model, vertices, times, floor, candidates)
     relative, sound = problem.predict()
-    columns = (EPS, *(Column(e.name, e.place, p.name) for e in wanted for p in e.effect.parameters))
     jacobian = problem.differentiate(relative, columns)
     jacobian[~sound] = np.nan
     return StepSensitivities(relative, jacobian, columns, sound)
@@ -117,12 +111,24 @@ def servo_sensitivities(
     return ServoSensitivities(angles, readings, by[..., 0], by[..., 1], columns)
 
 
+def recorded(
+    model: Model, vertices: Floats, times: Floats, floor: Floats, candidates: Sequence[ActiveEffect]
+) -> tuple[Recorded, tuple[Column, ...]]:
+    """A recording as a problem, and the columns of its derivatives: eps, the model's medium effects, the candidates."""
+    m = model.structure.elements
+    elements = elements_of_vertices(model, body_frame(model, vertices))
+    wanted = [e for e in (*model.medium_effects, *candidates) if isinstance(e.effect, MediumEffect)]
+    wanted = list({(e.name, e.place): e for e in reversed(wanted)}.values())[::-1]
+    columns = (EPS, *(Column(e.name, e.place, p.name) for e in wanted for p in e.effect.parameters))
+    return Recorded.of(model, elements[:, :-m], elements[:, m:], np.asarray(times, float), floor, wanted), columns
+
+
 def _has_edge(active: ActiveEffect) -> bool:
     return isinstance(active.effect, ActuationEffect) and active.effect.memory and active.effect.place is not None
 
 
 @dataclass(frozen=True)
-class _Recorded:
+class Recorded:
     """A recording's steps, with the law of the model plus resting candidates."""
 
     model: Model
@@ -137,7 +143,7 @@ class _Recorded:
     @classmethod
     def of(
         cls, model: Model, before: Floats, after: Floats, times: Floats, floor: Floats, wanted: list[ActiveEffect]
-    ) -> _Recorded:
+    ) -> Recorded:
         law = Law.of(model, candidates=[e for e in wanted if e not in model.effects])
         rates = difference_weights(times) * np.diff(times)[:, None]
         history = any("history" in e.effect.knows for e in wanted if isinstance(e.effect, MediumEffect))
@@ -147,6 +153,12 @@ class _Recorded:
     def clocks(self) -> Floats:
         """Clock inputs of the steps."""
         return self.law.clocks(np.column_stack([self.times[:-1], self.times[1:]]))
+
+    @property
+    def elements_by_step(self) -> tuple[Floats, Floats]:
+        """Elements before and after, (4, S, M)."""
+        m = self.model.structure.elements
+        return self.before.reshape(4, -1, m), self.after.reshape(4, -1, m)
 
     @property
     def measured(self) -> Floats:
@@ -173,14 +185,14 @@ class _Recorded:
         ends = balance.compose(starts, np.nan_to_num(relative))
         poses = np.hstack([starts, ends]).T
         _, _, slope = evaluate("balance", self.law, self.before, self.after, poses, self.clocks)
-        by = self._residual_derivatives(poses, columns)
+        by = self.residual_derivatives(poses, columns)
         matrix = slope[:, :3] + self.rates[:, :1, None] * slope[:, 3:]
         ends_by = -np.linalg.solve(matrix, by)
         c, s = np.cos(starts[:, 2])[:, None], np.sin(starts[:, 2])[:, None]
         x, y = ends_by[:, 0], ends_by[:, 1]
         return np.stack([c * x + s * y, c * y - s * x, ends_by[:, 2]], axis=1)
 
-    def _residual_derivatives(self, poses: Floats, columns: Sequence[Column]) -> Floats:
+    def residual_derivatives(self, poses: Floats, columns: Sequence[Column]) -> Floats:
         """Derivatives of the residual by the columns (S, 3, P), momenta of earlier steps included."""
         now = self._by_columns(poses, columns)
         total = now[:, :3]
