@@ -13,6 +13,7 @@ from effects.conftest import extended, place_of, typical
 from serpenoid.effects import ActiveEffect, catalogue, find
 from serpenoid.model import Model
 from serpenoid.problem import Problem
+from serpenoid.simulation.path import path_sensitivities
 from serpenoid.simulation.sensitivity import Column, StepSensitivities, step_sensitivities
 
 MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium"]
@@ -102,3 +103,26 @@ def test_ten_thousand_steps_by_all_effects_at_all_places_take_about_a_second(
     seconds = time.process_time() - begin
     assert found.jacobian.shape == (10_000, 3, 1 + 18 + 24)
     assert seconds < 5  # 1 s on an idle core of 2020; processor time
+
+
+@pytest.mark.parametrize("present", [(), ("dry_friction", "toe"), ("inertia", "slope", "added_mass")])
+def test_derivatives_of_a_path_are_those_of_the_simulation(
+    present: tuple[str, ...], problem: Problem, recording: np.ndarray
+) -> None:
+    effects, start = tuple(typical(name) for name in present), np.array([0.1, 0.2, 0.3])
+    candidates = [ActiveEffect.neutral(name, place_of(name)) for name in MEDIUM if name not in present]
+    found = path_sensitivities(extended(problem, *effects), recording, TIMES, start, candidates)
+
+    def path(model: Model, first: np.ndarray = start) -> np.ndarray:
+        motion = sp.simulate_vertices(model, recording, first, TIMES)
+        assert motion.status.ok
+        return motion.poses
+
+    np.testing.assert_array_equal(found.trajectory.poses, path(extended(problem, *effects)))
+    for i in range(3):
+        high, low = (path(extended(problem, *effects), start + x * np.eye(3)[i]) for x in (STEP, -STEP))
+        np.testing.assert_allclose(found.by_start[..., i], (high - low) / (2 * STEP), atol=1e-6)
+    for i, column in enumerate(found.columns):
+        high, low = (path(moved(problem, effects, column, x)) for x in (STEP, 0.0))
+        size = np.abs(found.jacobian[..., i]).max()
+        np.testing.assert_allclose(found.jacobian[..., i], (high - low) / STEP, atol=1e-6 + 2e-3 * size)

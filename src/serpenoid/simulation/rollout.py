@@ -12,7 +12,7 @@ import numpy as np
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulation.extended import solve_extended
+from serpenoid.simulation.extended import solve_extended, solve_independent
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
@@ -97,7 +97,7 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
     """Simulate B joint tables, shape (B, T, m) [rad], for one cycle each, in one compiled call."""
     b, t, _ = tables.shape
     if model.effects:
-        return _extended_batch([simulate_joint_angles(model, table) for table in tables])
+        return _extended_batch(model, tables)
     steps = solve_cycles(model, tables)
     relative = steps.relative.reshape(b, t, 3)
     dissipation = t * steps.energy.reshape(b, t).sum(1)
@@ -111,11 +111,25 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
     return Batch(poses, dissipation, residual, sound)
 
 
-def _extended_batch(motions: list[Trajectory]) -> Batch:
-    poses = np.array([motion.poses for motion in motions])
-    dissipation = np.array([motion.dissipation for motion in motions])
-    residual = np.array([motion.residual for motion in motions])
-    return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+def _extended_batch(model: Model, tables: Floats) -> Batch:
+    """All steps of all gaits at once where they are independent, else gait by gait."""
+    b, t, m = tables.shape
+    if model.knows("place") or model.knows("history"):
+        motions = [simulate_joint_angles(model, table) for table in tables]
+        poses = np.array([motion.poses for motion in motions])
+        dissipation = np.array([motion.dissipation for motion in motions])
+        residual = np.array([motion.residual for motion in motions])
+        return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+    realised = np.array([realise_gait(model, table) for table in tables])
+    closed = np.concatenate([realised, realised[:, :1]], axis=1)
+    _, elements = shape_rows(model, closed.reshape(-1, m))
+    rows = elements.reshape(4, b, t + 1, -1)
+    before, after = rows[:, :, :-1].reshape(4, -1), rows[:, :, 1:].reshape(4, -1)
+    times = np.tile(_clock(model.step_duration(t), t + 1), (b, 1))
+    steps = solve_independent(model, before, after, times)
+    energy, residual = steps.energy.reshape(b, t).sum(1), steps.residual.reshape(b, t).max(1)
+    poses = group.accumulate(steps.relative.reshape(b, t, 3))
+    return Batch(poses, t * energy, residual, np.asarray(steps.sound.reshape(b, t).all(1)))
 
 
 def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats | None, closed: bool) -> Trajectory:

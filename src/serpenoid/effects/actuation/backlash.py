@@ -11,9 +11,11 @@ class Backlash(ActuationEffect):
     """The play operator, exact at the ends of steps in which the set-point is monotone."""
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
-        """Stay, or be pushed."""
+        """Stay, or be pushed; a joint at rest stays so in the derivatives too, one without play follows."""
         half = p.width / 2
-        return ca.fmin(ca.fmax(angle, after - half), after + half)
+        pushed_down = ca.if_else(angle > after + half, after + half, angle)
+        played = ca.if_else(angle < after - half, after - half, pushed_down)
+        return ca.if_else(p.present > 0, played, after)
 
 
 EFFECT = Backlash(
