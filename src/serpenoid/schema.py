@@ -91,7 +91,10 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     shown = "" if isinstance(fault["input"], dict) else f", got {fault['input']!r}"
     if fault["type"] == "model_type":
         return f"{place}: must be a section, [{place}] and its keys below it{shown}."
-    rule, _, remedy = fault["msg"].removeprefix("Value error, ").partition("; ")
+    message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
+    if not place:
+        return f"{message}."
+    rule, _, remedy = message.partition("; ")
     return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
 
 

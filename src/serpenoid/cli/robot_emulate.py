@@ -70,6 +70,8 @@ def run(args: argparse.Namespace) -> int:
     server.serve(lambda: bool(stopping))
     report = server.report()
     server.close()
+    if ground is not None:
+        ground.close()
     if ground is not None and args.motion is not None:
         ground.write_motion(args.motion)
     if args.report is not None:

@@ -45,6 +45,7 @@ def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {len(body['joints'])} joints, {body['length_m']:.4g} m",
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
+        *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(f'{k} {_short(v)}' for k, v in gait.items() if k != 'family')}",
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
@@ -91,6 +92,11 @@ def _files(folder: Path) -> list[str]:
 
 def _pictures(names: list[str]) -> list[str]:
     return [f"pictures          {', '.join(names)}"] if names else ["pictures          none (it was run --no-figures)"]
+
+
+def _effect(record: dict[str, Any]) -> str:
+    where = "" if record["place"] is None else f" at {record['place']}"
+    return f"{record['name']}{where}: {', '.join(f'{k} {_short(v)}' for k, v in record['parameters'].items())}"
 
 
 def _short(value: Any) -> str:

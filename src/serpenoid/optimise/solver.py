@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.extended import ExtendedNLP
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, worst_violation
@@ -98,7 +100,9 @@ class GaitSolver:
     def prepared(self, path_rows: int) -> tuple[GaitNLP, Ipopt]:
         """The NLP with `path_rows` limit rows, and its solver."""
         if path_rows not in self._prepared:
-            nlp = GaitNLP(self.model.structure, self.steps, path_rows)
+            extended = self.model.medium_effects or self.model.actuation_effects
+            kind = partial(ExtendedNLP, self.model) if extended else partial(GaitNLP, self.model.structure)
+            nlp: GaitNLP = kind(self.steps, path_rows)
             if self.customise is not None:
                 self.customise(nlp)
             self._prepared[path_rows] = nlp, Ipopt(nlp)

@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.model import Model, Structure
 from serpenoid.status import Status
@@ -39,6 +40,8 @@ class SpatialTrajectory:
 
 def simulate_in_space(model: Model, vertices: Floats) -> SpatialTrajectory:
     """Place shapes (R, N, 3) [body lengths] one after the other; the first stays where it is."""
+    if model.medium_effects:
+        raise InputError(f"[[effects]] `{model.medium_effects[0].name}` acts on a floor; simulate in the plane.")
     shapes = np.asarray(vertices, float)
     rows = shapes.shape[0]
     rotations, translations = np.tile(np.eye(3), (rows, 1, 1)), np.zeros((rows, 3))

@@ -1,0 +1,195 @@
+"""The gait NLP of a model with effects: the same variables and constraints, with the residual that has the effects.
+
+    T (drag_t + dt (c_0 P_t + c_1 P_{t-1} + c_2 P_{t-2})) = 0 for every step     (on the floor; see mechanics.extended)
+
+The cycle begins at the origin, heading along x, at rest, with the clock at zero: what depends on place, time or history
+is optimised as a robot would play it. Rows are the realised ones: a lag makes an ellipse smaller and later, other servo
+effects are formulas; a speed saturation becomes a limit (`limits.py`), and what has kinks is refused.
+Derivatives come from CasADi, vertex by vertex. Legend: T steps, M vertices, m joints, q gait (6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from scipy import sparse
+
+from serpenoid.body import Floats
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import actuation_effects, medium_effects
+from serpenoid.errors import InputError
+from serpenoid.mechanics import kinematics
+from serpenoid.mechanics.extended import CLOCK, wrench
+from serpenoid.mechanics.functions import CSE, split_parameters
+from serpenoid.model import Model
+from serpenoid.optimise.assembly import GAIT, scatter_jacobian
+from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.simulation.chain import difference_weights
+from serpenoid.simulation.law import Law, coordinates
+from serpenoid.simulation.servos import coordinates as servo_coordinates
+
+
+class ExtendedNLP(GaitNLP):
+    """A GaitNLP for a model with effects. What `customise` adds works as for the baseline."""
+
+    def __init__(self, model: Model, steps: int, path_rows: int = 0) -> None:
+        refuse(model.effects)
+        self.model = model
+        super().__init__(model.structure, steps, path_rows)
+
+    @property
+    def dissipation(self) -> ca.MX:
+        """T times E, E half the work against the drag."""
+        return self.steps * self._motion()[1]
+
+    def functions(self) -> dict[str, ca.Function]:
+        """The NLP as named Functions, as `casadi.nlpsol` takes them; names as in GaitNLP."""
+        x, p = self.variables, self.parameters
+        residual, energy = self._motion()
+        weight = 0 if self.replaced else p[0] * self.steps
+        f = self._base_objective() + weight * energy
+        added = ca.vertcat(*(expression for expression, _, _ in self.added)) if self.added else ca.MX(0, 1)
+        path, path_jacobian = self._path_terms()
+        scaled, counts = ca.vec(residual) * self.steps, self.constraint_counts
+        jacobian = ca.vertcat(self._jacobian() * self.steps, path_jacobian, ca.jacobian(added, x))
+        factor, multipliers = ca.MX.sym("multiplier"), ca.MX.sym("multipliers", sum(counts))
+        momentum, on_path, on_added = ca.vertsplit(multipliers, [0, counts[0], counts[0] + counts[1], sum(counts)])
+        smooth = factor * f + ca.dot(momentum, scaled) + ca.dot(on_added, added)
+        hessian = ca.triu(ca.hessian(smooth, x)[0]) + self._path_hessian(on_path)
+        make: Callable[..., ca.Function] = ca.Function
+        g = ca.vertcat(scaled, path, added)
+        lagrange = (["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"])
+        return {
+            "f": make("gait_nlp_objective", [x, p], [f], ["x", "p"], ["f"]),
+            "g": make("gait_nlp_constraints", [x, p], [g], ["x", "p"], ["g"]),
+            "grad_f": make(
+                "gait_nlp_gradient", [x, p], [f, ca.densify(ca.gradient(f, x))], ["x", "p"], ["f", "grad_f_x"]
+            ),
+            "jac_g": make("gait_nlp_jacobian", [x, p], [g, jacobian], ["x", "p"], ["g", "jac_g_x"]),
+            "hess_lag": make("gait_nlp_hessian", [x, p, factor, multipliers], [hessian], *lagrange),
+        }
+
+    def _motion(self) -> tuple[ca.MX, ca.MX]:
+        """Residuals (3, T) of all steps, and the sum of their energies."""
+        value = self._over_all_steps(self._step)
+        return self._with_history(value[:3, :], value[3:6, :]), ca.sum2(value[6, :])
+
+    def _jacobian(self) -> ca.MX:
+        """Derivatives (3 T, 3 T + 6) of the residuals, step by step into their places."""
+        blocks = self._over_all_steps(self._step_jacobian)
+        drag, momentum = (scatter_jacobian(blocks[rows, :], self.steps) for rows in (slice(0, 3), slice(3, 6)))
+        if not self.model.knows("history"):
+            return drag
+        shifts = (np.diag(self._rates[age:, age], -age) for age in range(3))
+        return drag + ca.DM(sparse.csc_matrix(np.kron(sum(shifts), np.eye(3)))) @ momentum
+
+    def _with_history(self, drag: ca.MX, momentum: ca.MX) -> ca.MX:
+        if not self.model.knows("history"):
+            return drag
+        t, rates = self.steps, ca.DM(self._rates).T
+        momenta = ca.horzcat(ca.MX.zeros(3, 2), momentum)
+        return sum((ca.repmat(rates[a, :], 3, 1) * momenta[:, 2 - a : 2 - a + t] for a in range(3)), drag)
+
+    @property
+    def _times(self) -> Floats:
+        return self.model.step_duration(self.steps) * np.arange(self.steps + 1, dtype=float)
+
+    @property
+    def _rates(self) -> Floats:
+        """Dimensionless coefficients (T, 3) of a step's momentum and of the two before it."""
+        return difference_weights(self._times) * self.model.step_duration(self.steps)
+
+    def _over_all_steps(self, function: ca.Function) -> ca.MX:
+        poses, phases = ca.horzcat(ca.MX.zeros(3, 1), self.poses), self._phases()
+        clocks = Law.of(self.model).clocks(np.column_stack([self._times[:-1], self._times[1:]]))
+        mapped = function.map("steps", "serial", self.steps, [2, 6], [])
+        inputs = [poses[:, :-1], poses[:, 1:], self.gait, phases[:, :-1], phases[:, 1:], clocks]
+        return mapped(*inputs, self.model_parameters)
+
+    @cached_property
+    def _step(self) -> ca.Function:
+        return step_function(self.model, self.steps)
+
+    @cached_property
+    def _step_jacobian(self) -> ca.Function:
+        inputs = self._step.sx_in()
+        value = self._step(*inputs)
+        slope = ca.densify(ca.jacobian(value[:6], ca.vertcat(*inputs[:3])))
+        return ca.Function("extended_jacobian", inputs, [slope], CSE)
+
+
+def refuse(effects: tuple[ActiveEffect, ...]) -> None:
+    """Raise InputError for an effect that the NLP cannot have; those that do not change motion are no obstacle."""
+    for active in effects:
+        reason = active.effect.reasons.get("nlp")
+        if reason and active.effect.site != "observation":
+            raise InputError(f"[[effects]] `{active.name}` cannot be optimised with: {reason}.")
+
+
+def step_function(model: Model, steps: int) -> ca.Function:
+    """(g_t, g_{t+1}, q, phase_t, phase_{t+1}, clock, parameters) -> drag (3), momentum (3), energy: one step, (7)."""
+    g0, g1, q = ca.SX.sym("g0", 3), ca.SX.sym("g1", 3), ca.SX.sym("q", GAIT)
+    t0, t1, clock = ca.SX.sym("t0"), ca.SX.sym("t1"), ca.SX.sym("clock", CLOCK)
+    parameters = ca.SX.sym("parameters", 2 * model.structure.vertices)
+    _, weights, eps = split_parameters(parameters, model.structure)
+    present = {e.name for e in model.medium_effects}
+    kinds = tuple(kind for kind in medium_effects() if kind.name in present)
+    theta = ca.SX(ca.DM(coordinates(model, kinds=kinds)))
+    before, after = (ca.horzsplit(_row(model, q, t, parameters, steps)) for t in (t0, t1))
+    total = ca.SX.zeros(7)
+    for k, (b, a) in enumerate(zip(before, after, strict=True)):
+        medium = ca.vertcat(weights[k], eps)
+        total += wrench(kinds, b, a, ca.vertcat(g0, g1), medium, clock, theta[:, k])
+    inputs = [g0, g1, q, t0, t1, clock, parameters]
+    return ca.Function("extended_step", inputs, [ca.densify(total)], CSE)
+
+
+def _row(model: Model, q: ca.SX, phase: ca.SX, parameters: ca.SX, steps: int) -> ca.SX:
+    """Elements (4, M) of the realised row, in the body frame."""
+    edges, weights, _ = split_parameters(parameters, model.structure)
+    gain, shift = harmonic_response(model, steps)
+    answered = ca.vertcat(q[:4], gain * q[4], q[5])  # the half axes shrink, the phase is late
+    coordinates = kinematics.ellipse_coordinates(answered, phase + shift)
+    commanded = kinematics.serpenoid_joint_angles(coordinates, edges, model.structure)
+    points, unit = kinematics.vertices(_servos(model, commanded), edges, weights, model.structure)
+    return kinematics.elements(points, unit, model.structure)
+
+
+def harmonic_response(model: Model, steps: int) -> tuple[float, float]:
+    """What the servos with memory make of a sampled sine in the steady state: its gain and its shift [cycles].
+
+    z = exp(2 pi i / T): the recursion angle_1 = A angle_0 + B set_0 + C set_1 answers H = (B / z + C) / (1 - A / z).
+    """
+    response, z = 1.0 + 0j, np.exp(2j * np.pi / steps)
+    duration = model.step_duration(steps)
+    for active in model.actuation_effects:
+        if not active.effect.memory or active.name == "speed_saturation":  # type: ignore[attr-defined]
+            continue
+        a, b, c = _recursion(active, duration)
+        response *= (b / z + c) / (1 - a / z)
+    return abs(response), float(np.angle(response)) / (2 * np.pi)
+
+
+def _recursion(active: ActiveEffect, duration: float) -> tuple[float, float, float]:
+    p = active.effect.symbols(ca.SX(ca.DM(active.coordinates)))
+    respond = active.effect.respond  # type: ignore[attr-defined]
+    unit = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    return tuple(float(ca.evalf(respond(*(ca.SX(u) for u in e), ca.SX(duration), p))) for e in unit)  # type: ignore
+
+
+def _servos(model: Model, angles: ca.SX) -> ca.SX:
+    """Joint angles (m) after the effects without memory."""
+    theta, start = ca.DM(servo_coordinates(model)), 0
+    realised = ca.vertsplit(angles)
+    for kind in actuation_effects():
+        count = len(kind.parameters) + 1
+        part = theta[start : start + count, :]
+        if not kind.memory:
+            realised = [
+                kind.respond(a, a, a, ca.SX(1), kind.symbols(ca.SX(part[:, j]))) for j, a in enumerate(realised)
+            ]
+        start += count
+    return ca.vertcat(*realised)
