@@ -107,9 +107,7 @@ def test_a_seized_chain_is_isotropic_and_stays_where_it_is(problem: Problem, tab
     np.testing.assert_allclose(motion.poses[:, :2], 0, atol=1e-12)
 
 
-def test_a_patch_wider_than_the_arena_changes_nothing_but_the_drag_level(
-    problem: Problem, table: np.ndarray
-) -> None:
+def test_a_patch_wider_than_the_arena_changes_nothing_but_the_drag_level(problem: Problem, table: np.ndarray) -> None:
     wide = ActiveEffect.of("friction_patch", strength=3.0, x=0.0, y=0.0, radius=10.0)
     np.testing.assert_allclose(
         played(extended(problem, wide), table).poses, played(extended(problem), table).poses, atol=2e-3
