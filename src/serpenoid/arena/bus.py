@@ -1,19 +1,22 @@
 """The arena under the emulated servo bus: `play` talks to emulated servos, and they move the arena's robot.
 
 The emulator keeps control tables, profiles, watchdogs and protection; shafts are turned by the arena's motors against
-the arena's floor. The robot moves in a thread of its own, camera frame by camera frame after the emulator's clock, so
-that the servos answer in time however long a frame takes.
+the arena's floor. The robot moves in a process of its own, camera frame by camera frame after the emulator's clock:
+an answer on the bus is due within milliseconds, and a frame must not hold it up.
 """
 
 from __future__ import annotations
 
-import sys
-import threading
+import multiprocessing
+import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from serpenoid.arena import mujoco_module
 from serpenoid.arena.bench import CENTRE, Bench
-from serpenoid.body import Floats
+from serpenoid.arena.robot import SERVOS
+from serpenoid.arena.workers import interrupts_ignored, watch_parent
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv
 from serpenoid.robot.description import JointServo
@@ -21,9 +24,9 @@ from serpenoid.robot.emulator.motion import Motion
 from serpenoid.robot.emulator.servo import EmulatedServo
 
 FRAME_S = 1 / 120
-LONGEST_S = 0.25  # a lag behind the clock longer than this is not caught up with
+LONGEST_S = 1.0  # a lag behind the clock longer than this is not caught up with
 PATIENCE_S = 0.002
-SWITCH_S = 0.0002  # an answer is due within a millisecond or two; a frame must not hold it up for five
+NOW, GOAL, TORQUE, POSITION, SPEED = 0, 1, 1 + SERVOS, 1 + 2 * SERVOS, 1 + 3 * SERVOS  # places in the shared numbers
 
 
 class Shaft(Motion):
@@ -40,56 +43,72 @@ class Shaft(Motion):
 class Ground:
     """The robot that the emulated servos are built into, filmed by ideal cameras."""
 
-    def __init__(self, bench: Bench, servos: Sequence[EmulatedServo], joints: Sequence[JointServo]) -> None:
-        self.bench = bench
-        self._servos, self._joints = servos, joints
-        self._now: float | None = None
-        self._ended = threading.Event()
-        self._error: Exception | None = None
-        self._thread = threading.Thread(target=self._follow, daemon=True)
-        self.frames: list[Floats] = [bench.markers()]
-        for servo, joint in zip(servos, joints, strict=True):
+    def __init__(self, servos: Sequence[EmulatedServo], joints: Sequence[JointServo]) -> None:
+        mujoco_module()
+        self._pairs = list(zip(servos, joints, strict=True))
+        for servo, joint in self._pairs:
             servo.motion = Shaft(float(joint.zero_ticks))
-        sys.setswitchinterval(SWITCH_S)
-        self._thread.start()
+        context = multiprocessing.get_context("spawn")
+        self._numbers = context.Array("d", 1 + 4 * SERVOS, lock=False)
+        self._ended = context.Event()
+        self._mail, theirs = context.Pipe()
+        self._process = context.Process(target=_drive, args=(self._numbers, self._ended, theirs), daemon=True)
+        with interrupts_ignored():
+            self._process.start()
+        theirs.close()
+        self._mail.recv()  # it stands on the floor
 
     def advance(self, now: float) -> None:
-        """Let the robot move up to time `now` [s]; it tells the shafts where they are when it gets there."""
-        self._now = now
+        """Let the robot move up to time `now` [s], and tell the shafts where they are by now."""
+        numbers = self._numbers
+        for index, (servo, joint) in enumerate(self._pairs):
+            numbers[GOAL + index] = joint.sign * (servo.motion.profile - joint.zero_ticks)
+            numbers[TORQUE + index] = float(servo.torque)
+            servo.motion.position = joint.zero_ticks + joint.sign * numbers[POSITION + index]
+            servo.motion.velocity = joint.sign * numbers[SPEED + index]
+        numbers[NOW] = now
 
-    def close(self) -> None:
-        """Stop moving; raise what went wrong on the way."""
+    def close(self, motion: Path | None = None) -> None:
+        """Stop; write marker positions as a tidy CSV (t_s, x_0, y_0, ... [s, m], vertex 0 = tail) if asked."""
         self._ended.set()
-        self._thread.join()
-        if self._error is not None:
-            raise self._error
+        try:
+            frames, complaint = self._mail.recv()
+        except EOFError:
+            raise InputError("the arena's process was killed: its motion is lost.") from None
+        self._process.join()
+        if motion is not None and frames:
+            header = ["t_s", *(f"{axis}_{vertex}" for vertex in range(len(frames[0])) for axis in "xy")]
+            write_csv(motion, header, [[n * FRAME_S, *frame.ravel().tolist()] for n, frame in enumerate(frames)])
+        if complaint:
+            raise InputError(complaint)
 
-    def write_motion(self, path: Path) -> None:
-        """Marker positions as a tidy CSV: t_s, x_0, y_0, ... [s, m], vertex 0 = tail."""
-        header = ["t_s", *(f"{axis}_{vertex}" for vertex in range(len(self.frames[0])) for axis in "xy")]
-        rows = [[n * FRAME_S, *frame[:, :2].ravel().tolist()] for n, frame in enumerate(self.frames)]
-        write_csv(path, header, rows)
 
-    def _follow(self) -> None:
-        reached: float | None = None
-        while not self._ended.is_set() and self._error is None:
-            now = self._now
-            if now is None or (reached is not None and now - reached < FRAME_S):
-                self._ended.wait(PATIENCE_S)
-                continue
-            reached = max(now - LONGEST_S, now if reached is None else reached + FRAME_S)
-            try:
-                self._move()
-            except InputError as error:
-                self._error = error
+def _drive(numbers: Any, ended: Any, mail: Any) -> None:
+    """The arena's process: follow the clock, send the frames at the end."""
+    watch_parent()
+    bench = Bench()
+    frames = [bench.markers()[:, :2]]
+    mail.send("ready")
+    reached, complaint = 0.0, ""
+    while not ended.is_set() and not complaint:
+        now = numbers[NOW]
+        if now - reached < FRAME_S:
+            time.sleep(PATIENCE_S)
+            continue
+        reached = max(now - LONGEST_S, reached + FRAME_S) if reached else now
+        try:
+            _move(bench, numbers)
+        except InputError as error:
+            complaint = str(error)
+        frames.append(bench.markers()[:, :2])
+    mail.send((frames, complaint))
 
-    def _move(self) -> None:
-        for number, (servo, joint) in enumerate(zip(self._servos, self._joints, strict=True), 1):
-            self.bench.set_torque(number, servo.torque)
-            self.bench.set_goal_ticks(number, CENTRE + joint.sign * (servo.motion.profile - joint.zero_ticks))
-        self.bench.step(FRAME_S)
-        for number, (servo, joint) in enumerate(zip(self._servos, self._joints, strict=True), 1):
-            away = self.bench.position_ticks(number) - CENTRE
-            servo.motion.position = float(joint.zero_ticks + joint.sign * away)
-            servo.motion.velocity = joint.sign * self.bench.velocity_ticks_per_s(number)
-        self.frames.append(self.bench.markers())
+
+def _move(bench: Bench, numbers: Any) -> None:
+    for index in range(SERVOS):
+        bench.set_torque(index + 1, bool(numbers[TORQUE + index]))
+        bench.set_goal_ticks(index + 1, CENTRE + numbers[GOAL + index])
+    bench.step(FRAME_S)
+    for index in range(SERVOS):
+        numbers[POSITION + index] = bench.position_ticks(index + 1) - CENTRE
+        numbers[SPEED + index] = bench.velocity_ticks_per_s(index + 1)

@@ -21,11 +21,11 @@ def results(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
             yield function(*task)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(tasks)), mp_context=context, initializer=_watch_parent) as pool:
+    with ProcessPoolExecutor(min(jobs, len(tasks)), mp_context=context, initializer=watch_parent) as pool:
         others = set(multiprocessing.active_children())
         complete = False
         try:
-            with _interrupts_ignored():  # new processes inherit it: Ctrl-C is the parent's to handle
+            with interrupts_ignored():
                 futures = [pool.submit(function, *task) for task in tasks]
             for future in as_completed(futures):
                 yield future.result()
@@ -38,7 +38,8 @@ def results(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
 
 
 @contextmanager
-def _interrupts_ignored() -> Iterator[None]:
+def interrupts_ignored() -> Iterator[None]:
+    """Processes started inside ignore Ctrl-C, which a terminal sends to all of them."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -49,7 +50,7 @@ def _interrupts_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, previous)
 
 
-def _watch_parent() -> None:
+def watch_parent() -> None:
     """End with the parent, even if it was killed and could not say so."""
     parent = multiprocessing.parent_process()
 

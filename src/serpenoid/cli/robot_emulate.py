@@ -71,9 +71,7 @@ def run(args: argparse.Namespace) -> int:
     report = server.report()
     server.close()
     if ground is not None:
-        ground.close()
-    if ground is not None and args.motion is not None:
-        ground.write_motion(args.motion)
+        ground.close(args.motion)
     if args.report is not None:
         write_json(args.report, report)
     sys.stderr.write(_in_words(report))
@@ -97,10 +95,9 @@ def _ground(args: argparse.Namespace, servos: list[EmulatedServo]) -> Ground | N
         return None
     if args.robot is None:
         raise InputError("--arena needs --robot FILE: it says which servo moves which joint.")
-    from serpenoid.arena.bench import Bench
     from serpenoid.arena.bus import Ground
 
-    return Ground(Bench(), servos, load(Robot, args.robot).joint)
+    return Ground(servos, load(Robot, args.robot).joint)
 
 
 def _in_words(report: dict[str, Any]) -> str:

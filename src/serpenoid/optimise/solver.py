@@ -46,7 +46,7 @@ class GaitSolver:
         self.steps = problem.task.steps
         self.limits = path_limits(problem)
         self.customise = customise
-        self._prepared: dict[int, tuple[GaitNLP, Ipopt]] = {}
+        self._prepared: dict[tuple[int, bool], tuple[GaitNLP, Ipopt]] = {}
 
     def gait_bounds(self) -> GaitBounds:
         """Lower and upper bounds of q from the problem, theta unbounded unless given."""
@@ -86,7 +86,7 @@ class GaitSolver:
         chosen = list(rows) or self._first_rows()
         iterations, seconds = 0, 0.0
         for _ in range(EXCHANGES):
-            _, ipopt = self.prepared(len(chosen))
+            _, ipopt = self.prepared(len(chosen), penalised=c > 0)
             parameters = self.parameters(c, chosen)
             outcome = ipopt.solve(current, parameters, self.bounds(chosen, gait_bounds), flag, watch)
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
@@ -97,16 +97,21 @@ class GaitSolver:
             chosen, current = exchange(chosen, table, self.limits, self.steps), outcome.point.x
         return Answer(outcome, q, iterations, seconds, tuple(chosen))
 
-    def prepared(self, path_rows: int) -> tuple[GaitNLP, Ipopt]:
-        """The NLP with `path_rows` limit rows, and its solver."""
-        if path_rows not in self._prepared:
+    def prepared(self, path_rows: int, penalised: bool = True) -> tuple[GaitNLP, Ipopt]:
+        """The NLP with `path_rows` limit rows, with or without dissipation in the objective, and its solver."""
+        key = path_rows, penalised
+        if key not in self._prepared:
             extended = self.model.medium_effects or self.model.actuation_effects
             kind = partial(ExtendedNLP, self.model) if extended else partial(GaitNLP, self.model.structure)
             nlp: GaitNLP = kind(self.steps, path_rows)
+            nlp.penalised = penalised
             if self.customise is not None:
                 self.customise(nlp)
-            self._prepared[path_rows] = nlp, Ipopt(nlp)
-        return self._prepared[path_rows]
+            limited = np.tile(np.isfinite(self.limits.upper), path_rows)
+            momentum, _, added = nlp.constraint_counts
+            kept = np.concatenate([np.full(momentum, True), limited, np.full(added, True)])
+            self._prepared[key] = nlp, Ipopt(nlp, np.flatnonzero(kept))
+        return self._prepared[key]
 
     def parameters(self, c: float, rows: list[int]) -> Floats:
         """Numbers for the NLP's parameters."""

@@ -29,14 +29,16 @@ class GaitNLP:
     """The whole-cycle NLP of one Structure. Build it, optionally add terms, then take its Functions.
 
     variables: MX (3 T + 6), poses then gait; `poses` (3, T), `gait` (6). parameters: MX (1 + K + 2 N): c, the phases of
-    the K path rows, model parameters. `portable` Functions are self-contained: they can be saved, loaded elsewhere and
-    generated as C; the others call the library compiled on this machine, and are faster.
+    the K path rows, model parameters. `penalised=False` leaves the dissipation out (faster where c = 0). `portable`
+    Functions are self-contained: they can be saved, loaded elsewhere and generated as C; the others call the library
+    compiled on this machine, and are faster.
     """
 
     structure: Structure
     steps: int
     path_rows: int = 0
     portable: bool = False
+    penalised: bool = True
     variables: ca.MX = field(init=False)
     parameters: ca.MX = field(init=False)
     own_objective: ca.MX = field(init=False)
@@ -152,11 +154,13 @@ class GaitNLP:
         blocks, x, p = self._blocks, self.variables, self.parameters
         added = ca.vertcat(*(expression for expression, _, _ in self.added)) if self.added else ca.MX(0, 1)
         counts = self.constraint_counts
-        weight = 0 if self.replaced else p[0] * self.steps
+        weight = p[0] * self.steps if self.penalised and not self.replaced else ca.MX(0)
         residual, energy = self._over_steps(blocks.value, 0)
-        slopes, energy_slopes = self._over_steps(blocks.jacobian, 1), self._over_steps(blocks.gradient, 1)
-        f = self._base_objective() + weight * ca.sum2(energy)
-        gradient = ca.gradient(self._base_objective(), x) + weight * gather_gradient(energy_slopes, self.steps)
+        slopes = self._over_steps(blocks.jacobian, 1)
+        f, gradient = self._base_objective(), ca.gradient(self._base_objective(), x)
+        if not weight.is_zero():
+            f += weight * ca.sum2(energy)
+            gradient += weight * gather_gradient(self._over_steps(blocks.gradient, 1), self.steps)
         path, path_jacobian = self._path_terms()
         g = ca.vertcat(ca.vec(residual) * self.steps, path, added)
         jacobian = scatter_jacobian(slopes * self.steps, self.steps)

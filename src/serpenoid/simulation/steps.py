@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 from serpenoid.body import Floats
 from serpenoid.mechanics import functions, planar
 from serpenoid.mechanics.compile import compiled
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
 
 TOLERANCE = 1e-12
@@ -42,7 +43,7 @@ def solve_steps(model: Model, before: Floats, after: Floats) -> Steps:
     _, step = _compiled(structure)
     mapped = _mapped(step, count)
     guess = np.zeros(1)
-    pose, residual, curvature, energy = _evaluate(mapped, before.T, after.T, guess, model.parameters)
+    pose, residual, curvature, energy = evaluate(mapped, before.T, after.T, guess, model.parameters)
     sound = _sound(pose, residual, curvature)
     relative, residual, energy = pose.T, np.abs(residual[0]), energy[0]
     for s in np.flatnonzero(~sound):
@@ -65,7 +66,7 @@ def shape_rows(model: Model, joint_angles: Floats) -> tuple[Floats, Floats]:
     """Vertices (R, N, 2) in the body frame and elements (4, M R) of joint angles (R, m)."""
     shapes, _ = _compiled(model.structure)
     rows = joint_angles.shape[0]
-    points, found = _evaluate(_mapped(shapes, rows), joint_angles, model.parameters)
+    points, found = evaluate(_mapped(shapes, rows), joint_angles, model.parameters)
     return points.T.reshape(rows, -1, 2), found
 
 
@@ -108,23 +109,8 @@ def solve_cycles(model: Model, tables: Floats) -> Steps:
     Steps whose root is not sound are left marked; `solve_steps` repairs them.
     """
     b, t, _ = tables.shape
-    pose, residual, curvature, energy = _evaluate(_cycles(model.structure, t, b), tables, model.parameters)
+    pose, residual, curvature, energy = evaluate(_cycles(model.structure, t, b), tables, model.parameters)
     return Steps(pose.T, energy[0], np.abs(residual[0]), _sound(pose, residual, curvature))
-
-
-def _evaluate(function: ca.Function, *arguments: Floats) -> list[Floats]:
-    """Outputs of dense `function`; arguments in its (column-major) order. Reads and writes NumPy's memory directly:
-    converting large arrays to CasADi's own costs as much time as a fifth of the roots.
-    """
-    buffer, run = function.buffer()
-    inputs = [np.ascontiguousarray(a, float) for a in arguments]
-    results = [np.empty(function.size_out(i), order="F") for i in range(function.n_out())]
-    for i, values in enumerate(inputs):
-        buffer.set_arg(i, values.reshape(-1).data)
-    for i, values in enumerate(results):
-        buffer.set_res(i, values.reshape(-1, order="A").data)
-    run()
-    return results
 
 
 def _sound(pose: Floats, residual: Floats, curvature: Floats) -> np.ndarray:
