@@ -5,8 +5,8 @@
 drag: the wrench that the floor opposes to the step, less what pushes; P, P_1, P_2: momentum of this step and of the two
 before it, with the coefficients of the backward difference (BDF2). Without effects the residual is the gradient of the
 step energy, so the roots are those of the baseline. Poses and wrenches are in the frame of the floor, dimensionless
-(body length, total weight 1, one step); effects see metres and seconds: this file is the edge. Poses and moments are about
-an origin near the body, given with the setting: far from home a moment about home would lose digits.
+(body length, total weight 1, one step); effects see metres and seconds: this file is the edge. Poses and moments are
+about an origin near the body, given with the setting: far from home a moment about home would lose digits.
 
 The function holds every medium effect of the catalogue, neutral unless its coordinates say otherwise: one library for
 all extended models, and derivatives by effects that a model does not have. Legend: M elements, P coordinates.

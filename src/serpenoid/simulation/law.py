@@ -39,7 +39,7 @@ class Law:
         return cls(medium, coordinates(model, strength, candidates=candidates), model.body.total_length_m)
 
     def settings(self, times: Floats) -> Floats:
-        """Settings (5, S) of steps that begin and end at `times` (S, 2) [s]: length, duration, middle, origin (0, 0)."""
+        """Settings (5, S) of steps that begin and end at `times` (S, 2) [s]: length, duration, middle, origin 0."""
         length, zero = np.full(len(times), self.length_m), np.zeros(len(times))
         return np.vstack([length, times[:, 1] - times[:, 0], times.mean(1), zero, zero])
 
