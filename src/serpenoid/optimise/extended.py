@@ -138,10 +138,11 @@ def step_function(model: Model, steps: int) -> ca.Function:
     present = {e.name for e in model.medium_effects}
     kinds = tuple(kind for kind in medium_effects() if kind.name in present)
     theta = ca.SX(ca.DM(coordinates(model, kinds=kinds)))
+    shares = kinematics.element_weights(weights, model.structure)
     before, after = (ca.horzsplit(_row(model, q, t, parameters, steps)) for t in (t0, t1))
     total = ca.SX.zeros(7)
     for k, (b, a) in enumerate(zip(before, after, strict=True)):
-        medium = ca.vertcat(weights[k], eps)
+        medium = ca.vertcat(shares[k], eps)
         total += wrench(kinds, b, a, ca.vertcat(g0, g1), medium, setting, theta[:, k])
     inputs = [g0, g1, q, t0, t1, setting, parameters]
     return ca.Function("extended_step", inputs, [ca.densify(total)], CSE)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.linalg import LinAlgError, solve_banded
 
 from serpenoid.body import Floats
 from serpenoid.model import Model
@@ -160,7 +160,10 @@ def evaluate_window(
 
 
 def solve_linear(slopes: Floats, right: Floats) -> Floats:
-    """Solutions (W, 3, K) of the banded system of a window; the unknowns are the second poses, the first is given."""
+    """Solutions (W, 3, K) of the banded system of a window; the unknowns are the second poses, the first is given.
+
+    Zero where the system is singular: a body that touches nothing, a window that went astray.
+    """
     count = len(right)
     bands = np.zeros((LOWER + UPPER + 1, 3 * count))
     row, column = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
@@ -170,7 +173,10 @@ def solve_linear(slopes: Floats, right: Floats) -> Floats:
         bands[UPPER + i - j, j] = slopes[below, below:]
     if not np.isfinite(bands).all():
         return np.zeros_like(right)
-    solution = solve_banded((LOWER, UPPER), bands, right.reshape(3 * count, -1))
+    try:
+        solution = solve_banded((LOWER, UPPER), bands, right.reshape(3 * count, -1))
+    except LinAlgError:
+        return np.zeros_like(right)
     return np.asarray(solution).reshape(right.shape)
 
 
