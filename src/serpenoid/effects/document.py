@@ -9,7 +9,10 @@ from serpenoid.effects.catalogue import catalogue
 def uses_table() -> str:
     """Every effect against simulate, NLP, fit and diagnose; numbers refer to the reasons below."""
     reasons = _reasons()
-    lines = ["| effect | site | place | simulate | NLP | fit | diagnose |", "| --- " * 7 + "|"]
+    lines = [
+        "| effect | site | place | simulate | NLP | fit | diagnose |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
     for effect in catalogue().values():
         cells = [_cell(effect, use, reasons) for use in USES]
         lines.append(f"| `{effect.name}` | {effect.site} | {effect.place or ''} | {' | '.join(cells)} |")
