@@ -11,6 +11,7 @@ from serpenoid.effects import ActiveEffect, catalogue
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
+from serpenoid.model import Model
 from serpenoid.optimise.extended import ExtendedNLP
 from serpenoid.problem import Problem
 
@@ -90,9 +91,15 @@ def test_derivatives_of_the_nlp_are_those_of_its_values(present: tuple[str, ...]
     np.testing.assert_allclose(hessian @ direction, (slope(up) - slope(down)) / (2 * h), atol=2e-5)
 
 
-@pytest.mark.parametrize("present", [("inertia",), ("slope", "servo_lag", "gain_loss")])
-def test_simulated_motion_satisfies_the_nlps_equations(present: tuple[str, ...], problem: Problem) -> None:
-    model = extended(problem, *(typical(n) for n in present))
+@pytest.mark.parametrize(
+    ("present", "dissipation"),
+    [(("inertia",), "vertex"), (("slope", "servo_lag", "gain_loss"), "vertex"), (("servo_lag", "stuck_joint"), "edge")],
+)
+def test_simulated_motion_satisfies_the_nlps_equations(
+    present: tuple[str, ...], dissipation: str, problem: Problem
+) -> None:
+    medium = problem.medium.model_copy(update={"dissipation": dissipation})
+    model = Model(problem.body, medium, tuple(typical(n) for n in present), 5.0)
     q = problem.gait.parameters  # type: ignore[union-attr]
     motion = sp.simulate_joint_angles(model, joint_table(model, q, 20))
     x = np.concatenate([(motion.poses[1:] - motion.poses[0]).ravel(), q])

@@ -87,6 +87,11 @@ class Effect:
         neutral = [p for p in self.parameters if p.neutral is not None]
         return bool(neutral) and all(values[p.name] == p.neutral for p in neutral)
 
+    def coordinate_bounds(self, body: Body, place: int | None) -> list[tuple[float, float]]:
+        """Lower and upper bound of every parameter's coordinate, for fits on this body."""
+        ends = [(p.coordinate(p.lower), p.coordinate(p.upper)) for p in self.parameters]
+        return [(min(pair), max(pair)) for pair in ends]
+
     def fault(self, body: Body, place: int | None, values: Values) -> str | None:
         """A rule beyond bounds that these values break on this body, as a sentence."""
         return None

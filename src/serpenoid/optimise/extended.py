@@ -22,7 +22,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import actuation_effects, medium_effects
 from serpenoid.errors import InputError
 from serpenoid.mechanics import kinematics
-from serpenoid.mechanics.extended import CLOCK, wrench
+from serpenoid.mechanics.extended import SETTING, wrench
 from serpenoid.mechanics.functions import CSE, split_parameters
 from serpenoid.model import Model
 from serpenoid.optimise.assembly import GAIT, scatter_jacobian
@@ -104,9 +104,9 @@ class ExtendedNLP(GaitNLP):
 
     def _over_all_steps(self, function: ca.Function) -> ca.MX:
         poses, phases = ca.horzcat(ca.MX.zeros(3, 1), self.poses), self._phases()
-        clocks = Law.of(self.model).clocks(np.column_stack([self._times[:-1], self._times[1:]]))
+        settings = Law.of(self.model).settings(np.column_stack([self._times[:-1], self._times[1:]]))
         mapped = function.map("steps", "serial", self.steps, [2, 6], [])
-        inputs = [poses[:, :-1], poses[:, 1:], self.gait, phases[:, :-1], phases[:, 1:], clocks]
+        inputs = [poses[:, :-1], poses[:, 1:], self.gait, phases[:, :-1], phases[:, 1:], settings]
         return mapped(*inputs, self.model_parameters)
 
     @cached_property
@@ -130,20 +130,21 @@ def refuse(effects: tuple[ActiveEffect, ...]) -> None:
 
 
 def step_function(model: Model, steps: int) -> ca.Function:
-    """(g_t, g_{t+1}, q, phase_t, phase_{t+1}, clock, parameters) -> drag (3), momentum (3), energy: one step, (7)."""
+    """(g_t, g_{t+1}, q, phase_t, phase_{t+1}, setting, parameters) -> drag (3), momentum (3), energy: one step, (7)."""
     g0, g1, q = ca.SX.sym("g0", 3), ca.SX.sym("g1", 3), ca.SX.sym("q", GAIT)
-    t0, t1, clock = ca.SX.sym("t0"), ca.SX.sym("t1"), ca.SX.sym("clock", CLOCK)
+    t0, t1, setting = ca.SX.sym("t0"), ca.SX.sym("t1"), ca.SX.sym("setting", SETTING)
     parameters = ca.SX.sym("parameters", 2 * model.structure.vertices)
     _, weights, eps = split_parameters(parameters, model.structure)
     present = {e.name for e in model.medium_effects}
     kinds = tuple(kind for kind in medium_effects() if kind.name in present)
     theta = ca.SX(ca.DM(coordinates(model, kinds=kinds)))
+    shares = kinematics.element_weights(weights, model.structure)
     before, after = (ca.horzsplit(_row(model, q, t, parameters, steps)) for t in (t0, t1))
     total = ca.SX.zeros(7)
     for k, (b, a) in enumerate(zip(before, after, strict=True)):
-        medium = ca.vertcat(weights[k], eps)
-        total += wrench(kinds, b, a, ca.vertcat(g0, g1), medium, clock, theta[:, k])
-    inputs = [g0, g1, q, t0, t1, clock, parameters]
+        medium = ca.vertcat(shares[k], eps)
+        total += wrench(kinds, b, a, ca.vertcat(g0, g1), medium, setting, theta[:, k])
+    inputs = [g0, g1, q, t0, t1, setting, parameters]
     return ca.Function("extended_step", inputs, [ca.densify(total)], CSE)
 
 

@@ -11,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.linalg import LinAlgError, solve_banded
 
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulation.balance import compose, relative
+from serpenoid.simulation.balance import about, compose, relative
 from serpenoid.simulation.law import Law, evaluate
 from serpenoid.simulation.steps import TOLERANCE, Steps
 
@@ -68,20 +68,20 @@ def difference_weights(times: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Chain:
-    """Everything about the steps that does not change: numbers, elements by step (4, S, M), clocks, rates (S, 3)."""
+    """Everything about the steps that does not change: numbers, elements by step (4, S, M), settings, rates (S, 3)."""
 
     law: Law
     before: Floats
     after: Floats
-    clocks: Floats
+    settings: Floats
     rates: Floats
 
     @classmethod
     def of(cls, model: Model, before: Floats, after: Floats, times: Floats) -> Chain:
         law, m = Law.of(model), model.structure.elements
-        clocks = law.clocks(np.column_stack([times[:-1], times[1:]]))
-        rates = difference_weights(times) * clocks[1][:, None]  # dt times the coefficients: dimensionless
-        return cls(law, before.reshape(4, -1, m), after.reshape(4, -1, m), clocks, rates)
+        settings = law.settings(np.column_stack([times[:-1], times[1:]]))
+        rates = difference_weights(times) * settings[1][:, None]  # dt times the coefficients: dimensionless
+        return cls(law, before.reshape(4, -1, m), after.reshape(4, -1, m), settings, rates)
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,13 @@ class _Found:
 def _window(chain: Chain, poses: Floats, momenta: Floats, first: int, guess: Floats) -> _Found:
     """Solve the steps first .. first + W - 1 for their second poses (W, 3)."""
     part = slice(first, first + len(guess))
-    x, size, damping = guess, np.inf, 1.0
+    home = poses[first] * [1, 1, 0]
+    carried = about(momenta[first : first + 2], home)
+    x, size, damping = guess - home, np.inf, 1.0
     best, step = None, np.zeros_like(guess)
     for _ in range(ITERATIONS):
         trial = x + damping * step
-        now = evaluate_window(chain, part, np.vstack([poses[first][None], trial]), momenta[first : first + 2])
+        now = evaluate_window(chain, part, np.vstack([poses[first] - home, trial]), carried, home[:2])
         value = float(np.max(np.abs(now.residual)))
         if np.isfinite(value) and value < size:
             x, size, best, damping = trial, value, now, min(1.0, 2 * damping)
@@ -117,7 +119,9 @@ def _window(chain: Chain, poses: Floats, momenta: Floats, first: int, guess: Flo
         nothing = np.full(count, np.nan)
         return _Found(False, guess, np.zeros((count, 3)), nothing, nothing, np.zeros(count, bool))
     resisting = np.linalg.det(best.slopes[0]) > 0
-    return _Found(size <= TOLERANCE, x, best.momenta, best.energy, np.abs(best.residual).max(1), resisting)
+    return _Found(
+        size <= TOLERANCE, x + home, about(best.momenta, -home), best.energy, np.abs(best.residual).max(1), resisting
+    )
 
 
 @dataclass(frozen=True)
@@ -130,10 +134,15 @@ class Evaluation:
     slopes: Floats
 
 
-def evaluate_window(chain: Chain, part: slice, poses: Floats, carried: Floats) -> Evaluation:
+def evaluate_window(
+    chain: Chain, part: slice, poses: Floats, carried: Floats, origin: Floats | None = None
+) -> Evaluation:
+    """Residuals of the steps in `part`: poses (W + 1, 3) and the two momenta before (2, 3), all about `origin`."""
     pairs = np.hstack([poses[:-1], poses[1:]]).T
     before, after = chain.before[:, part].reshape(4, -1), chain.after[:, part].reshape(4, -1)
-    value, energy, slope = evaluate("coupled", chain.law, before, after, pairs, chain.clocks[:, part])
+    settings = chain.settings[:, part].copy()
+    settings[3:] = 0.0 if origin is None else origin[:, None]
+    value, energy, slope = evaluate("coupled", chain.law, before, after, pairs, settings)
     c0, c1, c2 = (chain.rates[part, i, None] for i in range(3))
     momenta = np.vstack([carried, value[:, 3:]])
     residual = value[:, :3] + c0 * momenta[2:] + c1 * momenta[1:-1] + c2 * momenta[:-2]
@@ -151,7 +160,10 @@ def evaluate_window(chain: Chain, part: slice, poses: Floats, carried: Floats) -
 
 
 def solve_linear(slopes: Floats, right: Floats) -> Floats:
-    """Solutions (W, 3, K) of the banded system of a window; the unknowns are the second poses, the first is given."""
+    """Solutions (W, 3, K) of the banded system of a window; the unknowns are the second poses, the first is given.
+
+    Zero where the system is singular: a body that touches nothing, a window that went astray.
+    """
     count = len(right)
     bands = np.zeros((LOWER + UPPER + 1, 3 * count))
     row, column = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
@@ -161,7 +173,10 @@ def solve_linear(slopes: Floats, right: Floats) -> Floats:
         bands[UPPER + i - j, j] = slopes[below, below:]
     if not np.isfinite(bands).all():
         return np.zeros_like(right)
-    solution = solve_banded((LOWER, UPPER), bands, right.reshape(3 * count, -1))
+    try:
+        solution = solve_banded((LOWER, UPPER), bands, right.reshape(3 * count, -1))
+    except LinAlgError:
+        return np.zeros_like(right)
     return np.asarray(solution).reshape(right.shape)
 
 

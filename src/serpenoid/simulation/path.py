@@ -51,7 +51,7 @@ def path_sensitivities(
     rows, count = len(motion.poses), len(columns)
     if motion.status is not Status.SOLVED:
         return PathSensitivities(motion, np.full((rows, 3, 3), np.nan), np.full((rows, 3, count), np.nan), columns)
-    chain = Chain(problem.law, *problem.elements_by_step, problem.clocks, problem.rates)
+    chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.rates)
     now = evaluate_window(chain, slice(0, rows - 1), motion.poses, np.zeros((2, 3)))
     right = np.zeros((rows - 1, 3, 3 + count))
     for age in range(1, min(4, rows)):  # the first pose is in the residuals of three steps

@@ -150,9 +150,9 @@ class Recorded:
         return cls(model, law, before, after, times, floor, rates, history)
 
     @property
-    def clocks(self) -> Floats:
-        """Clock inputs of the steps."""
-        return self.law.clocks(np.column_stack([self.times[:-1], self.times[1:]]))
+    def settings(self) -> Floats:
+        """Settings of the steps."""
+        return self.law.settings(np.column_stack([self.times[:-1], self.times[1:]]))
 
     @property
     def elements_by_step(self) -> tuple[Floats, Floats]:
@@ -174,7 +174,7 @@ class Recorded:
         spans = np.column_stack([self.times[:-1], self.times[1:]])
         coast = None
         if self.model.knows("history"):
-            momenta = evaluate("balance", self.law, self.before, self.after, self.measured, self.clocks)[0][:, 3:]
+            momenta = evaluate("balance", self.law, self.before, self.after, self.measured, self.settings)[0][:, 3:]
             coast = balance.Coast(self.rates[:, 0], self._carried(momenta))
         steps = balance.solve_balance(self.model, self.before, self.after, spans, self.floor[:-1], guess, coast)
         return steps.relative, steps.sound
@@ -184,7 +184,7 @@ class Recorded:
         starts = self.floor[:-1]
         ends = balance.compose(starts, np.nan_to_num(relative))
         poses = np.hstack([starts, ends]).T
-        _, _, slope = evaluate("balance", self.law, self.before, self.after, poses, self.clocks)
+        _, _, slope = evaluate("balance", self.law, self.before, self.after, poses, self.settings)
         by = self.residual_derivatives(poses, columns)
         matrix = slope[:, :3] + self.rates[:, :1, None] * slope[:, 3:]
         ends_by = -np.linalg.solve(matrix, by)
@@ -202,7 +202,7 @@ class Recorded:
         return total
 
     def _by_columns(self, poses: Floats, columns: Sequence[Column]) -> Floats:
-        everywhere, somewhere = sensitivities(self.law, self.before, self.after, poses, self.clocks)
+        everywhere, somewhere = sensitivities(self.law, self.before, self.after, poses, self.settings)
         kinds = medium_effects()
         first = {(e, p): 1 + i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=False))}
         second = {(e, p): i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=True))}
