@@ -93,6 +93,6 @@ def test_effects_verb_lists_the_catalogue(capsys: pytest.CaptureFixture[str]) ->
     assert main(["effects", "--json"]) == 0
     records = json.loads(capsys.readouterr().out)
     assert [r["name"] for r in records] == list(catalogue())
-    assert main(["effects", "backlash"]) == 0
+    assert main(["effects", "frame_drift"]) == 0
     assert "not in nlp: " in capsys.readouterr().out
     assert main(["effects", "backlas"]) == 2

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import serpenoid as sp
 from effects.conftest import extended, place_of, typical
 from serpenoid.effects import ActiveEffect, catalogue
-from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
-from serpenoid.optimise.extended import ExtendedNLP
+from serpenoid.optimise.extended import ExtendedNLP, realised_angles
 from serpenoid.problem import Problem
+from serpenoid.simulation.servos import realise_gait
 
 OPTIMISED = [n for n, e in catalogue().items() if e.applies_to("nlp")]
-REFUSED = [n for n, e in catalogue().items() if not e.applies_to("nlp") and e.site != "observation"]
+SERVOS = ("servo_lag", "backlash", "gain_loss", "zero_offset")
 MIXED = ("inertia", "slope", "worn_wheel", "servo_lag", "zero_offset", "grip_saturation")
 
 
@@ -48,10 +49,30 @@ def test_optimum_with_an_effect_is_certified_and_no_worse_than_the_baselines(
         assert solution.cost <= -old.displacement + 0.5 * old.dissipation + 1e-9
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_has_no_second_derivatives_is_refused_with_the_reason(name: str, problem: Problem) -> None:
-    with pytest.raises(InputError, match=f"`{name}` cannot be optimised with: .*kinks"):
-        sp.solve_from(wanted(problem, typical(name)), EllipseGait(a=6))
+@pytest.mark.parametrize("width", [0.03, 0.15, 0.4, 1.5])
+def test_play_in_a_joint_is_optimised_up_to_a_joint_that_never_moves(
+    width: float, problem: Problem, start: EllipseGait
+) -> None:
+    """The motion has kinks in the gait parameters where a row begins to follow; optima lie between them."""
+    changed = wanted(problem, ActiveEffect.of("backlash", 5, width=width))
+    solution = sp.solve_from(changed, start)
+    assert solution.status.ok, solution.status.value
+
+
+@pytest.mark.parametrize("steps", [12, 50])
+@pytest.mark.parametrize(
+    "names", [("servo_lag",), ("backlash",), ("gain_loss",), ("stuck_joint",), ("zero_offset",), SERVOS]
+)
+def test_formula_of_the_steady_state_is_where_playing_again_and_again_ends(
+    names: tuple[str, ...], steps: int, problem: Problem
+) -> None:
+    model = extended(problem, *(typical(n) for n in names))
+    q, edges = problem.gait.parameters, model.body.edges  # type: ignore[union-attr]
+    played = realise_gait(model, joint_table(model, q, steps))
+    row = ca.SX.sym("row")
+    formula = ca.Function("formula", [row], [realised_angles(model, ca.SX(q), row, ca.SX(edges), steps)])
+    found = np.array([formula(i).full()[:, 0] for i in range(steps + 1)])
+    np.testing.assert_allclose(found, np.concatenate([played, played[:1]]), atol=1e-12)
 
 
 def test_cameras_do_not_change_the_optimum(problem: Problem, start: EllipseGait) -> None:

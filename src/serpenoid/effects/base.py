@@ -7,8 +7,8 @@ or a power of it where the neutral value is infinite (a grip that never saturate
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Literal
 
@@ -135,9 +135,28 @@ class MediumEffect(Effect):
         return bool(self.knows & {"speed", "clock", "history"})
 
 
+@dataclass(frozen=True)
+class Wave:
+    """The periodic angle of one joint, `at(row)` [rad], rows 0 .. steps; duration of a step [s].
+
+    An elliptical gait commands a sine about a mean: mean + cosine cos(2 pi row / steps) + sine sin(...).
+    """
+
+    at: Callable[[ca.SX], ca.SX]
+    steps: int
+    duration: float
+
+    @property
+    def harmonic(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Mean, cosine and sine of a wave that is still a sine."""
+        quarters = [self.at(ca.SX(self.steps * i / 4)) for i in range(4)]
+        mean = (quarters[0] + quarters[2]) / 2
+        return mean, quarters[0] - mean, quarters[1] - mean
+
+
 @dataclass(frozen=True, eq=False)
 class ActuationEffect(Effect):
-    """Command to shape. `respond` takes one joint from one time to the next.
+    """Command to shape. `respond` takes one joint from one time to the next; `in_gait` is what it settles on.
 
     memory: whether the answer depends on the angle before. shown: whether the servo's reading shows the true angle.
     """
@@ -154,6 +173,21 @@ class ActuationEffect(Effect):
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]."""
         raise NotImplementedError
+
+    def in_gait(self, wave: Wave, p: Symbols) -> Wave:
+        """The wave that comes out when `wave` goes in again and again: for the NLP. As it stands: without memory."""
+        if self.memory:
+            raise NotImplementedError
+
+        def at(row: ca.SX) -> ca.SX:
+            angle = wave.at(row)
+            return self.respond(angle, angle, angle, ca.SX(wave.duration), p)
+
+        return replace(wave, at=at)
+
+    def speed_limit(self, values: Values) -> float:
+        """Joint speed [rad/s] that an optimised gait must not exceed."""
+        return math.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@
 
 The cycle begins at the origin, heading along x, at rest, with the clock at zero: what depends on place, time or history
 is optimised as a robot would play it. Rows are the realised ones: a lag makes an ellipse smaller and later, other servo
-effects are formulas; a speed saturation becomes a limit (`limits.py`), and what has kinks is refused.
+effects are formulas (`ActuationEffect.in_gait`), and a speed saturation becomes a limit (`limits.py`).
 Derivatives come from CasADi, vertex by vertex. Legend: T steps, M vertices, m joints, q gait (6).
 """
 
@@ -18,9 +18,8 @@ import numpy as np
 from scipy import sparse
 
 from serpenoid.body import Floats
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import Wave
 from serpenoid.effects.catalogue import actuation_effects, medium_effects
-from serpenoid.errors import InputError
 from serpenoid.mechanics import kinematics
 from serpenoid.mechanics.extended import SETTING, wrench
 from serpenoid.mechanics.functions import CSE, split_parameters
@@ -36,7 +35,6 @@ class ExtendedNLP(GaitNLP):
     """A GaitNLP for a model with effects. What `customise` adds works as for the baseline."""
 
     def __init__(self, model: Model, steps: int, path_rows: int = 0) -> None:
-        refuse(model.effects)
         self.model = model
         super().__init__(model.structure, steps, path_rows)
 
@@ -121,14 +119,6 @@ class ExtendedNLP(GaitNLP):
         return ca.Function("extended_jacobian", inputs, [slope], CSE)
 
 
-def refuse(effects: tuple[ActiveEffect, ...]) -> None:
-    """Raise InputError for an effect that the NLP cannot have; those that do not change motion are no obstacle."""
-    for active in effects:
-        reason = active.effect.reasons.get("nlp")
-        if reason and active.effect.site != "observation":
-            raise InputError(f"[[effects]] `{active.name}` cannot be optimised with: {reason}.")
-
-
 def step_function(model: Model, steps: int) -> ca.Function:
     """(g_t, g_{t+1}, q, phase_t, phase_{t+1}, setting, parameters) -> drag (3), momentum (3), energy: one step, (7)."""
     g0, g1, q = ca.SX.sym("g0", 3), ca.SX.sym("g1", 3), ca.SX.sym("q", GAIT)
@@ -151,46 +141,27 @@ def step_function(model: Model, steps: int) -> ca.Function:
 def _row(model: Model, q: ca.SX, phase: ca.SX, parameters: ca.SX, steps: int) -> ca.SX:
     """Elements (4, M) of the realised row, in the body frame."""
     edges, weights, _ = split_parameters(parameters, model.structure)
-    gain, shift = harmonic_response(model, steps)
-    answered = ca.vertcat(q[:4], gain * q[4], q[5])  # the half axes shrink, the phase is late
-    coordinates = kinematics.ellipse_coordinates(answered, phase + shift)
-    commanded = kinematics.serpenoid_joint_angles(coordinates, edges, model.structure)
-    points, unit = kinematics.vertices(_servos(model, commanded), edges, weights, model.structure)
+    realised = realised_angles(model, q, phase * steps, edges, steps)
+    points, unit = kinematics.vertices(realised, edges, weights, model.structure)
     return kinematics.elements(points, unit, model.structure)
 
 
-def harmonic_response(model: Model, steps: int) -> tuple[float, float]:
-    """What the servos with memory make of a sampled sine in the steady state: its gain and its shift [cycles].
-
-    z = exp(2 pi i / T): the recursion angle_1 = A angle_0 + B set_0 + C set_1 answers H = (B / z + C) / (1 - A / z).
-    """
-    response, z = 1.0 + 0j, np.exp(2j * np.pi / steps)
-    duration = model.step_duration(steps)
-    for active in model.actuation_effects:
-        if not active.effect.memory or active.name == "speed_saturation":  # type: ignore[attr-defined]
-            continue
-        a, b, c = _recursion(active, duration)
-        response *= (b / z + c) / (1 - a / z)
-    return abs(response), float(np.angle(response)) / (2 * np.pi)
+def realised_angles(model: Model, q: ca.SX, row: ca.SX, edges: ca.SX, steps: int) -> ca.SX:
+    """Joint angles (m) on which the servos settle when gait q is played again and again, at `row` of its table."""
+    joints = range(len(model.structure.joints))
+    return ca.vertcat(*(_realised(model, joint, q, edges, steps).at(row) for joint in joints))
 
 
-def _recursion(active: ActiveEffect, duration: float) -> tuple[float, float, float]:
-    p = active.effect.symbols(ca.SX(ca.DM(active.coordinates)))
-    respond = active.effect.respond  # type: ignore[attr-defined]
-    unit = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
-    return tuple(float(ca.evalf(respond(*(ca.SX(u) for u in e), ca.SX(duration), p))) for e in unit)  # type: ignore
+def _realised(model: Model, joint: int, q: ca.SX, edges: ca.SX, steps: int) -> Wave:
+    def commanded(row: ca.SX) -> ca.SX:
+        coordinates = kinematics.ellipse_coordinates(q, row / steps)
+        return kinematics.serpenoid_joint_angles(coordinates, edges, model.structure)[joint]
 
-
-def _servos(model: Model, angles: ca.SX) -> ca.SX:
-    """Joint angles (m) after the effects without memory."""
-    theta, start = ca.DM(servo_coordinates(model)), 0
-    realised = ca.vertsplit(angles)
+    wave = Wave(commanded, steps, model.step_duration(steps))
+    theta, start = ca.SX(ca.DM(servo_coordinates(model)[:, joint])), 0
     for kind in actuation_effects():
         count = len(kind.parameters) + 1
-        part = theta[start : start + count, :]
-        if not kind.memory:
-            realised = [
-                kind.respond(a, a, a, ca.SX(1), kind.symbols(ca.SX(part[:, j]))) for j, a in enumerate(realised)
-            ]
+        if any(active.name == kind.name and active.place in (None, joint + 1) for active in model.actuation_effects):
+            wave = kind.in_gait(wave, kind.symbols(theta[start : start + count]))
         start += count
-    return ca.vertcat(*realised)
+    return wave
