@@ -21,8 +21,12 @@ from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.status import Status
 
-EXCHANGES = 8
+EXCHANGES = 8  # of limit rows, and recoveries
+RECOVERIES = 2
+SLIPPED = 1e-3  # far above the tolerance of the poses (1e-8), far below another root (some tenths of a radian)
+SIGMA = EllipseGait.NAMES.index("sigma")
 Customise = Callable[[GaitNLP], None]
 GaitBounds = tuple[Floats, Floats]
 
@@ -84,18 +88,41 @@ class GaitSolver:
         """Optimise from gait parameters (6,) or warm from a Point whose constraints had `rows`."""
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
         chosen = list(rows) or self._first_rows()
-        iterations, seconds = 0, 0.0
+        iterations, seconds, recoveries = 0, 0.0, RECOVERIES
         for _ in range(EXCHANGES):
             _, ipopt = self.prepared(len(chosen), penalised=c > 0)
             parameters = self.parameters(c, chosen)
             outcome = ipopt.solve(current, parameters, self.bounds(chosen, gait_bounds), flag, watch)
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
             q = outcome.point.x[-6:]
+            again = self._recovery(outcome, gait_bounds) if recoveries else None
             table = joint_table(self.model, q, self.steps)
-            if not outcome.status.ok or worst_violation(table, self.limits) <= TOLERANCE:
+            if again is not None:
+                recoveries, current = recoveries - 1, again
+            elif outcome.status.ok and worst_violation(table, self.limits) > TOLERANCE:
+                chosen, current = exchange(chosen, table, self.limits, self.steps), outcome.point.x
+            else:
                 break
-            chosen, current = exchange(chosen, table, self.limits, self.steps), outcome.point.x
         return Answer(outcome, q, iterations, seconds, tuple(chosen))
+
+    def _recovery(self, outcome: Outcome, gait_bounds: GaitBounds | None) -> Floats | None:
+        """A new start where IPOPT went astray, else None.
+
+        A pose may have slipped to another root of its step (an energy maximum, say): the gait is simulated anew. Or
+        the search ended at a gait that does not move, where the displacement has a kink: its ellipse is opened.
+        """
+        q = outcome.point.x[-6:]
+        if not np.isfinite(q).all() or outcome.status not in (Status.SOLVED, Status.NOT_CONVERGED):
+            return None
+        simulated = self.start(q)
+        if np.abs(simulated - outcome.point.x).max() > SLIPPED:
+            return simulated
+        if outcome.status is Status.NOT_CONVERGED:
+            lower, upper = gait_bounds or self.gait_bounds()
+            opened = q.copy()
+            opened[SIGMA] = (lower[SIGMA] + upper[SIGMA]) / 2
+            return self.start(opened)
+        return None
 
     def prepared(self, path_rows: int, penalised: bool = True) -> tuple[GaitNLP, Ipopt]:
         """The NLP with `path_rows` limit rows, with or without dissipation in the objective, and its solver."""
