@@ -106,7 +106,8 @@ def _schedule(entry: TrialEntry, table: Floats | None) -> Schedule | None:
 
 
 def _label(tracks: Tracks, keys: MotionKeys, edges: Floats | None, count: int) -> Labelled:
-    return label_vertices(tracks, keys.markers, edges, count, keys.first_point == "head")
+    markers = None if keys.format == "tidy" else keys.markers  # tidy columns are the vertices, whatever they are called
+    return label_vertices(tracks, markers, edges, count, keys.first_point == "head")
 
 
 def _estimate_lengths(file: CampaignFile, folder: Path) -> Body:
