@@ -1,4 +1,4 @@
-"""The model: a body in a medium, as the numbers that the symbolic mechanics takes.
+"""The model: a body in a medium, with what effects there are, as the numbers that the symbolic mechanics takes.
 
 Legend: N vertices, m joints, M dissipation elements (M = N at vertices, N - 1 at edges).
 """
@@ -11,6 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Body, Floats
+from serpenoid.effects.active import ActiveEffect, check
+from serpenoid.effects.base import ActuationEffect, MediumEffect, ObservationEffect
+from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 
 
@@ -36,10 +39,54 @@ class Structure:
 
 @dataclass(frozen=True)
 class Model:
-    """A body in a medium; dimensionless inside (body length = 1, total weight = 1)."""
+    """A body in a medium; dimensionless inside (body length = 1, total weight = 1).
+
+    effects: those at work. Neutral ones are left out when the model is made, so that a model with neutral effects *is*
+    the baseline. cycle_duration_s: clock of joint tables, for effects that know speed; recordings bring their own.
+    """
 
     body: Body
     medium: Medium
+    effects: tuple[ActiveEffect, ...] = ()
+    cycle_duration_s: float | None = None
+
+    def __post_init__(self) -> None:
+        present = tuple(effect for effect in self.effects if not effect.is_neutral)
+        object.__setattr__(self, "effects", present)
+        check(present, self.body)
+        at_vertices = self.medium.dissipation == "vertex"
+        if not at_vertices and any(isinstance(e.effect, MediumEffect) for e in present):
+            raise InputError('[medium] dissipation: effects of the medium sit at vertices; set it to "vertex".')
+
+    @cached_property
+    def medium_effects(self) -> tuple[ActiveEffect, ...]:
+        """Effects from shape to motion; where there are none, the baseline's own fast functions are used."""
+        return tuple(e for e in self.effects if isinstance(e.effect, MediumEffect))
+
+    @cached_property
+    def actuation_effects(self) -> tuple[ActiveEffect, ...]:
+        """Effects from command to shape."""
+        return tuple(e for e in self.effects if isinstance(e.effect, ActuationEffect))
+
+    @cached_property
+    def observation_effects(self) -> tuple[ActiveEffect, ...]:
+        """Effects from motion to data."""
+        return tuple(e for e in self.effects if isinstance(e.effect, ObservationEffect))
+
+    def knows(self, what: str) -> bool:
+        """Whether an effect of the medium depends on `speed`, `clock`, `place` or `history`."""
+        return any(isinstance(e.effect, MediumEffect) and what in e.effect.knows for e in self.effects)
+
+    def step_duration(self, steps: int) -> float:
+        """Seconds per step of a joint table with `steps` rows; one second where nobody knows and no effect asks.
+
+        Raises InputError where an effect asks.
+        """
+        kinds = (e.effect for e in self.effects)
+        needy = [k for k in kinds if isinstance(k, MediumEffect | ActuationEffect) and k.needs_seconds]
+        if self.cycle_duration_s is None and needy:
+            raise InputError(f"[task] cycle_duration_s: `{needy[0].name}` knows speed; give the seconds per cycle.")
+        return 1.0 if self.cycle_duration_s is None else self.cycle_duration_s / steps
 
     @cached_property
     def structure(self) -> Structure:

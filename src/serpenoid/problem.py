@@ -12,10 +12,12 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from serpenoid import schema
 from serpenoid.body import Body
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.files import short_hash
 from serpenoid.gaits import EllipseGait, TableGait
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.model_file import read_model_file
 from serpenoid.schema import Record
 
 Range = tuple[float, float]
@@ -96,6 +98,7 @@ class Problem(Record):
     gait: EllipseGait | TableGait = Field(default=EllipseGait(), discriminator="family")
     task: Task = Task()
     power: Power | None = None
+    effects: tuple[ActiveEffect, ...] = Field(default=(), description="see `serpenoid effects`")
     _folder: Path = PrivateAttr(default=Path("."))
     _name: str = PrivateAttr(default="problem")
 
@@ -108,12 +111,13 @@ class Problem(Record):
             raise ValueError("task.constraints.joint_speed_limits needs `joint_speed_limit_rpm` in [body]")
         if wanted.joint_speed_limits and self.task.cycle_duration_s is None:
             raise ValueError("task.constraints.joint_speed_limits needs `cycle_duration_s` in [task]")
+        self.model.step_duration(self.task.steps)  # refuses effects that do not fit the body, or lack the clock
         return self
 
     @property
     def model(self) -> Model:
-        """Body and medium."""
-        return Model(self.body, self.medium)
+        """Body, medium and effects, with the task's clock."""
+        return Model(self.body, self.medium, self.effects, self.task.cycle_duration_s)
 
     @property
     def name(self) -> str:
@@ -128,16 +132,24 @@ class Problem(Record):
     @property
     def hash(self) -> str:
         """Changes with any number in the problem."""
-        return short_hash(self.model_dump(mode="json"))
+        return short_hash(self.model_dump(mode="json", exclude=None if self.effects else {"effects"}))
 
 
-def load(path: str | Path, set: list[str] | None = None) -> Problem:  # noqa: A002
+def load(
+    path: str | Path,
+    set: list[str] | None = None,  # noqa: A002
+    model: str | Path | None = None,
+) -> Problem:
     """Read a problem file; `set` holds `section.key=value` assignments as on the command line.
 
+    `model` names a model file: its medium, effects and (where it has one) body replace the problem's.
     Raises InputError that names file, section, key, rule, value and remedy.
     """
     path = Path(path)
-    data = schema.override(schema.read_toml(path), set or [])
+    data = schema.read_toml(path)
+    if model is not None:
+        data |= read_model_file(model)
+    data = schema.override(data, set or [])
     gait = data.get("gait")
     if isinstance(gait, dict):
         gait.setdefault("family", "table" if "path" in gait else "ellipse")

@@ -83,7 +83,9 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     place = f"[{'.'.join(sections)}] {key}" if sections else key
     if fault["type"] == "extra_forbidden":
         return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
-    message = fault["msg"].removeprefix("Value error, ")
+    message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
+    if not place:
+        return f"{message}."
     if fault["type"] == "missing":
         return f"{place}: is required and not there."
     shown = "" if isinstance(fault["input"], dict) else f", got {fault['input']!r}"

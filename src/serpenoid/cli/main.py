@@ -22,6 +22,7 @@ VERBS: dict[str, str] = {
     "fit": "fit the anisotropy ratio to a campaign, with intervals",
     "compare": "lay measured, simulated and resimulated motion over each other",
     "show": "say what is in a results folder",
+    "effects": "list the physical effects that a model can have and a diagnosis can name",
     "schema": "print the schema of a problem file",
     "export": "write a gait for the robot: CSV, servo ticks, OpenRB-150 sketch, ROS 2",
     "play": "play a gait on the robot and record it",

@@ -14,9 +14,15 @@ SET_HELP = "override a number of the problem file, e.g. --set medium.anisotropy_
 
 
 def add_problem(parser: argparse.ArgumentParser) -> None:
-    """PROBLEM and --set."""
+    """PROBLEM, --model and --set."""
     parser.add_argument("problem", metavar="PROBLEM", help="problem file, e.g. problems/snake10.toml")
+    add_model(parser)
     add_set(parser)
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """--model."""
+    parser.add_argument("--model", metavar="FILE", help="model file whose medium and effects replace the problem's")
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:

@@ -2,6 +2,7 @@
 
     serpenoid simulate problems/reference.toml
     serpenoid simulate problems/snake10.toml --set gait.a=4 --set task.cycles=3
+    serpenoid simulate problems/snake10.toml --model extended-model.toml    # with effects: see `serpenoid effects`
 
 Writes solution.json, joint_table.csv, trajectory.csv and figures. Lengths are in body lengths, dissipation is the
 normalised T * E (weights sum to one): it converges as the number of steps T grows, the raw energy falls as 1 / T.
@@ -26,7 +27,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.results import default_folder, write_simulation
     from serpenoid.simulation.problem import simulate
 
-    problem = load(args.problem, args.set)
+    problem = load(args.problem, args.set, args.model)
     result = simulate(problem)
     folder = options.output_folder(args, default_folder(problem, "simulate"))
     record = write_simulation(folder, result, figures=not args.no_figures and result.trajectory.status.ok)

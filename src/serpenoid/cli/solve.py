@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.problem import load
 
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
-    problem = load(args.problem, assignments)
+    problem = load(args.problem, assignments, args.model)
     if args.starts < 1 or (args.improve is not None and args.improve < 1):
         raise InputError("--starts and --improve need a positive number.")
     return _improve(args, problem) if args.improve else _solve(args, problem)

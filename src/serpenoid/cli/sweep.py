@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `sweep`."""
     parser.add_argument("problems", nargs="+", metavar="PROBLEM", help="problem file(s)")
+    options.add_model(parser)
     options.add_set(parser)
     parser.add_argument("--c", default="0:2.5:26", metavar="A:B:N", help="values of c (default 0:2.5:26)")
     parser.add_argument("--starts", type=int, default=4, metavar="N", help="random starts at each end (default 4)")
@@ -60,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.problem import load
 
     values = parse_values(args.c)
-    problems = [load(path, args.set) for path in args.problems]
+    problems = [load(path, args.set, args.model) for path in args.problems]
     folders = [_folder(args, problem, values) for problem in problems]
     if len(problems) == 1 or args.jobs <= 1:
         summaries = []

@@ -5,16 +5,21 @@ Legend: B gaits, T steps per cycle, R rows, N vertices, m joints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
+from serpenoid.simulation.extended import solve_extended
+from serpenoid.simulation.poses import body_frame, body_poses
+from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
+
+__all__ = ["Batch", "body_frame", "body_poses", "simulate_batch", "simulate_joint_angles", "simulate_vertices"]
 
 
 def simulate_joint_angles(
@@ -22,9 +27,12 @@ def simulate_joint_angles(
 ) -> Trajectory:
     """Simulate a joint table, shape (T, m) [rad], for whole cycles; `closed=False` plays the rows once, as they are.
 
-    `start` is the first pose (x, y, heading), default the origin. Source: Even et al., Alg. 1.
+    `start` is the first pose (x, y, heading), default the origin. Source: Even et al., Alg. 1. Actuation effects turn
+    the table into the periodic motion on which the servos settle (not closed: beginning at rest on the first row).
     """
     table = np.asarray(table, float)
+    if model.effects and np.isfinite(table).all():
+        return _simulate_extended(model, table, cycles, start, closed)
     rows = np.concatenate([table, table[:1]]) if closed else table
     if not np.isfinite(rows).all():
         return _failed(Status.BAD_SHAPE, rows.shape[0], model)
@@ -34,30 +42,25 @@ def simulate_joint_angles(
     return _assemble(model, vertices, steps, cycles if closed else 1, start)
 
 
-def simulate_vertices(model: Model, vertices: Floats, start: Floats | None = None) -> Trajectory:
-    """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame; only their shape counts."""
+def simulate_vertices(
+    model: Model, vertices: Floats, start: Floats | None = None, times: Floats | None = None
+) -> Trajectory:
+    """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame; only their shape counts.
+
+    `times` (R,) [s since the start of the motion], for effects that know speed. These shapes are realised ones:
+    actuation effects do not act on them.
+    """
     shapes = body_frame(model, np.asarray(vertices, float))
     lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
     if not np.isfinite(shapes).all() or (lengths <= 0).any():
         return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
     elements = elements_of_vertices(model, shapes)
     m = model.structure.elements
-    steps = solve_steps(model, elements[:, :-m], elements[:, m:])
+    if model.medium_effects:
+        steps = solve_extended(model, elements, _checked_times(model, times, len(shapes)), start)
+    else:
+        steps = solve_steps(model, elements[:, :-m], elements[:, m:])
     return _assemble(model, shapes, steps, 1, start)
-
-
-def body_poses(model: Model, vertices: Floats) -> Floats:
-    """Pose (weighted centroid, mean edge angle, unwrapped over rows) of chains (R, N, 2): shape (R, 3)."""
-    centroid = np.einsum("rni,n->ri", vertices, model.body.vertex_weights)
-    edge = np.diff(vertices, axis=1)
-    angles = np.unwrap(np.arctan2(edge[..., 1], edge[..., 0]), axis=1)
-    return np.column_stack([centroid, np.unwrap(angles.mean(axis=1))])
-
-
-def body_frame(model: Model, vertices: Floats) -> Floats:
-    """Chains (R, N, 2) moved to the body frame."""
-    poses = body_poses(model, vertices)
-    return np.einsum("rji,rnj->rni", group.rotation(poses[:, 2]), vertices - poses[:, None, :2])
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,8 @@ class Batch:
 def simulate_batch(model: Model, tables: Floats) -> Batch:
     """Simulate B joint tables, shape (B, T, m) [rad], for one cycle each, in one compiled call."""
     b, t, _ = tables.shape
+    if model.effects:
+        return _extended_batch([simulate_joint_angles(model, table) for table in tables])
     steps = solve_cycles(model, tables)
     relative = steps.relative.reshape(b, t, 3)
     dissipation = t * steps.energy.reshape(b, t).sum(1)
@@ -89,6 +94,43 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
         poses[i], dissipation[i], residual[i] = single.poses, single.dissipation, single.residual
         sound[i] = single.status.ok
     return Batch(poses, dissipation, residual, sound)
+
+
+def _extended_batch(motions: list[Trajectory]) -> Batch:
+    poses = np.array([motion.poses for motion in motions])
+    dissipation = np.array([motion.dissipation for motion in motions])
+    residual = np.array([motion.residual for motion in motions])
+    return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+
+
+def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats | None, closed: bool) -> Trajectory:
+    """Whole cycles at once where later ones differ from the first (place, time, history), else one and its repeats."""
+    duration = model.step_duration(len(table) if closed else len(table) - 1)
+    angles = realise_gait(model, table) if closed else realise(model, table, _clock(duration, len(table))).angles
+    alike = not any(model.knows(what) for what in ("place", "clock", "history"))
+    played = cycles if closed and not alike else 1
+    rows = np.concatenate([np.tile(angles, (played, 1)), angles[:1]]) if closed else angles
+    vertices, elements = shape_rows(model, rows)
+    if model.medium_effects:
+        steps = solve_extended(model, elements, _clock(duration, len(rows)), start)
+    else:
+        m = model.structure.elements
+        steps = solve_steps(model, elements[:, :-m], elements[:, m:])
+    trajectory = _assemble(model, vertices, steps, cycles if closed and alike else 1, start)
+    return replace(trajectory, steps_per_cycle=len(table)) if closed else trajectory
+
+
+def _checked_times(model: Model, times: Floats | None, rows: int) -> Floats:
+    if times is None:
+        return _clock(model.step_duration(rows - 1), rows)
+    times = np.asarray(times, float)
+    if times.shape != (rows,) or not (np.diff(times) > 0).all():
+        raise ValueError(f"`times` must be {rows} increasing numbers [s], one per row, got shape {times.shape}.")
+    return times
+
+
+def _clock(duration: float, rows: int) -> Floats:
+    return duration * np.arange(rows, dtype=float)
 
 
 def _assemble(model: Model, shapes: Floats, steps: Steps, cycles: int, start: Floats | None) -> Trajectory:

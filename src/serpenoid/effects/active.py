@@ -1,0 +1,145 @@
+"""An effect at work in a model: its name, its place and its parameters' values.
+
+[[effects]]
+name = "worn_wheel"
+place = 4
+seizure = 0.5
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from typing import Any, Self
+
+from pydantic import Field, model_validator
+
+from serpenoid.body import Body
+from serpenoid.effects.base import Effect, Parameter
+from serpenoid.effects.catalogue import find
+from serpenoid.errors import InputError
+from serpenoid.schema import Record
+
+
+class ActiveEffect(Record):
+    """One `[[effects]]` entry; parameters are written beside name and place, in the catalogue's units."""
+
+    name: str = Field(description="as `serpenoid effects` lists it")
+    place: int | None = Field(default=None, description="vertex (0 = tail) or joint (1 = next to the tail), or none")
+    parameters: dict[str, float] = Field(description="values by name; in files they stand beside name and place")
+
+    @classmethod
+    def of(cls, name: str, place: int | None = None, **parameters: float) -> ActiveEffect:
+        """An active effect; raise InputError for an unknown name, a bad place or a value out of bounds."""
+        effect = find(name)
+        _refuse(_fault(effect, place, parameters))
+        return cls(name=name, place=place, parameters=dict(parameters))
+
+    @classmethod
+    def neutral(cls, name: str, place: int | None = None, **parameters: float) -> ActiveEffect:
+        """The effect at its neutral values (those without one: typical), for derivatives at the baseline."""
+        effect = find(name)
+        values = {p.name: p.typical if p.neutral is None else p.neutral for p in effect.parameters} | parameters
+        return cls.model_construct(name=name, place=place, parameters=values)
+
+    @classmethod
+    def typical(cls, name: str, place: int | None = None) -> ActiveEffect:
+        """The effect at a moderate strength."""
+        return cls.of(name, place, **{p.name: p.typical for p in find(name).parameters})
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "parameters" in data:
+            return data
+        known = {key: data[key] for key in ("name", "place") if key in data}
+        return known | {"parameters": {key: value for key, value in data.items() if key not in known}}
+
+    @model_validator(mode="after")
+    def _valid(self) -> Self:
+        try:
+            fault = _fault(self.effect, self.place, self.parameters)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        if fault:
+            raise ValueError(fault)
+        return self
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.place, tuple(sorted(self.parameters.items()))))
+
+    @property
+    def effect(self) -> Effect:
+        """Its description."""
+        return find(self.name)
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether it leaves the baseline as it is."""
+        return self.effect.is_neutral(self.parameters)
+
+    @property
+    def coordinates(self) -> list[float]:
+        """What the symbolic contribution takes: coordinates of the parameters, then 1 (present)."""
+        return [*(p.coordinate(self.parameters[p.name]) for p in self.effect.parameters), 1.0]
+
+    def with_coordinates(self, coordinates: Sequence[float]) -> ActiveEffect:
+        """The same effect with other coordinates (P) or (P + 1), clipped to the bounds."""
+        pairs = zip(self.effect.parameters, coordinates, strict=False)
+        values = {p.name: min(max(p.value(float(c)), p.lower), p.upper) for p, c in pairs}
+        return ActiveEffect.model_construct(name=self.name, place=self.place, parameters=values)
+
+    def words(self) -> str:
+        """One line: name, place, values with units."""
+        where = "" if self.place is None else f" at {self.effect.place} {self.place}"
+        shown = ", ".join(f"{p.name} {self.parameters[p.name]:.4g} {p.unit}" for p in self.effect.parameters)
+        return f"{self.name}{where}: {shown}"
+
+
+def check(effects: Sequence[ActiveEffect], body: Body) -> None:
+    """Raise InputError where a set of effects does not fit a body."""
+    seen = set()
+    for active in effects:
+        if (active.name, active.place) in seen:
+            raise InputError(f"[[effects]] `{active.name}` is there twice at the same place; give it once.")
+        seen.add((active.name, active.place))
+        _refuse(_misplaced(active, body) or active.effect.fault(body, active.place, active.parameters))
+
+
+def _misplaced(active: ActiveEffect, body: Body) -> str | None:
+    kind = active.effect.place
+    if kind is None or active.place is None:
+        return None
+    low, high = (0, body.vertices - 1) if kind == "vertex" else (1, body.joint_count)
+    if low <= active.place <= high:
+        return None
+    return f"`{active.name}`: `place` must be a {kind} from {low} to {high} of this body, got {active.place}"
+
+
+def _refuse(fault: str | None) -> None:
+    if fault:
+        raise InputError(f"[[effects]] {fault}.")
+
+
+def _fault(effect: Effect, place: int | None, values: dict[str, float]) -> str | None:
+    known = {p.name: p for p in effect.parameters}
+    for name in values:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean `{close[0]}`?" if close else f"it has: {', '.join(known)}"
+            return f"`{effect.name}` has no parameter `{name}`; {hint}"
+    missing = [name for name in known if name not in values]
+    if missing:
+        return f"`{effect.name}` needs `{missing[0]}` [{known[missing[0]].unit}] ({known[missing[0]].meaning})"
+    if (place is None) != (effect.place is None):
+        remedy = f"give `place`, the number of a {effect.place}" if effect.place else "it has no `place`; leave it out"
+        return f"`{effect.name}`: {remedy}"
+    faults = [_out_of_bounds(effect, known[name], value) for name, value in values.items()]
+    return next((fault for fault in faults if fault), None)
+
+
+def _out_of_bounds(effect: Effect, p: Parameter, value: float) -> str | None:
+    if p.lower <= value <= p.upper:
+        return None
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    return f"`{effect.name}`: `{p.name}` must be in [{p.lower:g}, {p.upper:g}]{unit}, got {value:g}"

@@ -1,0 +1,1 @@
+"""Command to shape: what happens in the servos. One effect per file."""

@@ -1,0 +1,29 @@
+"""Servos that cannot keep up: q follows q_set with |q'| <= max_speed."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
+
+
+class SpeedSaturation(ActuationEffect):
+    """The coordinate is 1 / max_speed. Sampled at the ends of the step: exact unless it catches up inside one."""
+
+    def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
+        """Go as far as the speed allows; written without the division by a coordinate of zero."""
+        wanted = after - angle
+        excess = ca.fmax(1.0, p.max_speed * ca.fabs(wanted) / duration)
+        return ca.if_else(excess > 1, angle + wanted / excess, after)
+
+
+EFFECT = SpeedSaturation(
+    name="speed_saturation",
+    place=None,
+    parameters=(Parameter("max_speed", "rad/s", 1e-2, float("inf"), float("inf"), 0.5, "no joint turns faster", -1),),
+    looks_like="triangle waves instead of sines in quick cycles; slow cycles are unharmed",
+    what_to_do="charge the battery, or limit the gait's joint speed",
+    rank=1,
+    memory=True,
+    needs_seconds=True,
+)

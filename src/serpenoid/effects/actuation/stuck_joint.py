@@ -1,0 +1,25 @@
+"""A joint that does not move: q = angle, whatever is commanded."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
+
+
+class StuckJoint(ActuationEffect):
+    """It has no neutral value; at angle 0 it is a gain loss of 1."""
+
+    def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
+        """Replace, where it is present."""
+        return after + p.present * (p.angle - after)
+
+
+EFFECT = StuckJoint(
+    name="stuck_joint",
+    place="joint",
+    parameters=(Parameter("angle", "rad", -3.2, 3.2, None, 0.1, "where it is stuck"),),
+    looks_like="one joint reads the same angle all the time",
+    what_to_do="look for the servo's error light; reboot or replace it",
+    rank=4,
+)

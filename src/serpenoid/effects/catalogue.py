@@ -1,0 +1,58 @@
+"""The catalogue: every module in `actuation/`, `medium/` and `observation/` that makes an EFFECT, found by listing."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+from functools import cache
+
+from serpenoid.effects.base import ActuationEffect, Effect, MediumEffect, ObservationEffect
+from serpenoid.errors import InputError
+
+SITES = ("actuation", "medium", "observation")
+
+
+@cache
+def catalogue() -> dict[str, Effect]:
+    """All effects by name, in the order of their sites and alphabetical within."""
+    found: dict[str, Effect] = {}
+    for site in SITES:
+        package = importlib.import_module(f"serpenoid.effects.{site}")
+        for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
+            effect = importlib.import_module(f"{package.__name__}.{module.name}").EFFECT
+            if effect.name != module.name or effect.site != site:
+                raise ValueError(f"{package.__name__}.{module.name}: holds `{effect.name}` of site `{effect.site}`")
+            found[effect.name] = effect
+    return found
+
+
+def find(name: str) -> Effect:
+    """The effect called `name`; InputError with the closest names where there is none."""
+    known = catalogue()
+    if name in known:
+        return known[name]
+    close = difflib.get_close_matches(name, known, n=1)
+    hint = f"did you mean `{close[0]}`?" if close else f"known: {', '.join(known)}"
+    raise InputError(f"no effect is called `{name}`; {hint}")
+
+
+@cache
+def medium_effects() -> tuple[MediumEffect, ...]:
+    """Effects from shape to motion, in the order in which they are applied."""
+    found = [e for e in catalogue().values() if isinstance(e, MediumEffect)]
+    return tuple(sorted(found, key=lambda e: e.rank))
+
+
+@cache
+def actuation_effects() -> tuple[ActuationEffect, ...]:
+    """Effects from command to shape, in the order in which they are applied."""
+    found = [e for e in catalogue().values() if isinstance(e, ActuationEffect)]
+    return tuple(sorted(found, key=lambda e: e.rank))
+
+
+@cache
+def observation_effects() -> tuple[ObservationEffect, ...]:
+    """Effects from motion to data, in the order in which they are applied."""
+    found = [e for e in catalogue().values() if isinstance(e, ObservationEffect)]
+    return tuple(sorted(found, key=lambda e: e.rank))

@@ -1,0 +1,102 @@
+"""One vertex during one step, and the drag on it: what medium effects transform.
+
+    F_i = -m w (eps f_t v_t T_i + f_n v_n N_i)          at the ends i = 0, 1 of the step, with v = (c_1 - c_0) / dt
+    wrench = 1/2 sum_k (F_0 + F_1,  c_1 x F_0 + c_0 x F_1)
+
+c: contact point, T, N: rolling direction and its left normal, w: weight, eps: anisotropy ratio; the multipliers m, f_t,
+f_n are 1 in the baseline. Each end's force acts at the other end's contact point: for any law that comes from a
+potential of (v, T_i) that is exactly the derivative of the step energy by the pose, because the potential does not
+change when everything turns. World frame, SI: metres, seconds; forces divided by the drag level are speeds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+CREEP = 1e-3  # m/s: softens signs and norms
+
+
+def soft_sign(u: ca.SX) -> ca.SX:
+    """u / sqrt(u^2 + d^2), d = 1 mm/s."""
+    return u / ca.sqrt(u**2 + CREEP**2)
+
+
+def left(vector: ca.SX) -> ca.SX:
+    """A vector (2,) turned by +90 degrees."""
+    return ca.vertcat(-vector[1], vector[0])
+
+
+def turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
+    """A vector (2,) turned by an angle."""
+    return ca.cos(angle) * vector + ca.sin(angle) * left(vector)
+
+
+def cross(a: ca.SX, b: ca.SX) -> ca.SX:
+    """a x b in the plane."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+@dataclass(frozen=True)
+class Element:
+    """A vertex during a step. Pairs hold (before, after) the step.
+
+    points: the vertex [m]; tangents: of the body; contacts: where the drag acts [m]; wheels: directions in which it
+    rolls; weight: share of the body's weight; grip: the weight in the drag law; anisotropy_ratio: eps; time: middle of
+    the step, seconds since the start; duration [s]; push: force on the vertex [m/s]; momentum: of the vertex [m].
+    """
+
+    points: tuple[ca.SX, ca.SX]
+    tangents: tuple[ca.SX, ca.SX]
+    contacts: tuple[ca.SX, ca.SX]
+    wheels: tuple[ca.SX, ca.SX]
+    weight: ca.SX
+    grip: ca.SX
+    anisotropy_ratio: ca.SX
+    time: ca.SX
+    duration: ca.SX
+    push: ca.SX
+    momentum: ca.SX
+
+    @property
+    def middle(self) -> ca.SX:
+        """Where the vertex is in the middle of the step [m]."""
+        return (self.points[0] + self.points[1]) / 2
+
+    @property
+    def velocity(self) -> ca.SX:
+        """Velocity of the vertex [m/s]."""
+        return (self.points[1] - self.points[0]) / self.duration
+
+    @property
+    def contact_velocity(self) -> ca.SX:
+        """Velocity of the contact point [m/s]."""
+        return (self.contacts[1] - self.contacts[0]) / self.duration
+
+
+@dataclass(frozen=True)
+class Drag:
+    """The law at one end: velocity along the wheel and to its left [m/s], soft speed, and multipliers.
+
+    magnitude multiplies the whole force, tangential and normal its two parts.
+    """
+
+    forward: ca.SX
+    sideways: ca.SX
+    speed: ca.SX
+    magnitude: ca.SX
+    tangential: ca.SX
+    normal: ca.SX
+
+    @classmethod
+    def baseline(cls, velocity: ca.SX, wheel: ca.SX) -> Drag:
+        """The linear law."""
+        speed = ca.sqrt(ca.dot(velocity, velocity) + CREEP**2)
+        one = ca.SX(1)
+        return cls(ca.dot(wheel, velocity), ca.dot(left(wheel), velocity), speed, one, one, one)
+
+    def resistance(self, wheel: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
+        """The force per weight, against the drag (2,) [m/s]."""
+        along = anisotropy_ratio * self.tangential * self.forward * wheel
+        return self.magnitude * (along + self.normal * self.sideways * left(wheel))

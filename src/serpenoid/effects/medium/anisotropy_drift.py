@@ -1,0 +1,29 @@
+"""An anisotropy ratio that drifts while a trial lasts: eps(t) = eps exp(rate t), afresh in every trial."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+
+from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.element import Element
+
+
+class AnisotropyDrift(MediumEffect):
+    """Wheels that warm up, or gather dust."""
+
+    def on_element(self, element: Element, p: Symbols) -> Element:
+        """Scale the anisotropy ratio by the time since the start."""
+        return replace(element, anisotropy_ratio=element.anisotropy_ratio * ca.exp(p.rate * element.time))
+
+
+EFFECT = AnisotropyDrift(
+    name="anisotropy_drift",
+    place=None,
+    parameters=(Parameter("rate", "1/s", -1.0, 1.0, 0.0, 0.05, "relative change per second"),),
+    looks_like="the first cycles of a trial go farther (rate > 0) or less far (rate < 0) than the last ones",
+    what_to_do="clean the axles before every trial; let the robot warm up",
+    rank=10,
+    knows=frozenset({"speed", "clock"}),
+)

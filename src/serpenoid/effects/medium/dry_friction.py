@@ -1,0 +1,27 @@
+"""A share of dry (Coulomb) friction: F -> F (1 + crossover_speed / |v|); below the crossover speed it prevails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.element import Drag
+
+
+class DryFriction(MediumEffect):
+    """Forces that do not vanish with the speed; the norm is softened below 1 mm/s."""
+
+    def on_drag(self, drag: Drag, p: Symbols) -> Drag:
+        """Add the part that does not know speed."""
+        return replace(drag, magnitude=drag.magnitude + p.crossover_speed / drag.speed)
+
+
+EFFECT = DryFriction(
+    name="dry_friction",
+    place=None,
+    parameters=(Parameter("crossover_speed", "m/s", 0.0, 5.0, 0.0, 0.05, "speed at which both parts are equal"),),
+    looks_like="slow cycles carry the body elsewhere than quick ones; slow vertices hold, fast ones let go",
+    what_to_do="expect it with rubber on a hard floor; compare two cycle durations to be sure",
+    rank=31,
+    knows=frozenset({"speed"}),
+)

@@ -1,0 +1,31 @@
+"""A floor that is not level: every vertex is pulled by w (pull_x, pull_y), a constant direction on the floor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+
+from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.element import Element
+
+
+class Slope(MediumEffect):
+    """Pull divided by the drag level: the speed at which the body would slide sideways, downhill."""
+
+    def on_element(self, element: Element, p: Symbols) -> Element:
+        """Pull at the vertex."""
+        return replace(element, push=element.push + element.weight * ca.vertcat(p.pull_x, p.pull_y))
+
+
+EFFECT = Slope(
+    name="slope",
+    place=None,
+    parameters=(
+        Parameter("pull_x", "m/s", -1.0, 1.0, 0.0, 0.003, "downhill, along the floor's x"),
+        Parameter("pull_y", "m/s", -1.0, 1.0, 0.0, 0.002, "downhill, along the floor's y"),
+    ),
+    looks_like="all trials drift the same way on the floor, more so the slower they are, and in pauses too",
+    what_to_do="put a level on the floor",
+    knows=frozenset({"speed", "place"}),
+)

@@ -1,0 +1,34 @@
+"""A camera frame that creeps: seen position = true position + velocity t."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from serpenoid.effects.base import ObservationEffect, Parameter, Values
+from serpenoid.effects.view import View
+
+
+class FrameDrift(ObservationEffect):
+    """From the start of every trial."""
+
+    def on_view(self, view: View, place: int | None, values: Values) -> View:
+        """Shift all markers with time."""
+        velocity = np.array([values["velocity_x"], values["velocity_y"]])
+        moved = view.markers + np.maximum(view.times, 0)[:, None, None] * velocity
+        return replace(view, markers=moved)
+
+
+EFFECT = FrameDrift(
+    name="frame_drift",
+    place=None,
+    parameters=(
+        Parameter("velocity_x", "m/s", -0.1, 0.1, 0.0, 1e-3, "along the floor's x"),
+        Parameter("velocity_y", "m/s", -0.1, 0.1, 0.0, 1e-3, "along the floor's y"),
+    ),
+    looks_like="everything moves slowly the same way, in pauses too and whatever the body's heading",
+    what_to_do="calibrate again with warm cameras; add fixed markers to the floor",
+    reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
+    rank=1,
+)

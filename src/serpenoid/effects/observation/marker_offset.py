@@ -1,0 +1,39 @@
+"""A marker that is not where it should be: seen at p + along E + left E_left, E the edge on its tail side."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from serpenoid.effects.base import ObservationEffect, Parameter, Values
+from serpenoid.effects.view import View
+
+
+class MarkerOffset(ObservationEffect):
+    """The marker moves with its link."""
+
+    def on_view(self, view: View, place: int | None, values: Values) -> View:
+        """Move one marker."""
+        vertex = place or 0
+        tail = max(vertex - 1, 0)
+        edge = view.markers[:, tail + 1] - view.markers[:, tail]
+        edge = edge / np.linalg.norm(edge, axis=-1, keepdims=True)
+        markers = view.markers.copy()
+        markers[:, vertex] += values["along"] * edge
+        markers[:, vertex] += values["left"] * np.stack([-edge[:, 1], edge[:, 0]], -1)
+        return replace(view, markers=markers)
+
+
+EFFECT = MarkerOffset(
+    name="marker_offset",
+    place="vertex",
+    parameters=(
+        Parameter("along", "m", -0.2, 0.2, 0.0, 5e-3, "> 0: towards the head"),
+        Parameter("left", "m", -0.2, 0.2, 0.0, 3e-3, "> 0: to the left"),
+    ),
+    looks_like="two neighbouring links seem to have wrong lengths, or their joints constant wrong angles",
+    what_to_do="glue the marker over its axis, or enter where it sits",
+    reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
+    rank=0,
+)

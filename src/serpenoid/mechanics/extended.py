@@ -1,0 +1,130 @@
+"""The step's residual with effects: one vertex as symbols, all vertices as a compiled function.
+
+    residual(g_0, g_1) = drag + dt (c_0 P + c_1 P_1 + c_2 P_2) = 0        (3 equations: force, moment about the origin)
+
+drag: the wrench that the floor opposes to the step, less what pushes; P, P_1, P_2: momentum of this step and of the two
+before it, with the coefficients of the backward difference (BDF2). Without effects the residual is the gradient of the
+step energy, so the roots are those of the baseline. Poses and wrenches are in the frame of the floor, dimensionless
+(body length, total weight 1, one step); effects see metres and seconds: this file is the edge.
+
+The function holds every medium effect of the catalogue, neutral unless its coordinates say otherwise: one library for
+all extended models, and derivatives by effects that a model does not have. Legend: M elements, P coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+
+from serpenoid.effects.base import MediumEffect
+from serpenoid.effects.catalogue import medium_effects
+from serpenoid.effects.element import Drag, Element, cross
+from serpenoid.mechanics.compile import compiled
+from serpenoid.mechanics.energy import move
+from serpenoid.mechanics.functions import CSE
+
+CLOCK = 3  # body length [m], duration of the step [s], its middle [s since the start]
+Kinds = tuple[MediumEffect, ...]
+
+
+def coordinate_count(kinds: Kinds) -> int:
+    """P: the parameters' coordinates and `present`, for each effect."""
+    return sum(len(kind.parameters) + 1 for kind in kinds)
+
+
+def wrench(kinds: Kinds, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, clock: ca.SX, theta: ca.SX) -> ca.SX:
+    """Drag (3), momentum (3) and energy of one vertex; elements (4) in their body frames, medium = (weight, eps)."""
+    length, duration, _ = ca.vertsplit(clock)
+    element = _element(before, after, poses, medium, clock)
+    offsets = [0, *(sum(len(k.parameters) + 1 for k in kinds[: i + 1]) for i in range(len(kinds)))]
+    symbols = [kind.symbols(part) for kind, part in zip(kinds, ca.vertsplit(theta, offsets), strict=True)]
+    for kind, p in zip(kinds, symbols, strict=True):
+        element = kind.on_element(element, p)
+    force, moment = ca.SX.zeros(2), ca.SX(0)
+    for wheel, arm in zip(element.wheels, reversed(element.contacts), strict=True):
+        drag = Drag.baseline(element.contact_velocity, wheel)
+        for kind, p in zip(kinds, symbols, strict=True):
+            drag = kind.on_drag(drag, p)
+        resistance = element.grip * drag.resistance(wheel, element.anisotropy_ratio) / 2
+        force, moment = force + resistance, moment + cross(arm, resistance)
+    energy = ca.dot(force, element.contact_velocity) / 2 * (duration / length) ** 2
+    force, moment = force - element.push, moment - cross(element.middle, element.push)
+    resisted = ca.vertcat(force, moment / length) * duration / length
+    momentum = ca.vertcat(element.momentum, cross(element.middle, element.momentum) / length) / length
+    return ca.vertcat(resisted, momentum, energy)
+
+
+def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, clock: ca.SX) -> Element:
+    length, duration, time = ca.vertsplit(clock)
+    b, a = move(poses[:3], before), move(poses[3:], after)
+    points, tangents = (length * b[:2], length * a[:2]), (b[2:], a[2:])
+    weight, eps = ca.vertsplit(medium)
+    zero = ca.SX.zeros(2)
+    return Element(points, tangents, points, tangents, weight, weight, eps, time, duration, zero, zero)
+
+
+@dataclass(frozen=True)
+class StepFunctions:
+    """Compiled functions of one step with all medium effects, sums over the vertices.
+
+    All take (before (4, M), after (4, M), poses (6), clock (3), medium (2, M), theta (P, M)).
+    balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)
+    coupled:     -> the same, derivatives by both poses (6, 6)
+    sensitivity: -> derivatives of drag and momentum by eps and by the parameters of effects without a place
+                 (6, 1 + G), and by those with one, vertex by vertex (6, L M)
+    """
+
+    balance: ca.Function
+    coupled: ca.Function
+    sensitivity: ca.Function
+
+
+def parameter_rows(kinds: Kinds, placed: bool) -> list[tuple[str, str, int]]:
+    """(effect, parameter, row of theta) of all parameters of effects with a place, or without one."""
+    rows, start = [], 0
+    for kind in kinds:
+        if (kind.place is not None) == placed:
+            rows += [(kind.name, p.name, start + i) for i, p in enumerate(kind.parameters)]
+        start += len(kind.parameters) + 1
+    return rows
+
+
+@lru_cache(maxsize=8)
+def step_functions(elements: int) -> StepFunctions:
+    """The functions for bodies with `elements` vertices."""
+    kinds = medium_effects()
+    inputs = _symbols(coordinate_count(kinds))
+    value = wrench(kinds, *inputs)
+    poses, eps, theta = inputs[2], inputs[3][1], inputs[5]
+
+    def slope(by: ca.SX) -> ca.SX:
+        return ca.densify(ca.jacobian(value[:6], by))
+
+    everywhere = [theta[row] for _, _, row in parameter_rows(kinds, placed=False)]
+    somewhere = [theta[row] for _, _, row in parameter_rows(kinds, placed=True)]
+    parts = {
+        "balance": ([value[:6], value[6], slope(poses[3:])], [0, 1, 2]),
+        "coupled": ([value[:6], value[6], slope(poses)], [0, 1, 2]),
+        "sensitivity": ([slope(ca.vertcat(eps, *everywhere)), slope(ca.vertcat(*somewhere))], [0]),
+    }
+    functions = []
+    for name, (outputs, summed) in parts.items():
+        vertex = ca.Function(f"vertex_{name}", inputs, outputs, CSE)
+        functions.append(_summed(f"step_{name}", vertex, elements, summed))
+    return StepFunctions(*compiled(functions))
+
+
+def _symbols(coordinates: int) -> list[ca.SX]:
+    shapes = {"before": 4, "after": 4, "poses": 6, "medium": 2, "clock": CLOCK, "theta": coordinates}
+    return [ca.SX.sym(name, size) for name, size in shapes.items()]
+
+
+def _summed(name: str, function: ca.Function, elements: int, outputs: list[int]) -> ca.Function:
+    before, after = ca.MX.sym("before", 4, elements), ca.MX.sym("after", 4, elements)
+    poses, clock = ca.MX.sym("poses", 6), ca.MX.sym("clock", CLOCK)
+    medium, theta = ca.MX.sym("medium", 2, elements), ca.MX.sym("theta", function.size1_in(5), elements)
+    mapped = function.map(f"all_{name}", "serial", elements, [2, 4], outputs)
+    results = mapped(before, after, poses, medium, clock, theta)
+    return ca.Function(name, [before, after, poses, clock, medium, theta], list(results))

@@ -1,0 +1,67 @@
+"""Model files: a medium, the effects at work, and perhaps a body; what `diagnose` writes and `--model` reads.
+
+[medium]
+anisotropy_ratio = 0.21
+dissipation = "vertex"
+
+[[effects]]
+name = "worn_wheel"
+place = 4
+seizure = 0.5
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+
+from serpenoid import schema
+from serpenoid.body import Body
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.files import write_text
+from serpenoid.medium import Medium
+from serpenoid.schema import Record
+
+
+class ModelFile(Record):
+    """What a model file holds."""
+
+    medium: Medium
+    effects: tuple[ActiveEffect, ...] = Field(default=(), description="see `serpenoid effects`")
+    body: Body | None = Field(default=None, description="where it differs from the problem's")
+
+
+def read_model_file(path: str | Path) -> dict[str, Any]:
+    """The sections of a model file, checked: `medium`, `effects` (even if there are none), `body` if there is one."""
+    data = schema.read_toml(path)
+    schema.validate(ModelFile, data, str(path))
+    return {"effects": [], **data}
+
+
+def write_model_file(
+    path: str | Path, medium: Medium, effects: Sequence[ActiveEffect], body: Body | None = None, comment: str = ""
+) -> None:
+    """Write a model file, whole or not at all; `comment` goes to its top."""
+    lines = [f"# {line}".rstrip() for line in comment.splitlines()]
+    lines += ["[medium]", *_assignments(medium.model_dump())]
+    if body is not None:
+        lines += ["", "[body]", *_assignments(body.model_dump())]
+    for effect in effects:
+        where = {} if effect.place is None else {"place": effect.place}
+        lines += ["", "[[effects]]", *_assignments({"name": effect.name, **where, **effect.parameters})]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _assignments(values: dict[str, Any]) -> list[str]:
+    return [f"{key} = {_toml(value)}" for key, value in values.items() if value is not None]
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    return repr(value)

@@ -1,0 +1,172 @@
+"""Steps with effects that know place or history: each one needs those before it.
+
+Newton's method for a window of steps at once: the residual of step i contains the poses i - 2 .. i + 1, so its Jacobian
+is banded and block-triangular. A window that does not converge is halved, down to single steps with damping.
+
+Legend: S steps, W steps of a window, M elements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from serpenoid.body import Floats
+from serpenoid.model import Model
+from serpenoid.simulation.balance import compose, relative
+from serpenoid.simulation.law import Law, evaluate
+from serpenoid.simulation.steps import TOLERANCE, Steps
+
+WINDOW = 256
+ITERATIONS = 40
+LEAST_DAMPING = 1e-6
+LOWER, UPPER = 11, 2  # bands of a 3 x 3 block matrix with three blocks below the diagonal one
+
+
+def solve_chain(model: Model, before: Floats, after: Floats, times: Floats, start: Floats, guess: Floats) -> Steps:
+    """Relative poses of S steps between `times` (S + 1,) [s] from pose `start` on the floor, at rest before.
+
+    before, after: elements (4, M S); guess: relative poses (S, 3) to begin with.
+    """
+    chain = _Chain.of(model, before, after, times)
+    count = len(times) - 1
+    poses, momenta = np.empty((count + 1, 3)), np.zeros((count + 2, 3))  # momenta: two zeros, then one per step
+    poses[0] = start
+    energy, residual, sound = np.full(count, np.nan), np.full(count, np.inf), np.zeros(count, bool)
+    done, window = 0, min(WINDOW, count)
+    while done < count:
+        end = min(done + window, count)
+        found = _window(chain, poses, momenta, done, _continued(poses[done], guess[done:end]))
+        if not found.converged and window > 1 and end - done > 1:
+            window = max((end - done) // 2, 1)
+            continue
+        part = slice(done, end)
+        poses[done + 1 : end + 1], momenta[done + 2 : end + 2] = found.poses, found.momenta
+        energy[part], residual[part], sound[part] = found.energy, found.residual, found.converged & found.resisting
+        if not found.converged:
+            break
+        done, window = end, min(2 * window, WINDOW)
+    poses[done + 1 :] = np.nan if done < count else poses[done + 1 :]
+    return Steps(relative(poses[:-1], poses[1:]), energy, residual, sound)
+
+
+def difference_weights(times: Floats) -> Floats:
+    """Coefficients (S, 3) of momentum in the middle of each step and of the two before it, for its rate there [1/s].
+
+    BDF2 on uneven times: second order, and momenta that relax within a step are damped. Before the first step the
+    body is at rest at times[0].
+    """
+    middle = np.concatenate([[-np.inf, times[0]], (times[1:] + times[:-1]) / 2])
+    a, b = middle[2:] - middle[1:-1], middle[2:] - middle[:-2]
+    far = np.isinf(b)
+    b = np.where(far, 1.0, b)
+    weights = np.column_stack([1 / a + 1 / b, -b / (a * (b - a + far)), a / (b * (b - a + far))])
+    return np.where(far[:, None], np.column_stack([1 / a, -1 / a, 0 * a]), weights)
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """Everything about the steps that does not change: numbers, elements by step (4, S, M), clocks, rates (S, 3)."""
+
+    law: Law
+    before: Floats
+    after: Floats
+    clocks: Floats
+    rates: Floats
+
+    @classmethod
+    def of(cls, model: Model, before: Floats, after: Floats, times: Floats) -> _Chain:
+        law, m = Law.of(model), model.structure.elements
+        clocks = law.clocks(np.column_stack([times[:-1], times[1:]]))
+        rates = difference_weights(times) * clocks[1][:, None]  # dt times the coefficients: dimensionless
+        return cls(law, before.reshape(4, -1, m), after.reshape(4, -1, m), clocks, rates)
+
+
+@dataclass(frozen=True)
+class _Found:
+    converged: bool
+    poses: Floats
+    momenta: Floats
+    energy: Floats
+    residual: Floats
+    resisting: np.ndarray
+
+
+def _window(chain: _Chain, poses: Floats, momenta: Floats, first: int, guess: Floats) -> _Found:
+    """Solve the steps first .. first + W - 1 for their second poses (W, 3)."""
+    part = slice(first, first + len(guess))
+    x, size, damping = guess, np.inf, 1.0
+    best, step = None, np.zeros_like(guess)
+    for _ in range(ITERATIONS):
+        trial = x + damping * step
+        now = _evaluate(chain, part, np.vstack([poses[first][None], trial]), momenta[first : first + 2])
+        value = float(np.max(np.abs(now.residual)))
+        if np.isfinite(value) and value < size:
+            x, size, best, damping = trial, value, now, min(1.0, 2 * damping)
+            if size <= TOLERANCE / 10:
+                break
+            step = -_solve(now)
+        else:
+            damping /= 3
+            if damping < LEAST_DAMPING:
+                break
+    if best is None:
+        count = len(guess)
+        nothing = np.full(count, np.nan)
+        return _Found(False, guess, np.zeros((count, 3)), nothing, nothing, np.zeros(count, bool))
+    resisting = np.linalg.det(best.slopes[0]) > 0
+    return _Found(size <= TOLERANCE, x, best.momenta, best.energy, np.abs(best.residual).max(1), resisting)
+
+
+@dataclass(frozen=True)
+class _Evaluation:
+    """Residuals (W, 3), momenta (W, 3), energy (W,), and derivatives by the poses i + 1 .. i - 2 (4, W, 3, 3)."""
+
+    residual: Floats
+    momenta: Floats
+    energy: Floats
+    slopes: Floats
+
+
+def _evaluate(chain: _Chain, part: slice, poses: Floats, carried: Floats) -> _Evaluation:
+    pairs = np.hstack([poses[:-1], poses[1:]]).T
+    before, after = chain.before[:, part].reshape(4, -1), chain.after[:, part].reshape(4, -1)
+    value, energy, slope = evaluate("coupled", chain.law, before, after, pairs, chain.clocks[:, part])
+    c0, c1, c2 = (chain.rates[part, i, None] for i in range(3))
+    momenta = np.vstack([carried, value[:, 3:]])
+    residual = value[:, :3] + c0 * momenta[2:] + c1 * momenta[1:-1] + c2 * momenta[:-2]
+    by_start, by_end = slope[:, :, :3], slope[:, :, 3:]
+    slopes = np.zeros((4, len(pairs.T), 3, 3))
+    zero = np.zeros((1, 3, 3))
+    start = np.concatenate([zero, zero, by_start[:, 3:]])
+    end = np.concatenate([zero, zero, by_end[:, 3:]])
+    a, b, c = c0[..., None], c1[..., None], c2[..., None]
+    slopes[0] = by_end[:, :3] + a * end[2:]
+    slopes[1] = by_start[:, :3] + a * start[2:] + b * end[1:-1]
+    slopes[2] = b * start[1:-1] + c * end[:-2]
+    slopes[3] = c * start[:-2]
+    return _Evaluation(residual, value[:, 3:], energy, slopes)
+
+
+def _solve(now: _Evaluation) -> Floats:
+    """Solve the banded system; the unknowns are the second poses, the window's first pose is given."""
+    count = len(now.residual)
+    bands = np.zeros((LOWER + UPPER + 1, 3 * count))
+    row, column = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
+    for below in range(4):
+        steps = np.arange(below, count)
+        i, j = 3 * steps[:, None, None] + row, 3 * (steps[:, None, None] - below) + column
+        bands[UPPER + i - j, j] = now.slopes[below, below:]
+    if not np.isfinite(bands).all():
+        return np.zeros_like(now.residual)
+    return solve_banded((LOWER, UPPER), bands, now.residual.ravel()).reshape(count, 3)
+
+
+def _continued(start: Floats, relative_poses: Floats) -> Floats:
+    """Poses (W, 3) reached from `start` by relative ones."""
+    poses = [start]
+    for motion in relative_poses:
+        poses.append(compose(poses[-1][None], motion[None])[0])
+    return np.array(poses[1:])

@@ -1,0 +1,33 @@
+"""Forward simulation of extended models: the same roots, with what the effects add.
+
+Legend: R rows, S steps, M vertices.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid import group
+from serpenoid.body import Floats
+from serpenoid.model import Model
+from serpenoid.simulation.balance import solve_balance
+from serpenoid.simulation.chain import solve_chain
+from serpenoid.simulation.steps import Steps, solve_steps
+
+
+def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None = None) -> Steps:
+    """Relative poses of a sequence of shapes: elements (4, M R) at `times` (R,) [s], first pose `start` on the floor.
+
+    With inertia the body is at rest before the first row.
+    """
+    m = model.structure.elements
+    before, after = elements[:, :-m], elements[:, m:]
+    first = np.zeros(3) if start is None else np.asarray(start, float)
+    guess = solve_steps(model, before, after).relative
+    guess = np.where(np.isfinite(guess), guess, 0.0)
+    starts = group.accumulate(guess, first)[:-1]
+    steps = solve_balance(model, before, after, np.column_stack([times[:-1], times[1:]]), starts, guess)
+    if not (model.knows("place") or model.knows("history")):
+        return steps
+    near = np.where(steps.sound[:, None], steps.relative, guess)
+    return solve_chain(model, before, after, times, first, near)

@@ -1,0 +1,98 @@
+"""The numbers that the step functions with effects take: clock, weights and every effect's coordinates.
+
+Legend: S steps, M vertices, P coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
+from serpenoid.effects.catalogue import medium_effects
+from serpenoid.mechanics.extended import step_functions
+from serpenoid.model import Model
+
+
+@dataclass(frozen=True)
+class Law:
+    """medium (2, M): weights above anisotropy ratios; theta (P, M): coordinates, vertex by vertex; length [m]."""
+
+    medium: Floats
+    theta: Floats
+    length_m: float
+
+    @classmethod
+    def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> Law:
+        """A model's numbers; `strength` between 0 and 1 scales the effects' coordinates (1 = as they are).
+
+        Candidates are effects at neutral values that lend their other values (where a patch lies).
+        """
+        weights = model.body.vertex_weights
+        medium = np.vstack([weights, np.full(weights.size, model.medium.anisotropy_ratio)])
+        return cls(medium, coordinates(model, strength, candidates=candidates), model.body.total_length_m)
+
+    def clocks(self, times: Floats) -> Floats:
+        """Clock inputs (3, S) of steps that begin and end at `times` (S, 2) [s]."""
+        return np.vstack([np.full(len(times), self.length_m), times[:, 1] - times[:, 0], times.mean(1)])
+
+
+def coordinates(
+    model: Model,
+    strength: float = 1.0,
+    kinds: Sequence[MediumEffect] | None = None,
+    candidates: Sequence[ActiveEffect] = (),
+) -> Floats:
+    """theta (P, M) of `kinds` (default all): an effect's coordinates where it sits, its resting ones elsewhere."""
+    n = model.body.vertices
+    blocks = []
+    for kind in medium_effects() if kinds is None else kinds:
+        resting = np.array([*(p.resting for p in kind.parameters), 0.0])
+        block = np.repeat(resting[:, None], n, axis=1)
+        if kind.place is None:
+            block[-1] = [kind.is_present(vertex, n) for vertex in range(n)]
+        for active in (e for e in (*model.medium_effects, *candidates) if e.name == kind.name):
+            _enter(block, resting, active, strength)
+        blocks.append(block)
+    return np.vstack(blocks)
+
+
+def _enter(block: Floats, resting: Floats, active: ActiveEffect, strength: float) -> None:
+    values = np.array(active.coordinates)
+    scaled = [p.neutral is not None for p in active.effect.parameters] + [False]
+    values = np.where(scaled, resting + strength * (values - resting), values)
+    if active.place is None:
+        block[:-1] = values[:-1, None]
+    else:
+        block[:, active.place] = values
+
+
+def evaluate(
+    which: str, law: Law, before: Floats, after: Floats, poses: Floats, clocks: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """`balance` or `coupled` of S steps: drag and momentum (S, 6), energy (S,), derivatives (S, 6, 3 or 6)."""
+    count = poses.shape[1]
+    value, energy, slope = _mapped(which, law.medium.shape[1], count)(
+        before, after, poses, clocks, law.medium, law.theta
+    )
+    return value.full().T, energy.full()[0], slope.full().T.reshape(count, -1, 6).transpose(0, 2, 1)
+
+
+def sensitivities(law: Law, before: Floats, after: Floats, poses: Floats, clocks: Floats) -> tuple[Floats, Floats]:
+    """Derivatives of drag and momentum by (eps, unplaced parameters): (S, 6, 1 + G); by placed ones: (S, 6, M, L)."""
+    count, m = poses.shape[1], law.medium.shape[1]
+    everywhere, somewhere = _mapped("sensitivity", m, count)(before, after, poses, clocks, law.medium, law.theta)
+    first = everywhere.full().T.reshape(count, -1, 6).transpose(0, 2, 1)
+    return first, somewhere.full().T.reshape(count, m, -1, 6).transpose(0, 3, 1, 2)
+
+
+@lru_cache(maxsize=128)
+def _mapped(which: str, elements: int, count: int) -> ca.Function:
+    function: ca.Function = getattr(step_functions(elements), which)
+    return function.map(f"map{count}_{which}", "serial", count, [4, 5], [])

@@ -1,0 +1,88 @@
+"""From commanded to realised joint angles: the actuation effects, joint by joint, step by step.
+
+Legend: R rows, T rows of a joint table, m joints, P coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.effects.catalogue import actuation_effects
+from serpenoid.errors import InputError
+from serpenoid.mechanics.servo import joint_step, memories
+from serpenoid.model import Model
+
+CHUNK = 1000  # steps evaluated in one call
+CYCLES = 2000  # a memory that has not faded by then is reported
+FADED = 1e-14
+
+
+@dataclass(frozen=True)
+class Realised:
+    """True joint angles and what the servos read of them (R, m) [rad]; zero offsets make the difference."""
+
+    angles: Floats
+    readings: Floats
+
+
+def realise(model: Model, setpoints: Floats, times: Floats) -> Realised:
+    """A trial that begins at rest on the first row: set-points (R, m) [rad] at `times` (R,) [s], linear in between."""
+    if not model.actuation_effects:
+        return Realised(setpoints, setpoints)
+    resting = np.concatenate([setpoints[:1], setpoints])  # a first step on the spot gives the first row's angles
+    durations = np.concatenate([[1.0], np.diff(times)])
+    memory = np.tile(setpoints[:1], (memories(), 1))
+    return _play(coordinates(model), resting, durations, memory)[0]
+
+
+def realise_gait(model: Model, table: Floats) -> Floats:
+    """The periodic motion (T, m) on which a joint table, played again and again, settles; row 0 stays row 0."""
+    if not model.actuation_effects:
+        return table
+    theta, closed = coordinates(model), np.concatenate([table, table[:1]])
+    durations = np.full(len(table), model.step_duration(len(table)))
+    memory = np.tile(table[:1], (memories(), 1))
+    for _ in range(CYCLES):
+        realised, last = _play(theta, closed, durations, memory)
+        if np.abs(last - memory).max() <= FADED:
+            return np.roll(realised.angles, 1, axis=0)
+        memory = last
+    raise InputError("[[effects]] the servos never settle into a periodic motion: the cycle is too quick for them.")
+
+
+def coordinates(model: Model) -> Floats:
+    """theta (P, m): an effect's coordinates at its joint (or at all), its resting ones elsewhere."""
+    m = model.body.joint_count
+    blocks = []
+    for kind in actuation_effects():
+        block = np.repeat(np.array([*(p.resting for p in kind.parameters), 0.0])[:, None], m, axis=1)
+        for active in (e for e in model.actuation_effects if e.name == kind.name):
+            where = slice(None) if active.place is None else slice(active.place - 1, active.place)
+            block[:, where] = np.array(active.coordinates)[:, None]
+        blocks.append(block)
+    return np.vstack(blocks)
+
+
+def _play(theta: Floats, setpoints: Floats, durations: Floats, memory: Floats) -> tuple[Realised, Floats]:
+    """Play rows (n + 1, m) for n steps from the memory (Q, m); the last memory comes back beside n rows of angles."""
+    joints, angles, readings = setpoints.shape[1], [], []
+    for first in range(0, len(durations), CHUNK):
+        part = slice(first, min(first + CHUNK, len(durations)))
+        count = part.stop - part.start
+        before, after = setpoints[:-1][part].reshape(1, -1), setpoints[1:][part].reshape(1, -1)
+        repeated = np.repeat(durations[part], joints)[None]
+        result = _rollout(joints, count)(memory, before, after, repeated, np.tile(theta, (1, count)))
+        memory = result[0].full()[:, -joints:]
+        angles.append(result[1].full().reshape(count, joints))
+        readings.append(result[2].full().reshape(count, joints))
+    return Realised(np.concatenate(angles), np.concatenate(readings)), memory
+
+
+@lru_cache(maxsize=64)
+def _rollout(joints: int, count: int) -> ca.Function:
+    return joint_step().map(joints).mapaccum(count)

@@ -1,0 +1,113 @@
+"""Every effect of the catalogue, one by one: declared, neutral, and doing something."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import serpenoid as sp
+from effects.conftest import extended, place_of, typical
+from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.effects.view import View
+from serpenoid.errors import InputError
+from serpenoid.problem import Problem
+from serpenoid.simulation.servos import realise
+
+NAMES = list(catalogue())
+MOVING = [n for n in NAMES if find(n).site != "observation"]
+SEEN = [n for n in NAMES if find(n).site == "observation"]
+HAVE_NEUTRAL = [n for n in NAMES if any(p.neutral is not None for p in find(n).parameters)]
+
+
+def test_catalogue_has_the_agreed_names() -> None:
+    agreed = (Path(__file__).parents[1] / "blind" / "EFFECTS.md").read_text(encoding="utf-8")
+    named = {line.split("`")[1] for line in agreed.splitlines() if line.startswith("| `")}
+    assert named == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_effect_is_declared_in_full(name: str) -> None:
+    effect = find(name)
+    assert effect.parameters
+    assert effect.looks_like
+    assert effect.what_to_do
+    for p in effect.parameters:
+        assert p.unit
+        assert p.meaning
+        assert p.lower < p.upper
+        assert p.lower <= p.typical <= p.upper
+        assert p.neutral is None or p.lower <= p.neutral <= p.upper
+        assert math.isfinite(p.resting)
+        assert p.value(p.coordinate(p.typical)) == pytest.approx(p.typical, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", HAVE_NEUTRAL)
+def test_neutral_effect_is_the_baseline_to_the_last_bit(name: str, problem: Problem, table: np.ndarray) -> None:
+    model = extended(problem, ActiveEffect.neutral(name, place_of(name)))
+    assert model == extended(problem)
+    motion, plain = (sp.simulate_joint_angles(m, table, 2) for m in (model, extended(problem)))
+    assert motion.poses.tobytes() == plain.poses.tobytes()
+    assert motion.step_energy.tobytes() == plain.step_energy.tobytes()
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_moderate_strength_changes_the_motion(name: str, problem: Problem, table: np.ndarray) -> None:
+    motion, plain = (sp.simulate_joint_angles(extended(problem, *e), table) for e in ([typical(name)], []))
+    assert motion.status.ok
+    assert np.abs(motion.poses - plain.poses)[:, :2].max() > 1e-3  # body lengths, about 1 mm
+
+
+@pytest.mark.parametrize("name", SEEN)
+def test_observation_changes_what_is_seen_and_not_the_motion(name: str, problem: Problem, table: np.ndarray) -> None:
+    active = typical(name)
+    motion, plain = (sp.simulate_joint_angles(extended(problem, *e), table) for e in ([active], []))
+    assert motion.poses.tobytes() == plain.poses.tobytes()
+    true = View.true(plain.vertices * problem.body.total_length_m, np.linspace(0, 5, 51), [2.0], [0.3])
+    seen = active.effect.on_view(true, active.place, active.parameters)
+    changed = max(np.abs(seen.markers - true.markers).max(), np.abs(seen.servo_times - true.servo_times).max())
+    assert changed > 1e-3  # m or s
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_speed_is_asked_for_where_it_matters(name: str, problem: Problem) -> None:
+    effect = find(name)
+    if not effect.needs_seconds:  # type: ignore[attr-defined]
+        assert extended(problem, typical(name), duration=None).step_duration(50) == 1.0
+        return
+    with pytest.raises(InputError, match=f"cycle_duration_s: `{name}` knows speed"):
+        extended(problem, typical(name), duration=None).step_duration(50)
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "values", "message"),
+    [
+        ("worn_weel", 4, {}, "did you mean `worn_wheel`"),
+        ("worn_wheel", 4, {"seizur": 1.0}, "did you mean `seizure`"),
+        ("worn_wheel", None, {"seizure": 1.0}, "give `place`, the number of a vertex"),
+        ("worn_wheel", 4, {"seizure": 1.5}, r"must be in \[0, 1\], got 1.5"),
+        ("slope", 4, {"pull_x": 0.0, "pull_y": 0.1}, "has no `place`"),
+        ("slope", None, {"pull_x": 0.0}, "needs `pull_y`"),
+    ],
+)
+def test_bad_effects_are_refused(name: str, place: int | None, values: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        ActiveEffect.of(name, place, **values)
+
+
+def test_effects_that_do_not_fit_the_body_are_refused(problem: Problem) -> None:
+    with pytest.raises(InputError, match="vertex from 0 to 11"):
+        extended(problem, ActiveEffect.of("worn_wheel", 12, seizure=0.5))
+    with pytest.raises(InputError, match="contact is lost"):
+        extended(problem, ActiveEffect.of("load", 4, share=-0.5))
+    with pytest.raises(InputError, match="twice"):
+        extended(problem, typical("toe"), typical("toe"))
+
+
+def test_zero_offset_is_not_shown_by_the_servo(problem: Problem, table: np.ndarray) -> None:
+    times = np.arange(50) * 0.1
+    realised = realise(extended(problem, ActiveEffect.of("zero_offset", 3, offset=0.05)), table, times)
+    np.testing.assert_array_equal(realised.readings, table)
+    np.testing.assert_allclose((realised.angles - table)[:, 2], 0.05, atol=1e-15)
