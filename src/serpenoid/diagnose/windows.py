@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.geometry import filled, register, relative, shapes, travel
+from serpenoid.diagnose.geometry import filled, register, relative, shapes, travel, turn
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
@@ -200,3 +200,22 @@ def _windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ..
     c, s = np.cos(heading[first])[:, None], np.sin(heading[first])[:, None]
     jacobian = np.stack([c * summed[:, 0] + s * summed[:, 1], c * summed[:, 1] - s * summed[:, 0], summed[:, 2]], axis=1)
     return Prediction(relative(path[first], path[last]), jacobian, columns)
+
+
+def patch_columns(model: Model, track: Track, patches: Sequence[ActiveEffect]) -> Floats:
+    """Derivatives (B - 1, 3, K) by the strengths of K weak friction patches, from those by the loads of the vertices.
+
+    A patch changes each vertex's weight in the drag by strength w_k exp(-|p_k - (x, y)|^2 / (2 radius^2)).
+    """
+    length, n = model.body.total_length_m, model.body.vertices
+    scale = np.array([length, length, 1.0])
+    loads = [ActiveEffect.neutral("load", k) for k in range(n)]
+    found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, loads)
+    by_load = np.stack([found.jacobian[..., i] for i, c in enumerate(found.columns) if c.effect == "load"], axis=-1)[..., -n:]
+    world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+    middle = (world[1:] + world[:-1]) / 2
+    values = np.array([[e.parameters[p] for p in ("x", "y", "radius")] for e in patches])
+    away = ((middle[:, :, None] - values[:, :2]) ** 2).sum(axis=-1)
+    felt = model.body.vertex_weights[:, None] * np.exp(-away / (2 * values[:, 2] ** 2))
+    by = np.einsum("sck,skp->scp", by_load * scale[:, None], felt)
+    return _windowed(track, found.relative * scale, by, ()).jacobian
