@@ -32,14 +32,14 @@ REACH = 3.0  # largest change of a positive scale in one step
 
 @dataclass(frozen=True)
 class Plays:
-    """The servos' readings (R, m) [rad], gaits (R,), and the set-points on meshes that meet every row of the tables.
+    """The servos' readings (R, m) [rad], trial numbers (R,), and the set-points on meshes that meet every row of the tables.
 
     noise [rad]: of a reading.
     """
 
     recordings: tuple[Recording, ...]
     readings: Floats
-    labels: np.ndarray
+    trials: np.ndarray
     times: tuple[Floats, ...]
     meshes: tuple[Floats, ...]
     where: tuple[np.ndarray, ...]
@@ -58,9 +58,8 @@ class Plays:
 def plays(recordings: Sequence[Recording]) -> Plays:
     """Readings between t0 and the end, at the log's own times; t0 is moved within what the labels allow."""
     readings, labels, times, meshes, where, noises = [], [], [], [], [], []
-    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
     recordings = list({r.setting: r for r in recordings}.values())  # one of each kind tells what there is to tell
-    for r in recordings:
+    for number, r in enumerate(recordings):
         time = r.log_time / (1 + r.clock.rate)
         inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
         own = r.position[inside]
@@ -75,7 +74,7 @@ def plays(recordings: Sequence[Recording]) -> Plays:
         meshes.append(mesh)
         where.append(np.searchsorted(mesh, time[inside]))
         readings.append(own)
-        labels.append(np.full(len(own), gaits[r.gait]))
+        labels.append(np.full(len(own), number))
     noise = max(float(np.percentile(noises, 25)), TICK / np.sqrt(12))
     return Plays(
         tuple(recordings), np.concatenate(readings), np.concatenate(labels), tuple(times), tuple(meshes), tuple(where),
@@ -111,11 +110,11 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
         if not kind.shown or (kind.place is None and any(e.name == kind.name for e in base)):
             continue
         for start in STARTS.get(kind.name, (0.0,)):
-            found += _fit_everywhere(data, kind.name, base, start)
+            found += fit_everywhere(data, kind.name, base, start)
     return found
 
 
-def _fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], start: float) -> list[Attempt]:
+def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], start: float) -> list[Attempt]:
     """Gauss-Newton for one parameter per joint, all joints side by side (one for all where there is no place)."""
     kind = find(name)
     joints = data.readings.shape[1]

@@ -13,12 +13,13 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.geometry import turn
-from serpenoid.diagnose.windows import Prediction, Track, predict
+from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import catalogue, find
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.simulation.sensitivity import EPS, Column
 
 STEPS = 8
 LEAST_EPS, MOST_EPS = 5e-3, 1.0
@@ -142,35 +143,34 @@ def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) 
     inside = [c for c in candidates if isinstance(c.effect, MediumEffect)]
     if not model.knows("history"):
         return predict(model, track, inside)
-    p = predict(model, track, inside)
-    jacobian = p.jacobian.copy()
-    for i, c in enumerate(p.columns):
-        if c.effect is not None and not any(c.effect == e.name for e in model.effects):
-            continue
-        jacobian[..., i] = _difference(model, track, c.effect, c.place, c.parameter, p.displacement)
-    return replace(p, jacobian=jacobian)
+    base = coasting(model, track)
+    columns = [EPS, *(Column(e.name, e.place, p.name) for e in model.effects for p in e.effect.parameters)]
+    jacobian = [_difference(model, track, c, base) for c in columns]
+    if inside:
+        plain = Model(model.body, model.medium, tuple(e for e in model.effects if "history" not in e.effect.knows))
+        p = predict(plain, track, inside)
+        added = [i for i, c in enumerate(p.columns) if c not in columns]
+        columns += [p.columns[i] for i in added]
+        jacobian += [p.jacobian[..., i] for i in added]
+    return Prediction(base, np.stack(jacobian, axis=-1), tuple(columns))
 
 
-def _difference(
-    model: Model, track: Track, name: str | None, place: int | None, parameter: str, base: Floats
-) -> Floats:
+def _difference(model: Model, track: Track, column: Column, base: Floats) -> Floats:
     """Derivative by a forward difference, where earlier steps matter."""
-    if name is None:
-        eps = model.medium.anisotropy_ratio
-        step = 1e-4 * eps
-        changed = Model(model.body, Medium(anisotropy_ratio=eps + step), model.effects)
-        return (predict(changed, track).displacement - base) / step
-    effects, step = [], 1e-6
+    if column.effect is None:
+        step = 1e-4 * model.medium.anisotropy_ratio
+        medium = Medium(anisotropy_ratio=model.medium.anisotropy_ratio + step)
+        return (coasting(Model(model.body, medium, model.effects), track) - base) / step
+    effects, step = [], 1.0
     for e in model.effects:
-        if (e.name, e.place) == (name, place):
-            index = [p.name for p in e.effect.parameters].index(parameter)
-            x = list(e.coordinates)
-            step = 1e-3 * max(abs(x[index]), abs(e.effect.parameters[index].coordinate(e.effect.parameters[index].typical)) * 0.01)
+        if (e.name, e.place) == (column.effect, column.place):
+            index = [p.name for p in e.effect.parameters].index(column.parameter)
+            p, x = e.effect.parameters[index], list(e.coordinates)
+            step = 1e-3 * max(abs(x[index]), 0.01 * abs(p.coordinate(p.typical)))
             x[index] += step
             e = e.with_coordinates(x)
         effects.append(e)
-    changed = Model(model.body, model.medium, tuple(effects))
-    return (predict(changed, track).displacement - base) / step
+    return (coasting(Model(model.body, model.medium, tuple(effects)), track) - base) / step
 
 
 def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats, steps: int = STEPS) -> Fit:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.geometry import travel
+from serpenoid.diagnose.geometry import travel, turn
 from serpenoid.diagnose.medium import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
@@ -81,10 +81,19 @@ def _mean_in_time(track: Track, values: Floats) -> float:
     return float(((values[1:] + values[:-1]) / 2 * weight).sum() / weight.sum())
 
 
-def path_rms(track: Track, predicted: Prediction) -> float:
-    """RMS distance [m] of the measured path from the predicted one, started at the measured first pose."""
+def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
+    """RMS distance [m] of the measured path from the predicted one, started at the measured first pose.
+
+    mend: what the model does not account for across gaps of all markers is taken out first.
+    """
     path = travel(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
-    miss = ((track.measured[:, :2] - path) ** 2).sum(axis=1)
+    measured = track.measured[:, :2].copy()
+    if mend:
+        known = np.isfinite(measured[:, 0])
+        for i in np.flatnonzero(track.gap_windows & known[1:] & known[:-1]):
+            step = (track.displacement - predicted.displacement)[i, :2]
+            measured[i + 1 :] -= turn(track.measured[i, 2], step)
+    miss = ((measured - path) ** 2).sum(axis=1)
     known = np.isfinite(miss)
     return float(np.sqrt(_mean_in_time(track, np.interp(np.arange(len(miss)), np.flatnonzero(known), miss[known]))))
 

@@ -21,6 +21,7 @@ AT_MOST = 3
 FULL_FITS = (10, 6, 4)
 PER_NAME = 4
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
+PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 RIVAL = 14.0  # chi squared: what is no worse than this cannot be excluded
 
@@ -66,7 +67,8 @@ def select(motion: Motion, model: object, say: Progress) -> Selection:
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
-        tries = [attempt(motion, best, e, x) for e, _, x in shortlist(ranked, FULL_FITS[level])]
+        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])]
+        tries = [attempt(motion, best, e, x) for e, _, x in promising]
         good = [t for t in tries if best.held_out - t.fit.held_out > GAIN]
         if not good:
             break

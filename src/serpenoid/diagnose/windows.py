@@ -10,7 +10,7 @@ Legend: R rows of a trial's time mesh, W windows, F frames, P columns.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -29,12 +29,14 @@ from serpenoid.simulation.steps import elements_of_vertices
 WINDOWS_PER_CYCLE = 8
 STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the floor
 STEPS_PER_PAUSE = 16
+COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
 HALF_AVERAGE_S = 0.045  # poses at a boundary: frames within this distance
+LEAST_FRAMES = 4
 
 
 @dataclass(frozen=True)
 class Track:
-    """One trial on its time mesh.
+    """One trial on its (coarser) time mesh; offset (B - 1, 3): what the finer mesh adds to a window's displacement.
 
     time (R,), vertices (R, N, 2) in the body frame [m]; boundaries (B,): rows; measured (B, 3) poses there [m, rad],
     NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,); frame_time (F,), frame_poses
@@ -53,6 +55,7 @@ class Track:
     frame_time: Floats
     frame_poses: Floats
     gap_windows: np.ndarray  # (B - 1,) a gap of all markers lies inside
+    offset: Floats
 
     @property
     def duration(self) -> Floats:
@@ -110,17 +113,29 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     guess = predicted_path(model, vertices, time, _start(r, plan, known))
     at_frames = _spline(r, time, guess)
     miss = plan - at_frames
-    half = HALF_AVERAGE_S
-    around = np.full((len(time), 3), np.nan)
-    for i, t in enumerate(time):
-        a, b = np.searchsorted(r.time, [t - half, t + half])
-        inside = miss[a:b]
-        good = np.isfinite(inside[:, 0])
-        if good.sum() >= 4:
-            around[i] = guess[i] + inside[good].mean(axis=0)
-    gaps = np.array([np.isnan(around[a : b + 1, 0]).any() for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
-    path = guess + filled(around - guess)
-    return Track(r, time, vertices, bounds, playing, cycle, phase, around[bounds], path, r.time, plan, gaps)
+    around = np.full((len(bounds), 3), np.nan)
+    for i, t in enumerate(time[bounds]):
+        a, b = np.searchsorted(r.time, [t - HALF_AVERAGE_S, t + HALF_AVERAGE_S])
+        good = np.isfinite(miss[a:b, 0])
+        if good.sum() >= LEAST_FRAMES:
+            around[i] = miss[a:b][good].mean(axis=0)
+    hidden = r.time[~np.isfinite(plan[:, 0])]
+    gaps = np.array([_crossed(hidden, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+    bridged = filled(around)
+    path = guess + np.stack([np.interp(time, time[bounds], c) for c in bridged.T], axis=1)
+    some = slice(None, None, COARSER)
+    rough = predicted_path(model, vertices[some], time[some], guess[0])
+    coarse = bounds // COARSER
+    offset = relative(guess[bounds[:-1]], guess[bounds[1:]]) - relative(rough[coarse[:-1]], rough[coarse[1:]])
+    return Track(
+        r, time[some], vertices[some], coarse, playing, cycle, phase, guess[bounds] + around, path[some], r.time, plan,
+        gaps, offset,
+    )  # fmt: skip
+
+
+def _crossed(hidden: Floats, begin: float, end: float) -> bool:
+    """Whether a gap of all markers, long enough for something to happen in it, lies in a window."""
+    return bool(((hidden > begin) & (hidden < end)).sum() > LEAST_FRAMES)
 
 
 def _mapped_poses(r: Recording, seen: Observation, angles: Floats, poses: Floats) -> Floats:
@@ -171,15 +186,15 @@ def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ())
     """What a model makes of a trial's shapes, window by window, and its derivatives."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    poses = track.poses / scale
-    if model.knows("history"):
-        poses = _coasting(model, track) / scale
-    found = step_sensitivities(model, track.vertices / length, track.time, poses, candidates)
-    return _windowed(track, found.relative * scale, found.jacobian * scale[:, None], found.columns)
+    found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, candidates)
+    p = _windowed(track, found.relative * scale, found.jacobian * scale[:, None], found.columns)
+    return replace(p, displacement=p.displacement + track.offset)
 
 
-def _coasting(model: Model, track: Track) -> Floats:
-    return predicted_path(model, track.vertices, track.time, track.poses[0])
+def coasting(model: Model, track: Track) -> Floats:
+    """Window displacements (B - 1, 3) of a model whose earlier steps matter: the whole trial, free running."""
+    path = predicted_path(model, track.vertices, track.time, track.poses[0])
+    return np.asarray(relative(path[track.boundaries[:-1]], path[track.boundaries[1:]]) + track.offset)
 
 
 def _windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ...]) -> Prediction:
