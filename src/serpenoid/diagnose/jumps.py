@@ -13,7 +13,7 @@ from scipy.special import ive
 
 from serpenoid.diagnose.finding import Named, interval
 from serpenoid.diagnose.medium import Motion
-from serpenoid.diagnose.noise import PAUSE_SHARE
+from serpenoid.diagnose.noise import PAUSE_SHARE, gap_steps
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.effects.active import ActiveEffect
 
@@ -21,23 +21,21 @@ CERTAIN = 12.0  # log-likelihood ratio
 MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
 
 
-def gap_steps(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths of unaccounted displacement in windows with a gap [m], and their noise (SD of one component) [m]."""
+def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths of unaccounted displacement across gaps [m], and their noise (SD of one component) [m]."""
     lengths, noises = [], []
     for track, p in zip(motion.tracks, predictions, strict=True):
-        known = np.isfinite(track.measured[:, 0])
-        there = track.gap_windows & known[1:] & known[:-1]
-        left = track.displacement - p.displacement
         noise = motion.noise.of(track).copy()
         noise[~track.playing] /= PAUSE_SHARE
-        lengths += list(np.hypot(left[there, 0], left[there, 1]))
-        noises += list(np.sqrt((noise[there, 0] ** 2 + noise[there, 1] ** 2) / 2))
+        for first, last, step in gap_steps(track, p):
+            lengths.append(np.hypot(step[0], step[1]))
+            noises.append(np.sqrt((noise[first:last, :2] ** 2).sum() / 2))
     return np.array(lengths), np.array(noises)
 
 
 def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float) -> Named | None:
     """The effect `position_jumps`, if the gaps show it."""
-    lengths, noises = gap_steps(motion, predictions)
+    lengths, noises = gap_lengths(motion, predictions)
     if len(lengths) < 3:
         return None
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.geometry import travel, turn
+from serpenoid.diagnose.geometry import relative, travel, turn
 from serpenoid.diagnose.medium import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
@@ -89,13 +89,32 @@ def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
     path = travel(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
     measured = track.measured[:, :2].copy()
     if mend:
-        known = np.isfinite(measured[:, 0])
-        for i in np.flatnonzero(track.gap_windows & known[1:] & known[:-1]):
-            step = (track.displacement - predicted.displacement)[i, :2]
-            measured[i + 1 :] -= turn(track.measured[i, 2], step)
+        for first, last, step in gap_steps(track, predicted):
+            measured[last:] -= turn(track.measured[first, 2], step[:2])
     miss = ((measured - path) ** 2).sum(axis=1)
     known = np.isfinite(miss)
     return float(np.sqrt(_mean_in_time(track, np.interp(np.arange(len(miss)), np.flatnonzero(known), miss[known]))))
+
+
+def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Floats]]:
+    """(boundary before, boundary after, unaccounted displacement (3,)) of every gap of all markers."""
+    known = np.isfinite(track.measured[:, 0])
+    found, i, last = [], 0, len(track.gap_windows)
+    while i < last:
+        if not track.gap_windows[i]:
+            i += 1
+            continue
+        a = i
+        while a > 0 and not known[a]:
+            a -= 1
+        b = i + 1
+        while b < last and (not known[b] or track.gap_windows[b]):
+            b += 1
+        if known[a] and known[b]:
+            said = travel(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
+            found.append((a, b, relative(track.measured[a], track.measured[b]) - said))
+        i = b
+    return found
 
 
 def total(values: Sequence[float]) -> float:
