@@ -16,11 +16,13 @@ from pathlib import Path
 from serpenoid.cli import campaigns, options
 
 
+STAGES = 10
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `diagnose`."""
     campaigns.add_campaign(parser)
     parser.add_argument("--model", metavar="FILE", help="problem or model file with the baseline medium")
-    parser.add_argument("--reference", metavar="CAMPAIGN", help="a healthy campaign: what changed since then?")
     options.add_output(parser)
 
 
@@ -45,4 +47,3 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-STAGES = 9

@@ -21,6 +21,7 @@ from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
+RELATIVE = 3e-3  # what smoothing the shapes leaves
 SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
@@ -43,8 +44,7 @@ def choose_motion(
     for _ in range(2):
         motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    found = select(motion, model, say)
-    return finding(found)
+    return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
 
 
 def finding(found: Selection) -> MotionFinding:
@@ -75,7 +75,7 @@ def rivals(found: Selection) -> tuple[ActiveEffect, ...]:
     for t in found.tries:
         key = (t.added.name, t.added.place)
         same_size = len(t.fit.effects) == len(found.best.effects)
-        if key not in chosen and same_size and t.fit.chi2 - found.best.chi2 < RIVAL:
+        if key not in chosen and same_size and t.fit.chi2 - found.reach < RIVAL:
             others.append(next(e for e in t.fit.effects if (e.name, e.place) == key))
     return tuple({(e.name, e.place): e for e in others}.values())
 
@@ -92,7 +92,7 @@ def named_of(found: Selection, best: Fit, effect: ActiveEffect) -> Named:
     ends, bound = {}, []
     for i, p in enumerate(effect.effect.parameters):
         x = effect.coordinates[i]
-        half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i]))
+        half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
         ends[p.name] = interval([_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)])
         value = effect.parameters[p.name]
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):

@@ -16,6 +16,7 @@ import numpy as np
 from serpenoid.body import Floats
 
 RIDGE = 1e-9
+SILENT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,8 @@ class Evidence:
         keep = [g for g in range(len(self.constant)) if g != without]
         matrix = self.matrix[keep].sum(axis=0)[np.ix_(index, index)]
         vector = self.vector[keep].sum(axis=0)[index]
-        scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        scale = np.sqrt(np.diag(matrix))
+        scale = np.where(scale > SILENT, scale, 1.0)  # a column that says nothing stays at zero
         regular = matrix / np.outer(scale, scale) + RIDGE * np.eye(len(index))
         inverse = np.linalg.inv(regular) / np.outer(scale, scale)
         return inverse @ vector, inverse

@@ -13,7 +13,7 @@ from scipy.special import ive
 
 from serpenoid.diagnose.finding import Named, interval
 from serpenoid.diagnose.medium import Motion
-from serpenoid.diagnose.noise import PAUSE_SHARE, gap_steps
+from serpenoid.diagnose.noise import gap_steps
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.effects.active import ActiveEffect
 
@@ -25,8 +25,7 @@ def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.n
     """Lengths of unaccounted displacement across gaps [m], and their noise (SD of one component) [m]."""
     lengths, noises = [], []
     for track, p in zip(motion.tracks, predictions, strict=True):
-        noise = motion.noise.of(track).copy()
-        noise[~track.playing] /= PAUSE_SHARE
+        noise = motion.noise.of(track)
         for first, last, step in gap_steps(track, p):
             lengths.append(np.hypot(step[0], step[1]))
             noises.append(np.sqrt((noise[first:last, :2] ** 2).sum() / 2))

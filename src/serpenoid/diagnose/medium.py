@@ -202,6 +202,11 @@ def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats
     return Fit(model, drift, evidence, predictions, best, evidence.held_out(columns))
 
 
+def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
+    """Another few steps from a fit, on other tracks or another noise."""
+    return fit(motion, found.model, list(found.effects), found.coordinates, steps)
+
+
 def _values(model: Model, drift: ActiveEffect | None) -> Floats:
     effects = [*model.effects, *(() if drift is None else (drift,))]
     return np.array([model.medium.anisotropy_ratio, *(c for e in effects for c in e.coordinates[:-1])])

@@ -16,7 +16,7 @@ from serpenoid.diagnose.medium import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
 LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers
-PAUSE_SHARE = 1.4  # shapes creep in pauses by less than a servo's tick, alike in repeats
+CREEP = np.array([4e-5, 4e-5, 1.5e-4])  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
 DRAWS = 24
 
 
@@ -52,7 +52,7 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
         pause = [x[~t.playing] for t, x in zip(tracks, left, strict=True)]
     moved, rested = (np.concatenate(x) for x in (playing, pause))
     noise = [_sd(x[np.isfinite(x[:, 0])]) for x in (moved, rested)]
-    return Noise(np.maximum(noise[0], LEAST), np.maximum(PAUSE_SHARE * noise[1], LEAST)), moved[np.isfinite(moved[:, 0])]
+    return Noise(np.maximum(noise[0], LEAST), np.hypot(np.maximum(noise[1], LEAST), CREEP)), moved[np.isfinite(moved[:, 0])]
 
 
 def _sd(values: Floats) -> Floats:
@@ -67,7 +67,7 @@ def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
     squares = []
     for track, p in zip(motion.tracks, predictions, strict=True):
         noise = motion.noise.of(track).copy()
-        noise[~track.playing] /= PAUSE_SHARE
+        noise[~track.playing] = LEAST
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]
         for _ in range(DRAWS):

@@ -12,20 +12,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.evidence import Evidence
-from serpenoid.diagnose.medium import Fit, Motion, candidates_of, fit, linearised, patch_grid
+from serpenoid.diagnose.medium import (
+    STEPS,
+    Fit,
+    Motion,
+    candidates_of,
+    drift_columns,
+    fit,
+    fit_guided,
+    linearised,
+    patch_grid,
+)
 from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
-from serpenoid.diagnose.windows import patch_columns
+from serpenoid.diagnose.processes import in_processes
+from serpenoid.diagnose.windows import Track, patch_columns, predict
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
 
 AT_MOST = 3
 FULL_FITS = (10, 6, 4)
 PER_NAME = 4
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
+SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 RIVAL = 14.0  # chi squared: what is no worse than this cannot be excluded
 
 Progress = Callable[[str], None]
+Retrack = Callable[[Model], tuple[Track, ...]]
 
 
 @dataclass(frozen=True)
@@ -48,6 +62,7 @@ class Selection:
     tries: tuple[Try, ...]
     faint: tuple[Try, ...]
     scores: tuple[tuple[str, int | None, float], ...]
+    reach: float = np.inf  # chi squared of the choice, on the mesh of the tries
 
 
 def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion, Fit]:
@@ -58,17 +73,17 @@ def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion
     return motion, fit(motion, base.model, list(base.effects), base.coordinates)
 
 
-def select(motion: Motion, model: object, say: Progress) -> Selection:
-    """Forward selection from eps alone."""
+def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Selection:
+    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, None, model)
-    best, faint, tries, scores = null, [], [], ()
+    best, faint, kept, scores = null, [], [], ()
     for level in range(AT_MOST):
         floor = path_floor(motion, best.predictions)
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
         promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])]
-        tries = [attempt(motion, best, e, x) for e, _, x in promising]
+        tries = attempts(motion, best, promising)
         good = [t for t in tries if best.held_out - t.fit.held_out > GAIN]
         if not good:
             break
@@ -76,11 +91,12 @@ def select(motion: Motion, model: object, say: Progress) -> Selection:
         if first.strength_m < VISIBLE * floor:
             faint.append(first)
             break
-        motion, better = calibrated(motion, first.fit, None)
+        motion = replace(motion, tracks=retrack(first.fit.model))
+        motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better)
-        tries = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
-    return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(tries), tuple(faint), scores)
+        kept = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
+    return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2)
 
 
 def again(motion: Motion, t: Try) -> Try:
@@ -122,9 +138,6 @@ def _patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[t
 
 def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
     rows, columns, labels = [], [], []
-    from serpenoid.diagnose.medium import drift_columns
-    from serpenoid.diagnose.windows import predict
-
     for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
         own = predict(base.model, track)
         jacobian = [own.jacobian]
@@ -155,7 +168,21 @@ def shortlist(
     return result
 
 
-def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray) -> Try:
+def attempts(motion: Motion, base: Fit, promising: Sequence[tuple[ActiveEffect, float, np.ndarray]]) -> list[Try]:
+    """A few steps for all, and to the end for the best of them."""
+    first = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in promising])
+    first.sort(key=lambda t: t.fit.chi2)
+    ahead = [t for t in first[:FINALISTS] if t.fit.chi2 < OUT_OF_REACH * first[0].fit.chi2]
+    return in_processes([(finished, (motion, base, t)) for t in ahead])
+
+
+def finished(motion: Motion, base: Fit, t: Try) -> Try:
+    """Fitted to the end."""
+    found = fit_guided(motion, t.fit, steps=STEPS)
+    return Try(found, t.added, strength(motion, found.predictions, base.predictions))
+
+
+def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
     """Fit the base's effects and one more in full; its strength is what the path loses without it."""
     effects = [*base.model.effects, *([base.drift] if base.drift else [])]
     order = [*effects, added]
@@ -163,7 +190,7 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray) -> Tr
     sizes = [len(e.effect.parameters) for e in order]
     starts = np.cumsum([1, *sizes])
     x = np.concatenate([x[:1], *(x[starts[i] : starts[i] + sizes[i]] for i in moved)])
-    found = fit(motion, base.model, [order[i] for i in moved], x)
+    found = fit(motion, base.model, [order[i] for i in moved], x, steps)
     return Try(found, added, strength(motion, found.predictions, base.predictions))
 
 

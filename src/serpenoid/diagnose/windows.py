@@ -36,7 +36,8 @@ LEAST_FRAMES = 4
 
 @dataclass(frozen=True)
 class Track:
-    """One trial on its (coarser) time mesh; offset (B - 1, 3): what the finer mesh adds to a window's displacement.
+    """One trial on its (coarser) time mesh; offset (B - 1, 3): what a mesh without error would add
+    to a window's displacement.
 
     time (R,), vertices (R, N, 2) in the body frame [m]; boundaries (B,): rows; measured (B, 3) poses there [m, rad],
     NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,); frame_time (F,), frame_poses
@@ -126,7 +127,8 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     some = slice(None, None, COARSER)
     rough = predicted_path(model, vertices[some], time[some], guess[0])
     coarse = bounds // COARSER
-    offset = relative(guess[bounds[:-1]], guess[bounds[1:]]) - relative(rough[coarse[:-1]], rough[coarse[1:]])
+    finer = relative(guess[bounds[:-1]], guess[bounds[1:]]) - relative(rough[coarse[:-1]], rough[coarse[1:]])
+    offset = finer * COARSER**2 / (COARSER**2 - 1)  # second order: extrapolated to a mesh without error
     return Track(
         r, time[some], vertices[some], coarse, playing, cycle, phase, guess[bounds] + around, path[some], r.time, plan,
         gaps, offset,
