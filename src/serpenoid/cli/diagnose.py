@@ -15,7 +15,6 @@ from pathlib import Path
 
 from serpenoid.cli import campaigns, options
 
-
 STAGES = 10
 
 
@@ -41,9 +40,11 @@ def run(args: argparse.Namespace) -> int:
         at = iter(range(count, count + STAGES + 1))
         found = diagnose(recordings, baseline(args.model, file), lambda text: advance(next(at, count + STAGES), text))
         folder = options.output_folder(args, Path("results") / Path(args.campaign).resolve().name / "diagnosis")
+        if not args.no_figures:
+            from serpenoid.plot.diagnosis import draw_all
+
+            draw_all(folder, found)
         record = write(folder, file, found, figures=not args.no_figures)
         advance(count + STAGES)
     options.report(args, record, [*lines(record), f"written to {folder}"])
     return 0
-
-

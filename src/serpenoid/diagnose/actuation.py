@@ -126,9 +126,7 @@ def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], start: 
         values = np.array([float(np.median(data.readings[:, j - 1])) for j in places if j is not None])
 
     def play(x: Floats) -> Floats:
-        effects = [
-            ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)
-        ]
+        effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]
         return data.realised([*base, *effects])
 
     def chi2(y: Floats) -> Floats:

@@ -37,7 +37,7 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
         chosen = _refined(data, [*chosen, best.effect])
     left = channels(data, chosen)
     worst = int(left.argmax())
-    words = ()
+    words: tuple[str, ...] = ()
     if left[worst] > SETTLED:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
     named = tuple(_named(data, chosen, e) for e in chosen)
@@ -79,5 +79,9 @@ def _named(data: Plays, chosen: list[ActiveEffect], effect: ActiveEffect) -> Nam
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
     alone = data.realised([effect]) - data.realised([])
     strength = float(np.sqrt((alone**2).mean(axis=0)).max() / data.noise)
-    bound = (parameter.name,) if min(abs(effect.parameters[parameter.name] - b) for b in (parameter.lower, parameter.upper)) == 0 else ()
+    bound = (
+        (parameter.name,)
+        if min(abs(effect.parameters[parameter.name] - b) for b in (parameter.lower, parameter.upper)) == 0
+        else ()
+    )
     return Named(effect, {parameter.name: interval(ends)}, strength, bound)

@@ -14,7 +14,7 @@ from serpenoid.diagnose.noise import path_rms, residuals, strength, total, windo
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import RIVAL, Selection, select
+from serpenoid.diagnose.select import RIVAL, Selection, Try, select
 from serpenoid.diagnose.windows import make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -68,16 +68,22 @@ def finding(found: Selection) -> MotionFinding:
 
 def rivals(found: Selection) -> tuple[ActiveEffect, ...]:
     """Other effects in the place of one of the chosen that the data cannot exclude."""
-    if not found.best.effects:
-        return ()
-    chosen = {(e.name, e.place) for e in found.best.effects}
     others = []
+    for t in rival_tries(found):
+        others.append(next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place)))
+    return tuple({(e.name, e.place): e for e in others}.values())
+
+
+def rival_tries(found: Selection) -> list[Try]:
+    """Their fits; of one name and place only the best."""
+    chosen = {(e.name, e.place) for e in found.best.effects}
+    best: dict[tuple[str, int | None], Try] = {}
     for t in found.tries:
         key = (t.added.name, t.added.place)
         same_size = len(t.fit.effects) == len(found.best.effects)
-        if key not in chosen and same_size and t.fit.chi2 - found.reach < RIVAL:
-            others.append(next(e for e in t.fit.effects if (e.name, e.place) == key))
-    return tuple({(e.name, e.place): e for e in others}.values())
+        if chosen and key not in chosen and same_size and t.fit.chi2 - found.reach < RIVAL:
+            best[key] = min(best.get(key, t), t, key=lambda x: x.fit.chi2)
+    return list(best.values())
 
 
 def named_of(found: Selection, best: Fit, effect: ActiveEffect) -> Named:
@@ -93,14 +99,18 @@ def named_of(found: Selection, best: Fit, effect: ActiveEffect) -> Named:
     for i, p in enumerate(effect.effect.parameters):
         x = effect.coordinates[i]
         half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
-        ends[p.name] = interval([_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)])
+        ends[p.name] = interval(
+            [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
+        )
         value = effect.parameters[p.name]
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
             bound.append(p.name)
     kept = [e for e in best.effects if e is not effect]
-    x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
-    without = fit(found.motion, best.model, kept, x) if kept else found.null
-    return Named(effect, ends, strength(found.motion, best.predictions, without.predictions) / found.floor_m, tuple(bound))
+    others = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
+    without = fit(found.motion, best.model, kept, others) if kept else found.null
+    return Named(
+        effect, ends, strength(found.motion, best.predictions, without.predictions) / found.floor_m, tuple(bound)
+    )
 
 
 def _clipped(value: float, low: float, high: float) -> float:

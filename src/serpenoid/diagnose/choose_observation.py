@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -47,7 +46,8 @@ def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observati
             break
         chosen, now, close = found
         rivals += close
-    shown, faint = [], []
+    shown: list[Named] = []
+    faint: list[Named] = []
     for key in chosen:
         named = _named(data, now, chosen, key)
         (shown if named.strength >= VISIBLE else faint).append(named)
@@ -56,7 +56,9 @@ def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observati
     clock = _clock(recordings)
     if clock is not None:
         (shown if clock.strength >= VISIBLE else faint).append(clock)
-    words = () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
+    words = (
+        () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
+    )
     visible = {(n.effect.name, n.effect.place) for n in shown}
     others = tuple(ActiveEffect.neutral(*k) for k, of in rivals if of in visible and k not in visible)
     return Rung("observation", tuple(shown), others, tuple(n.effect for n in faint), left, words), now
@@ -148,8 +150,3 @@ def _drifted(r: Recording) -> Floats:
     speed = np.gradient(r.angles, r.time, axis=0)[inside]
     late = r.time[inside] - r.time[inside].mean()
     return np.asarray(((speed * late[:, None]) ** 2).mean(axis=0))
-
-
-def without(now: Observation) -> Observation:
-    """The neutral observation model of the same size."""
-    return replace(now, zeros=0 * now.zeros, markers=0 * now.markers, scale=0.0)

@@ -83,7 +83,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
         "alternatives": [
-            {"name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters)} for e in d.rivals
+            {"name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters)}
+            for e in d.rivals
         ],
         "below_the_floor": [{"name": e.name, "place": e.place} for rung in d.rungs for e in rung.faint],
         "anisotropy_ratio": {

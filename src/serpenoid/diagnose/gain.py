@@ -18,7 +18,7 @@ DRAWS = 400
 
 @dataclass(frozen=True)
 class Scores:
-    """One number per trial each: path RMS [m], displacement error [m], heading error [rad], ln ratio, log-likelihood."""
+    """One number per trial each: path RMS and displacement error [m], heading error [rad], ln ratio, log-likelihood."""
 
     path: Floats
     displacement: Floats
@@ -70,7 +70,9 @@ def gain_record(before: Scores, after: Scores) -> dict[str, Any]:
         return float(np.mean(x))
 
     kinds = {
-        "path_rms_m": ("path", rms), "displacement_error_m": ("displacement", rms), "heading_error_rad": ("heading", rms),
+        "path_rms_m": ("path", rms),
+        "displacement_error_m": ("displacement", rms),
+        "heading_error_rad": ("heading", rms),
         "s": ("log_ratio", spread), "log_likelihood": ("log_likelihood", mean),
     }  # fmt: skip
     record = {}

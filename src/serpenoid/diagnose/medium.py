@@ -78,7 +78,7 @@ def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tup
     found, drift, at = [], None, 1
     for e in effects:
         size = len(e.effect.parameters)
-        new = e.with_coordinates(x[at : at + size])
+        new = e.with_coordinates(x[at : at + size].tolist())
         at += size
         if e.name == "frame_drift":
             drift = new
@@ -111,7 +111,11 @@ def drift_columns(track: Track) -> Floats:
 
 
 def linearised(
-    motion: Motion, model: Model, effects: Sequence[ActiveEffect], drift: ActiveEffect | None, candidates: Sequence[ActiveEffect] = ()
+    motion: Motion,
+    model: Model,
+    effects: Sequence[ActiveEffect],
+    drift: ActiveEffect | None,
+    candidates: Sequence[ActiveEffect] = (),
 ) -> tuple[Evidence, tuple[Prediction, ...], tuple[tuple[str, int | None], ...]]:
     """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions."""
     rows, columns, labels, predictions = [], [], [], []
@@ -147,12 +151,16 @@ def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) 
     columns = [EPS, *(Column(e.name, e.place, p.name) for e in model.effects for p in e.effect.parameters)]
     jacobian = [_difference(model, track, c, base) for c in columns]
     if inside:
-        plain = Model(model.body, model.medium, tuple(e for e in model.effects if "history" not in e.effect.knows))
+        plain = Model(model.body, model.medium, tuple(e for e in model.effects if not _remembers(e)))
         p = predict(plain, track, inside)
         added = [i for i, c in enumerate(p.columns) if c not in columns]
         columns += [p.columns[i] for i in added]
         jacobian += [p.jacobian[..., i] for i in added]
     return Prediction(base, np.stack(jacobian, axis=-1), tuple(columns))
+
+
+def _remembers(effect: ActiveEffect) -> bool:
+    return isinstance(effect.effect, MediumEffect) and "history" in effect.effect.knows
 
 
 def _difference(model: Model, track: Track, column: Column, base: Floats) -> Floats:
@@ -213,7 +221,7 @@ def _values(model: Model, drift: ActiveEffect | None) -> Floats:
 
 
 def candidates_of(model: Model) -> list[ActiveEffect]:
-    """Every medium effect at every place (and frame_drift), neutral, but those with parameters that only matter beside others."""
+    """Every medium effect at every place, and frame_drift, neutral; not those with a place of their own to be fitted."""
     found = []
     for kind in catalogue().values():
         if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):

@@ -16,7 +16,9 @@ from serpenoid.diagnose.medium import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
 LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers
-CREEP = np.array([4e-5, 4e-5, 1.5e-4])  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
+CREEP = np.array(
+    [4e-5, 4e-5, 1.5e-4]
+)  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
 DRAWS = 24
 
 
@@ -37,7 +39,7 @@ def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
 
 
 def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise, Floats]:
-    """Noise of the windows, and all differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself."""
+    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself."""
     couples = pairs(tracks)
     playing, pause = [], []
     if couples:
@@ -52,7 +54,9 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
         pause = [x[~t.playing] for t, x in zip(tracks, left, strict=True)]
     moved, rested = (np.concatenate(x) for x in (playing, pause))
     noise = [_sd(x[np.isfinite(x[:, 0])]) for x in (moved, rested)]
-    return Noise(np.maximum(noise[0], LEAST), np.hypot(np.maximum(noise[1], LEAST), CREEP)), moved[np.isfinite(moved[:, 0])]
+    return Noise(np.maximum(noise[0], LEAST), np.hypot(np.maximum(noise[1], LEAST), CREEP)), moved[
+        np.isfinite(moved[:, 0])
+    ]
 
 
 def _sd(values: Floats) -> Floats:

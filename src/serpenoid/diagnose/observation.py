@@ -102,7 +102,7 @@ def sample(recordings: Sequence[Recording]) -> Sample:
         left = register(shapes(body, r.angles), r.markers)[1]
         squares.append(np.nanmedian(np.abs(np.diff(left, axis=0))))
     noise = 1.4826 * float(np.median(squares)) / np.sqrt(2) * np.sqrt(24 / 21)
-    return Sample(body, *(np.concatenate(x) for x in (markers, readings, labels)), noise)
+    return Sample(body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise)
 
 
 def evidence(data: Sample, now: Observation) -> Evidence:

@@ -1,7 +1,7 @@
-"""One trial as the diagnosis needs it: what was commanded, what the servos read, what the cameras saw; SI, from t0 on.
+"""One trial as the diagnosis needs it: what was commanded, what servos read, what cameras saw; SI, from t0 on.
 
-Shapes come from the servos, smoothed by local parabolas within each stretch of playing or pause: unsmoothed ticks in the
-joint rates would be rectified by every law with a sign in it, and look like friction.
+Shapes come from the servos, smoothed by local parabolas within each stretch of playing or pause: unsmoothed ticks in
+the joint rates would be rectified by every law with a sign in it, and look like friction.
 """
 
 from __future__ import annotations
@@ -86,7 +86,9 @@ def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple
     """All trials of a campaign that have a joint table, a servo log and a motion file; InputError where none has."""
     file, folder = load_campaign_file(path)
     if not file.lengths_given:
-        raise InputError(f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart.")
+        raise InputError(
+            f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart."
+        )
     found, faults = [], []
     for index, entry in enumerate(file.trial):
         if progress is not None:

@@ -66,7 +66,9 @@ def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
     worst = max(sizes, key=lambda k: sizes[k])
     mean = float(np.nanmean(np.array(groups[worst])[:, component]))
     sign = "more" if mean > 0 else "less"
-    return [f"largest in {worst} ({sizes[worst]:.1f} SD; there the body moves {sign} {DIRECTIONS[component]} than modelled)"]
+    return [
+        f"largest in {worst} ({sizes[worst]:.1f} SD; there the body moves {sign} {DIRECTIONS[component]} than modelled)"
+    ]
 
 
 def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:

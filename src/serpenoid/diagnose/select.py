@@ -76,13 +76,18 @@ def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion
 def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Selection:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, None, model)
-    best, faint, kept, scores = null, [], [], ()
+    best = null
+    faint: list[Try] = []
+    kept: list[Try] = []
+    scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
         floor = path_floor(motion, best.predictions)
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
-        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])]
+        promising = [
+            r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
+        ]
         tries = attempts(motion, best, promising)
         good = [t for t in tries if best.held_out - t.fit.held_out > GAIN]
         if not good:
@@ -96,7 +101,9 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better)
         kept = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
-    return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2)
+    return Selection(
+        motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2
+    )
 
 
 def again(motion: Motion, t: Try) -> Try:

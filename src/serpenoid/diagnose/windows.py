@@ -101,7 +101,9 @@ def _mesh(r: Recording) -> tuple[Floats, np.ndarray, np.ndarray, np.ndarray, Flo
     rows = np.concatenate(time)
     last = int(np.searchsorted(rows[bounds], r.end + 1e-6))
     keep = bounds[:last]
-    return rows[: keep[-1] + 1], np.array(keep), *(np.array(x)[: last - 1] for x in (playing, cycle, phase))
+    cut = slice(None, last - 1)
+    mesh = rows[: keep[-1] + 1]
+    return mesh, np.array(keep), np.array(playing)[cut], np.array(cycle)[cut], np.array(phase, dtype=float)[cut]
 
 
 def _track(r: Recording, seen: Observation, model: Model) -> Track:
@@ -215,7 +217,9 @@ def _windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ..
     turned[:, 1] += lever[:, 0, None] * by[:, 2]
     summed = np.add.reduceat(turned, first, axis=0)
     c, s = np.cos(heading[first])[:, None], np.sin(heading[first])[:, None]
-    jacobian = np.stack([c * summed[:, 0] + s * summed[:, 1], c * summed[:, 1] - s * summed[:, 0], summed[:, 2]], axis=1)
+    jacobian = np.stack(
+        [c * summed[:, 0] + s * summed[:, 1], c * summed[:, 1] - s * summed[:, 0], summed[:, 2]], axis=1
+    )
     return Prediction(relative(path[first], path[last]), jacobian, columns)
 
 
@@ -228,7 +232,9 @@ def patch_columns(model: Model, track: Track, patches: Sequence[ActiveEffect]) -
     scale = np.array([length, length, 1.0])
     loads = [ActiveEffect.neutral("load", k) for k in range(n)]
     found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, loads)
-    by_load = np.stack([found.jacobian[..., i] for i, c in enumerate(found.columns) if c.effect == "load"], axis=-1)[..., -n:]
+    by_load = np.stack([found.jacobian[..., i] for i, c in enumerate(found.columns) if c.effect == "load"], axis=-1)[
+        ..., -n:
+    ]
     world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
     middle = (world[1:] + world[:-1]) / 2
     values = np.array([[e.parameters[p] for p in ("x", "y", "radius")] for e in patches])
