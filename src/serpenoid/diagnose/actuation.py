@@ -32,7 +32,7 @@ REACH = 3.0  # largest change of a positive scale in one step
 
 @dataclass(frozen=True)
 class Plays:
-    """The servos' readings (R, m) [rad], trial numbers (R,), and the set-points on meshes that meet every row of the tables.
+    """The servos' readings (R, m) [rad], trial numbers (R,), and set-points on meshes that meet every row.
 
     noise [rad]: of a reading.
     """

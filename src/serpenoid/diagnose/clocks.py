@@ -85,12 +85,10 @@ def start_on_log(log: ServoLog, schedule: Schedule, rate: float) -> tuple[float,
     begun = log.cycle * schedule.period_s + np.minimum(log.step, rows) * schedule.cycle_duration_s / rows
     ends = log.cycle * schedule.period_s + (log.step + 1) * schedule.cycle_duration_s / rows
     ends = np.where(resting, (log.cycle + 1) * schedule.period_s, ends)
-    best = None
+    found = []
     for assumed in (rate, 0.0):
         late = (log.time_s - (1 + assumed) * begun)[playing | resting].min()
         early = (log.time_s - (1 + assumed) * ends)[playing].max()
-        width = late - early
-        if best is None or width > best[2]:
-            best = ((late + early) / 2, abs(width) / 2, width)
-    assert best is not None
-    return float(best[0]), float(best[1])
+        found.append((late - early, (late + early) / 2))
+    width, middle = max(found)
+    return float(middle), float(abs(width) / 2)

@@ -221,7 +221,7 @@ def _values(model: Model, drift: ActiveEffect | None) -> Floats:
 
 
 def candidates_of(model: Model) -> list[ActiveEffect]:
-    """Every medium effect at every place, and frame_drift, neutral; not those with a place of their own to be fitted."""
+    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted."""
     found = []
     for kind in catalogue().values():
         if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):
