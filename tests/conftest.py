@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+HERE = Path(__file__).parent
 PROBLEMS = Path(__file__).parents[1] / "problems"
 
 
@@ -15,6 +16,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        # an unplugged port's number is free for the next one that is opened: such tests run one after the other
+        if item.path.is_relative_to(HERE / "robot") or item.path == HERE / "arena" / "test_bus.py":
+            item.add_marker(pytest.mark.xdist_group("serial ports"))
     if config.getoption("--run-slow"):
         return
     skip = pytest.mark.skip(reason="slow: run with --run-slow")

@@ -161,7 +161,7 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         (BODY + MEDIUM + "[gait]\nsigma = 1.5\n", r"sigma: .*less than or equal to 1, got 1\.5"),
         (BODY + MEDIUM + "[gait]\nampl = 1.5\n", r"ampl: unknown key"),
         (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"gait: .*'spiral'"),
-        (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*swap tangential and normal"),
+        (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*Swap tangential and normal"),
     ],
 )
 def test_a_fault_in_a_problem_file_is_located_and_named(tmp_path: Path, text: str, message: str) -> None:

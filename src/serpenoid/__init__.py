@@ -11,7 +11,13 @@ if TYPE_CHECKING:
     from serpenoid.optimise.transcription import GaitNLP
     from serpenoid.problem import Problem, load
     from serpenoid.results import write_simulation, write_solution
-    from serpenoid.simulation import simulate_batch, simulate_in_space, simulate_joint_angles, simulate_vertices
+    from serpenoid.simulation import (
+        simulate_batch,
+        simulate_in_space,
+        simulate_joint_angles,
+        simulate_realised,
+        simulate_vertices,
+    )
     from serpenoid.simulation.problem import simulate
 
 # public name -> module: imported on first use, so that `import serpenoid` and `--help` stay quick
@@ -20,6 +26,7 @@ _PUBLIC = {
     "Problem": "serpenoid.problem",
     "simulate": "serpenoid.simulation.problem",
     "simulate_joint_angles": "serpenoid.simulation",
+    "simulate_realised": "serpenoid.simulation",
     "simulate_vertices": "serpenoid.simulation",
     "simulate_batch": "serpenoid.simulation",
     "simulate_in_space": "serpenoid.simulation",
@@ -41,6 +48,7 @@ __all__ = [
     "simulate_batch",
     "simulate_in_space",
     "simulate_joint_angles",
+    "simulate_realised",
     "simulate_vertices",
     "solve",
     "solve_from",

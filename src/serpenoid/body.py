@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 class Body(Record):
     """A chain of N vertices. Lengths in metres (or any unit, if no hardware is meant), weights on any scale."""
 
-    vertices: int = Field(ge=3, description="N: head marker, joint axes, tail marker, counted together")
+    vertices: int = Field(ge=3, le=2000, description="N: head marker, joint axes, tail marker, counted together")
     length_m: Positive | None = Field(default=None, description="body length, for equal edges; default 1")
     edge_lengths: tuple[Positive, ...] | None = Field(default=None, description="N - 1 lengths [m], tail to head")
     weights: tuple[Positive, ...] | None = Field(default=None, description="N dissipation weights; default equal")

@@ -26,6 +26,7 @@ from serpenoid.performance import electrical_cost_of_transport, pareto_front
 from serpenoid.problem import Problem
 
 Progress = Callable[[int, str], None]
+NOT_REACHED = "not reached"
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,11 @@ class SweepPoint:
     solution: Solution | None
     chain: str
     message: str
+
+    @property
+    def reached(self) -> bool:
+        """False where Ctrl-C came before this point."""
+        return self.solution is not None or self.message != NOT_REACHED
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,7 @@ def sweep(
     solver = GaitSolver(problem)
     ordered = np.unique(np.asarray(values, float))
     gaits = random_gaits(solver, starts, seed)
+    solver.prepare(gaits[0])
     found: dict[str, dict[float, Answer]] = {}
     with catch_interrupt() as flag:
         for name, chain_values in (("up", ordered), ("down", ordered[::-1])):
@@ -94,7 +101,7 @@ def sweep(
                 found[name][c] = answer
                 if progress is not None:
                     progress(sum(map(len, found.values())), f"c = {c:g}: {answer.outcome.objective:.6f}")
-    points = tuple(_better(solver, c, found, polish and not flag) for c in ordered.tolist())
+        points = tuple(_better(solver, c, found, polish and not flag) for c in ordered.tolist())
     return Sweep(problem, points, complete=not flag)
 
 
@@ -134,7 +141,7 @@ def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]],
         if solution.status.ok:
             return SweepPoint(c, solution, name, solution.status.value)
         reasons.append(f"{name}: {solution.status.value}")
-    return SweepPoint(c, None, "", "; ".join(reasons) or "not reached")
+    return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
 
 
 COLUMNS = [
@@ -152,7 +159,7 @@ def write_sweep_table(path: str | Path, result: Sweep) -> None:
 def _row(problem: Problem, point: SweepPoint, on_front: bool | str) -> list:
     s = point.solution
     if s is None:
-        return [point.c, "failed", *[""] * (len(COLUMNS) - 3), point.message]
+        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * (len(COLUMNS) - 3), point.message]
     d, e = s.trajectory.displacement, s.trajectory.dissipation
     transport = electrical_cost_of_transport(problem, d, e)
     numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]

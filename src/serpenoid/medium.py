@@ -22,6 +22,6 @@ class Medium(Record):
     @classmethod
     def _in_range(cls, value: float) -> float:
         if not 0 < value <= 1:
-            remedy = "swap tangential and normal coefficients?" if value > 1 else "use a small positive number"
+            remedy = "swap tangential and normal coefficients?" if value > 1 else "use a small positive number."
             raise ValueError(f"`anisotropy_ratio` must be in (0, 1]; {remedy}")
         return value

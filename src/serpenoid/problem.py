@@ -73,7 +73,7 @@ class Constraints(Record):
 class Task(Record):
     """What to compute."""
 
-    steps: int = Field(default=50, ge=3, description="T: steps per cycle, rows of the joint table")
+    steps: int = Field(default=50, ge=3, le=100_000, description="T: steps per cycle, rows of the joint table")
     cycles: int = Field(default=1, ge=1, description="cycles to simulate and draw")
     cycle_duration_s: Annotated[float, Field(gt=0)] | None = Field(default=None, description="seconds per cycle")
     objective: Literal["displacement"] = "displacement"

@@ -15,6 +15,7 @@ from serpenoid.gaits import EllipseGait
 from serpenoid.gaits.table import write_table
 from serpenoid.performance import electrical_cost_of_transport
 from serpenoid.problem import Problem
+from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -79,36 +80,50 @@ def solution_record(solution: Solution) -> dict[str, Any]:
     return record
 
 
-def read_record(folder: str | Path) -> dict[str, Any]:
-    """Read a results folder's solution.json."""
-    path = Path(folder) / "solution.json"
+def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, Any]:
+    """Read a results folder's record."""
+    path = Path(folder) / name
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{folder}: no solution.json there. Name a folder that `solve` or `simulate` wrote.") from None
     except (ValueError, OSError) as error:
         raise InputError(f"{path}: cannot be read ({error}).") from None
-    if not isinstance(record, dict) or "status" not in record:
-        raise InputError(f"{path}: is not a solution of this package.")
+    if not isinstance(record, dict):
+        raise InputError(f"{path}: is not a record of this package.")
     return record
+
+
+def crossing_rows(trajectory: Trajectory) -> int:
+    """In how many rows of the table the chain crosses itself: no real body can play those."""
+    rows = trajectory.vertices[: trajectory.steps_per_cycle]
+    return int(crosses_itself(rows).sum()) if np.isfinite(rows).all() else 0
+
+
+def crossing_warning(trajectory: Trajectory) -> list[str]:
+    """A line for the user where the gait cannot be played, else nothing."""
+    rows = crossing_rows(trajectory)
+    remedy = "lower the joint limits or the amplitude, or raise c"
+    return [f"warning           the body crosses itself in {rows} row(s) of the table: {remedy}"] if rows else []
 
 
 def _record(
     problem: Problem, trajectory: Trajectory, gait: Any, kind: str, status: str, message: str
 ) -> dict[str, Any]:
     body, task = problem.body, problem.task
-    per_cycle = trajectory.displacement
+    cycles = len(trajectory.step_energy) // trajectory.steps_per_cycle
+    per_cycle = trajectory.displacement / cycles, trajectory.dissipation / cycles
     return {
         "kind": kind,
         "status": status.lower(),
         "message": message,
-        "displacement_body_lengths": _number(per_cycle),
+        "displacement_body_lengths": _number(trajectory.displacement),
         "forward_displacement_body_lengths": _number(trajectory.forward_displacement),
         "heading_change_rad": _number(trajectory.heading_change),
         "dissipation": _number(trajectory.dissipation),
         "energy_raw": _number(trajectory.energy_raw),
-        "cost_of_transport": electrical_cost_of_transport(problem, per_cycle, trajectory.dissipation),
-        "cycles": len(trajectory.step_energy) // trajectory.steps_per_cycle,
+        "cost_of_transport": electrical_cost_of_transport(problem, *per_cycle),
+        "cycles": cycles,
         "gait": gait.model_dump(mode="json"),
         "body": {
             "vertices": body.vertices,
@@ -120,9 +135,11 @@ def _record(
             "joint_limit_deg": body.joint_limit_deg,
         },
         "steps": trajectory.steps_per_cycle,
+        "rows_that_cross": crossing_rows(trajectory),
         "cycle_duration_s": task.cycle_duration_s,
         "anisotropy_ratio": problem.medium.anisotropy_ratio,
         "dissipation_at": problem.medium.dissipation,
+        "effects": [effect.model_dump(mode="json") for effect in problem.model.effects],
         "largest_step_residual": _number(trajectory.residual),
     }
 

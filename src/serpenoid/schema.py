@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -30,6 +31,8 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path}: no such file.") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder; name the TOML file in it.") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file ({error.reason} at byte {error.start}).") from None
     except tomllib.TOMLDecodeError as error:
@@ -79,30 +82,55 @@ def _copy(data: Any) -> Any:
 
 
 def _describe(schema: type[BaseModel], fault: Any) -> str:
-    *sections, key = [str(part) for part in fault["loc"]] or [""]
+    *sections, key = [str(part) for part in _without_tags(schema, fault["loc"])] or [""]
     place = f"[{'.'.join(sections)}] {key}" if sections else key
     if fault["type"] == "extra_forbidden":
         return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
-    message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
-    if not place:
-        return f"{message}."
     if fault["type"] == "missing":
         return f"{place}: is required and not there."
     shown = "" if isinstance(fault["input"], dict) else f", got {fault['input']!r}"
-    return f"{place}: {message}{shown}."
+    if fault["type"] == "model_type":
+        return f"{place}: must be a section, [{place}] and its keys below it{shown}."
+    message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
+    if not place:
+        return f"{message}."
+    rule, _, remedy = message.partition("; ")
+    return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
 
 
 def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:
     """The closest known keys beside an unknown one, found by walking the schema down to its section."""
-    for part in location[:-1]:
-        field = schema.model_fields.get(str(part))
-        if field is None:
-            continue
-        models = [m for m in (field.annotation, *get_args(field.annotation)) if _is_model(m)]
-        schema = models[0] if models else schema
+    for _, below in _walk(schema, location[:-1]):
+        schema = below
     known = list(schema.model_fields)
     close = difflib.get_close_matches(str(location[-1]), known, n=1)
     return f" Did you mean `{close[0]}`?" if close else f" Known keys: {', '.join(known)}."
+
+
+def _without_tags(schema: type[BaseModel], location: tuple[Any, ...]) -> list[Any]:
+    """A location as it stands in the file: without the tag that pydantic adds to a section with several forms."""
+    return [part for part, _ in _walk(schema, location) if part is not None]
+
+
+def _walk(schema: type[BaseModel], location: tuple[Any, ...]) -> Iterator[tuple[Any, type[BaseModel]]]:
+    """(part or None for a tag, schema below it) along a location."""
+    forms: list[type[BaseModel]] = []
+    for part in location:
+        tagged = [form for form in forms if part in _tags(form)]
+        if tagged:
+            schema, forms = tagged[0], []
+            yield None, schema
+            continue
+        field = schema.model_fields.get(str(part))
+        annotations = (field.annotation, *get_args(field.annotation)) if field is not None else ()
+        forms = [form for form in annotations if _is_model(form)]
+        schema = forms[0] if forms else schema
+        yield part, schema
+
+
+def _tags(form: type[BaseModel]) -> tuple[Any, ...]:
+    family = form.model_fields.get("family")
+    return get_args(family.annotation) if family is not None else ()
 
 
 def _is_model(candidate: Any) -> bool:

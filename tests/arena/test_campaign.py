@@ -167,11 +167,15 @@ def test_interrupted_it_keeps_whole_trials_and_goes_on(protocol_file, tmp_path):
         str(tmp_path / "out"),
     ]
     process = subprocess.Popen(
-        [*command, "-j", "2"], env={**os.environ, "PYTHONPATH": str(source)}, stderr=subprocess.PIPE, text=True
+        [*command, "-j", "2"],
+        env={**os.environ, "PYTHONPATH": str(source)},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
     while not list((tmp_path / "out").glob("wave-*")) and process.poll() is None:
         time.sleep(0.02)
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers, too
     error = process.communicate(timeout=30)[1]
     assert process.returncode == 130, error
     assert "run the same command to continue" in error
@@ -181,6 +185,22 @@ def test_interrupted_it_keeps_whole_trials_and_goes_on(protocol_file, tmp_path):
     assert main([*command[3:], "-j", "1"]) == 0
     assert len(tomllib.loads((tmp_path / "out/campaign.toml").read_text())["trial"]) == 8
     assert all((tmp_path / "out" / name).stat().st_mtime_ns == stamp for name, stamp in kept.items())
+
+
+def test_workers_end_with_a_parent_that_was_killed(protocol_file, tmp_path):
+    source = Path(__file__).parents[2] / "src"
+    words = ("arena", "run", str(protocol_file(trials=8)), "--out", str(tmp_path / "out"), "-j", "2")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "serpenoid", *words],
+        env={**os.environ, "PYTHONPATH": str(source)},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not list((tmp_path / "out").glob("wave-*")) and process.poll() is None:
+        time.sleep(0.02)
+    process.kill()
+    process.communicate(timeout=20)  # returns when the last of the workers has let go of the pipe
+    assert len(list((tmp_path / "out").glob("wave-*"))) < 8
 
 
 def test_a_killed_run_leaves_nothing_half_written(protocol_file, tmp_path):

@@ -13,8 +13,10 @@ from effects.conftest import extended, place_of, typical
 from serpenoid.effects import ActiveEffect, catalogue, find
 from serpenoid.effects.view import View
 from serpenoid.errors import InputError
+from serpenoid.model import Model
 from serpenoid.problem import Problem
 from serpenoid.simulation.servos import realise
+from serpenoid.status import Status
 
 NAMES = list(catalogue())
 MOVING = [n for n in NAMES if find(n).site != "observation"]
@@ -111,3 +113,31 @@ def test_zero_offset_is_not_shown_by_the_servo(problem: Problem, table: np.ndarr
     realised = realise(extended(problem, ActiveEffect.of("zero_offset", 3, offset=0.05)), table, times)
     np.testing.assert_array_equal(realised.readings, table)
     np.testing.assert_allclose((realised.angles - table)[:, 2], 0.05, atol=1e-15)
+
+
+def test_bounds_of_coordinates_are_those_of_values(problem: Problem) -> None:
+    (low, high) = find("grip_saturation").coordinate_bounds(problem.body, None)[0]
+    assert (low, high) == (0.0, 1e6)  # 1 / speed^2 of infinity and of 1 mm/s
+    (low, _) = find("load").coordinate_bounds(problem.body, 4)[0]
+    assert low == -problem.body.vertex_weights[4]
+
+
+def test_medium_effects_need_vertices(problem: Problem) -> None:
+    edges = problem.medium.model_copy(update={"dissipation": "edge"})
+    with pytest.raises(InputError, match='set it to "vertex"'):
+        Model(problem.body, edges, (typical("slope"),))
+
+
+def test_a_body_that_touches_nothing_is_unsolved_and_not_an_exception(problem: Problem, table: np.ndarray) -> None:
+    weights = problem.body.vertex_weights
+    floating = [ActiveEffect.of("load", k, share=-float(w)) for k, w in enumerate(weights)]
+    for others in ([], [typical("slope")]):
+        motion = sp.simulate_joint_angles(extended(problem, *floating, *others), table)
+        assert motion.status is Status.STEP_UNSOLVED
+
+
+def test_a_floor_is_flat(problem: Problem) -> None:
+    shapes = np.zeros((3, 12, 3))
+    shapes[..., 0] = np.linspace(0, 1, 12)
+    with pytest.raises(InputError, match="simulate in the plane"):
+        sp.simulate_in_space(extended(problem, typical("toe")), shapes)

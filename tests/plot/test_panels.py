@@ -6,9 +6,10 @@ from matplotlib.figure import Figure
 
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot import joints
-from serpenoid.plot.body import crosses_itself, shapes
+from serpenoid.plot.body import shapes
 from serpenoid.plot.gait import gait_curve, shapes_around
 from serpenoid.plot.motion import motion, over_cycles
+from serpenoid.self_contact import crosses_itself
 
 GAIT = EllipseGait(sigma=0.6, x_c=1, y_c=-1, theta=0.5, a=6, xi=1)
 

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
-import signal
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import asdict
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +16,7 @@ from serpenoid.arena.logs import write_power_log, write_servo_log
 from serpenoid.arena.protocol import Protocol
 from serpenoid.arena.robot import WHEELS
 from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
+from serpenoid.arena.workers import results
 from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
 from serpenoid.files import atomic, short_hash, write_json, write_text
@@ -49,12 +46,14 @@ def run_campaign(
     finished = len(wanted) - len(missing)
     report(finished, "")
     try:
-        for name in _played(protocol, tables, missing, folder, truth, jobs):
+        tasks = [(protocol, plan, tables[plan.gait], folder, truth) for plan in missing]
+        for name in results(run_trial, tasks, jobs):
             finished += 1
             report(finished, name)
     except KeyboardInterrupt:
         raise StopRequested(f"{folder}: the finished trials are kept; run the same command to continue.") from None
     finally:
+        _sweep(folder)
         done = [plan for plan in wanted if (folder / plan.name).is_dir()]
         if done:
             write_text(folder / "campaign.toml", campaign_toml(protocol, done))
@@ -62,42 +61,24 @@ def run_campaign(
 
 
 def _claim(folder: Path, fingerprint: str) -> None:
-    """Refuse a folder that holds something else; remove what a kill left unfinished."""
+    """Refuse a folder that holds something else; clear one that was left in the middle."""
     receipt = folder / RECEIPT
     if receipt.is_file():
         if json.loads(receipt.read_text())["protocol"] != fingerprint:
             raise InputError(
                 f"{folder}: holds a campaign of another protocol. Name another folder, or remove this one."
             )
-        for leftover in folder.glob(f"{UNFINISHED}*"):
-            shutil.rmtree(leftover)
+        _sweep(folder)
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: is not empty and not a campaign of the arena. Name another folder.")
     write_json(receipt, {"protocol": fingerprint})
 
 
-def _played(
-    protocol: Protocol, tables: dict[str, Floats], missing: list[Plan], folder: Path, truth: Path | None, jobs: int
-) -> Iterator[str]:
-    """Names of the trials as they are finished."""
-    if jobs == 1 or len(missing) < 2:
-        for plan in missing:
-            yield run_trial(protocol, plan, tables[plan.gait], folder, truth)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_leave_interrupts) as pool:
-        try:
-            futures = [pool.submit(run_trial, protocol, plan, tables[plan.gait], folder, truth) for plan in missing]
-            for future in as_completed(futures):
-                yield future.result()
-        finally:  # on Ctrl-C: those that run are finished (seconds), the others never begun
-            pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _leave_interrupts() -> None:
-    """Ctrl-C is the parent's to handle."""
-    with suppress(ValueError):
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _sweep(folder: Path) -> None:
+    """Remove what an interruption left unfinished."""
+    for leftover in folder.glob(f"{UNFINISHED}*"):
+        shutil.rmtree(leftover)
 
 
 def run_trial(protocol: Protocol, plan: Plan, table: Floats, folder: Path, truth: Path | None) -> str:

@@ -8,8 +8,13 @@ from __future__ import annotations
 import argparse
 import importlib
 import logging
+import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 
 from serpenoid.errors import InputError, StopRequested
 
@@ -29,6 +34,7 @@ VERBS: dict[str, str] = {
     "play": "play a gait on the robot and record it",
     "robot": "find, check, rehearse and switch off the robot's servos",
     "arena": "play gaits in the virtual laboratory and write a campaign",
+    "reproduce": "the paper's whole protocol in the arena, start to figures",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
@@ -55,18 +61,56 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     verb = next((word for word in words if not word.startswith("-")), None)
     args = build_parser(verb).parse_args(words)
-    level = logging.DEBUG if args.verbose else logging.WARNING
+    level = logging.DEBUG if args.verbose else logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
+    with _noted_interrupts() as interrupted:
+        return _run(args, interrupted)
+
+
+def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     try:
-        return args.run(args)
+        code = args.run(args)
+        sys.stdout.flush()
+        return code
     except InputError as error:
-        sys.stderr.write(f"serpenoid: {error}\n")
-        return 2
+        return _complain(str(error), 2)
     except (KeyboardInterrupt, StopRequested) as error:
-        sys.stderr.write(f"\nserpenoid: stopped. {error}\n")
-        return 130
+        return _complain(f"stopped. {error}", 130)
     except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 1
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{place}{error.strerror or error}.", 1)
+    except Exception:
+        if not interrupted:
+            raise
+        return _complain("stopped.", 130)
+
+
+@contextmanager
+def _noted_interrupts() -> Iterator[list[int]]:
+    """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception."""
+    interrupted: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        interrupted.append(number)
+        raise KeyboardInterrupt
+
+    previous = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or previous is signal.SIG_IGN:
+        yield interrupted
+        return
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+def _complain(message: str, code: int) -> int:
+    sys.stderr.write(f"serpenoid: {message}\n")
+    return code
 
 
 def entry() -> None:

@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
                     save(trial_figure(trial), folder, f"trial-{trial.name}")
             for label, trials in campaign.gaits.items():
                 if len(trials) > 1:
-                    fig = figure(7.0, 3.6)
+                    fig = figure(7.0, 2.8)
                     repeats(trials, fig.add_subplot())
                     save(fig, folder, f"repeats-{label}")
             advance(len(campaign.trials))

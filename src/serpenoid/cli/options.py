@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -37,6 +38,26 @@ def add_output(parser: argparse.ArgumentParser, out: bool = True) -> None:
         parser.add_argument("--no-figures", action="store_true", help="write numbers only")
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
     parser.add_argument("--json", action="store_true", help="print the record as JSON on standard output, nothing else")
+
+
+def positive(text: str) -> int:
+    """A whole number of at least 1."""
+    return _whole(text, 1)
+
+
+def seed(text: str) -> int:
+    """A whole number of at least 0."""
+    return _whole(text, 0)
+
+
+def _whole(text: str, least: int) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        number = least - 1
+    if number < least:
+        raise argparse.ArgumentTypeError(f"needs a whole number of at least {least}, got {text!r}")
+    return number
 
 
 def report(args: argparse.Namespace, record: Any, lines: list[str]) -> None:
@@ -79,5 +100,18 @@ def progress_bar(args: argparse.Namespace, title: str, total: int) -> Iterator[A
 
 
 def output_folder(args: argparse.Namespace, default: Path) -> Path:
-    """--out or the default."""
-    return Path(args.out) if args.out else default
+    """--out or the default; refused before the work begins where it could not be written after it."""
+    folder = Path(args.out) if args.out else default
+    check_writable(folder)
+    return folder
+
+
+def check_writable(folder: Path) -> None:
+    """InputError where `folder` neither exists nor can be made, or cannot be written to."""
+    from serpenoid.errors import InputError
+
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise InputError(f"--out {folder}: {there} is a file, not a folder.")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(f"--out {folder}: no permission to write in {there}.")

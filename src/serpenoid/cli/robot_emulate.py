@@ -5,6 +5,8 @@ Prints the port and serves until Ctrl-C; then says what became of the servos. In
   serpenoid robot scan --port PORT
   serpenoid play RESULTS --robot problems/robots/snake10-robot.toml --port PORT
 
+With --arena the servos are built into the robot of the virtual arena (docs/arena.md) and drive it over its floor.
+
 Faults begin a number of seconds after torque is first switched on: --fault KIND[:SERVO]@SECONDS[=VALUE]
 """
 
@@ -15,7 +17,7 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from serpenoid.errors import InputError
 from serpenoid.files import write_json
@@ -26,6 +28,9 @@ from serpenoid.robot.emulator.faults import KINDS, parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
 from serpenoid.schema import load
+
+if TYPE_CHECKING:
+    from serpenoid.arena.bus import Ground
 
 
 def configure(actions: Any) -> None:
@@ -43,6 +48,8 @@ def configure(actions: Any) -> None:
     parser.add_argument("--fault", action="append", default=[], metavar="FAULT", help="a fault, see below; repeatable")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
     parser.add_argument("--report", type=Path, metavar="FILE", help="write what became of the servos to this JSON file")
+    parser.add_argument("--arena", action="store_true", help="the servos move the robot of the virtual arena")
+    parser.add_argument("--motion", type=Path, metavar="FILE", help="with --arena: where it went, as a tidy motion CSV")
     parser.set_defaults(do=run)
 
 
@@ -51,6 +58,8 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"--link {args.link}: a file is already there.")
     baud_rate, servos = _servos(args)
     chain = Chain(servos, baud_rate, [parse_fault(text) for text in args.fault], args.seed)
+    ground = _ground(args, servos)
+    chain.ground = ground
     server = PtyServer(chain, baud_rate, args.link)
     stopping: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -61,6 +70,8 @@ def run(args: argparse.Namespace) -> int:
     server.serve(lambda: bool(stopping))
     report = server.report()
     server.close()
+    if ground is not None:
+        ground.close(args.motion)
     if args.report is not None:
         write_json(args.report, report)
     sys.stderr.write(_in_words(report))
@@ -75,6 +86,18 @@ def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
         raise InputError(f"--baud-rate must be one of {', '.join(map(str, codes))}, got {baud_rate}.")
     places = [(joint.id, joint.zero_ticks) for joint in robot.joint] if robot else [(i, 2048) for i in range(1, 11)]
     return baud_rate, [EmulatedServo(servo_id, codes[baud_rate], float(zero)) for servo_id, zero in places]
+
+
+def _ground(args: argparse.Namespace, servos: list[EmulatedServo]) -> Ground | None:
+    if args.motion is not None and not args.arena:
+        raise InputError("--motion: only the arena's robot goes anywhere. Add --arena.")
+    if not args.arena:
+        return None
+    if args.robot is None:
+        raise InputError("--arena needs --robot FILE: it says which servo moves which joint.")
+    from serpenoid.arena.bus import Ground
+
+    return Ground(servos, load(Robot, args.robot).joint)
 
 
 def _in_words(report: dict[str, Any]) -> str:

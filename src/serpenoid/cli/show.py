@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
@@ -28,27 +27,25 @@ def run(args: argparse.Namespace) -> int:
     folder = Path(args.folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
-    if (folder / "sweep.json").exists():
-        record = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
-        lines = _sweep_lines(folder, record)
-    elif (folder / "set.json").exists():
-        record = json.loads((folder / "set.json").read_text(encoding="utf-8"))
-        lines = [f"gait {g['gait']}: {g['random']:.4f} -> {g['improved']:.4f} ({g['status']})" for g in record["gaits"]]
-    else:
-        record = read_record(folder)
-        lines = _lines(record)
+    name = next((name for name in KINDS if (folder / name).exists()), "solution.json")
+    record = read_record(folder, name)
+    try:
+        lines = KINDS[name](folder, record)
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        raise InputError(f"{folder / name}: is not a record of this version ({error!r}).") from None
     pictures = sorted(path.name for path in folder.iterdir() if path.suffix in {".png", ".svg", ".gif"})
     options.report(args, record, [*lines, f"files             {', '.join(_files(folder))}", *_pictures(pictures)])
     return 0
 
 
-def _lines(record: dict[str, Any]) -> list[str]:
+def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
     lines = [
         f"{record['kind']}: {record['status']} ({record['message']})",
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {len(body['joints'])} joints, {body['length_m']:.4g} m",
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
+        *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(f'{k} {_short(v)}' for k, v in gait.items() if k != 'family')}",
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
@@ -68,6 +65,10 @@ def _lines(record: dict[str, Any]) -> list[str]:
     return lines
 
 
+def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+    return [f"gait {g['gait']}: {g['random']:.4f} -> {g['improved']:.4f} ({g['status']})" for g in record["gaits"]]
+
+
 def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     with (folder / "sweep.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
@@ -82,12 +83,20 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     return lines
 
 
+KINDS = {"sweep.json": _sweep_lines, "set.json": _set_lines, "solution.json": _lines}
+
+
 def _files(folder: Path) -> list[str]:
     return sorted(p.name for p in folder.iterdir() if p.suffix in {".json", ".csv"}) or ["none"]
 
 
 def _pictures(names: list[str]) -> list[str]:
     return [f"pictures          {', '.join(names)}"] if names else ["pictures          none (it was run --no-figures)"]
+
+
+def _effect(record: dict[str, Any]) -> str:
+    where = "" if record["place"] is None else f" at {record['place']}"
+    return f"{record['name']}{where}: {', '.join(f'{k} {_short(v)}' for k, v in record['parameters'].items())}"
 
 
 def _short(value: Any) -> str:

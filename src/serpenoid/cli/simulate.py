@@ -24,12 +24,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.problem import load
-    from serpenoid.results import default_folder, write_simulation
+    from serpenoid.results import crossing_warning, default_folder, write_simulation
     from serpenoid.simulation.problem import simulate
 
     problem = load(args.problem, args.set, args.model)
-    result = simulate(problem)
     folder = options.output_folder(args, default_folder(problem, "simulate"))
+    result = simulate(problem)
     record = write_simulation(folder, result, figures=not args.no_figures and result.trajectory.status.ok)
     motion = result.trajectory
     if not motion.status.ok:
@@ -42,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {motion.heading_change:+.6f} rad",
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
+        *crossing_warning(motion),
         f"written to        {folder}",
     ]
     options.report(args, record, lines)

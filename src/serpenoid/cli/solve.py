@@ -31,30 +31,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `solve`."""
     options.add_problem(parser)
     parser.add_argument("--c", type=float, metavar="C", help="dissipation coefficient (default: the problem file's)")
-    parser.add_argument("--starts", type=int, default=12, metavar="N", help="random start gaits (default 12)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the random gaits (default 0)")
-    parser.add_argument("--improve", type=int, metavar="N", help="instead: N random gaits and each one improved")
+    parser.add_argument("--starts", type=options.positive, default=12, metavar="N", help="random starts (default 12)")
+    parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
+    parser.add_argument("--improve", type=options.positive, metavar="N", help="instead: N random gaits, each improved")
     parser.add_argument("--within", type=float, default=0.3, metavar="F", help="with --improve: +-F (default 0.3)")
     options.add_output(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write, report."""
-    from serpenoid.errors import InputError
     from serpenoid.problem import load
 
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
-    if args.starts < 1 or (args.improve is not None and args.improve < 1):
-        raise InputError("--starts and --improve need a positive number.")
     return _improve(args, problem) if args.improve else _solve(args, problem)
 
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.optimise.solve import solve
-    from serpenoid.results import default_folder, write_solution
+    from serpenoid.results import crossing_warning, default_folder, write_solution
     from serpenoid.status import Status
 
+    folder = options.output_folder(args, default_folder(problem, "solve", args.starts, args.seed))
     with options.progress_bar(args, "starts", args.starts) as advance:
         result = solve(
             problem,
@@ -63,7 +61,6 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
             progress=lambda done, best: advance(done, "" if best is None else f"best cost {best.cost:.6f}"),
         )
     best = result.best
-    folder = options.output_folder(args, default_folder(problem, "solve", args.starts, args.seed))
     figures = not args.no_figures and best.trajectory.status.ok
     record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
     if figures:
@@ -71,7 +68,8 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
 
         multistart_figures(folder, result)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
-    options.report(args, record, [*_lines(best, result), f"written to        {folder}"])
+    lines = [*_lines(best, result), *crossing_warning(best.trajectory), f"written to        {folder}"]
+    options.report(args, record, lines)
     if stopped:
         options.complain(f"stopped after {len(result.solutions)} of {args.starts} starts; the best is in {folder}")
         return 130
@@ -116,9 +114,9 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.optimise.solve import improve
     from serpenoid.results import default_folder
 
+    folder = options.output_folder(args, default_folder(problem, "improve", args.improve, args.within, args.seed))
     with options.progress_bar(args, "gaits", args.improve) as advance:
         pairs = improve(problem, args.improve, args.within, args.seed, advance)
-    folder = options.output_folder(args, default_folder(problem, "improve", args.improve, args.within, args.seed))
     record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})
     lines = [f"{'gait':8}{'random':>10}{'improved':>10}  [body lengths per cycle]"]
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]

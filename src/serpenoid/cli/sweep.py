@@ -29,10 +29,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     options.add_model(parser)
     options.add_set(parser)
     parser.add_argument("--c", default="0:2.5:26", metavar="A:B:N", help="values of c (default 0:2.5:26)")
-    parser.add_argument("--starts", type=int, default=4, metavar="N", help="random starts at each end (default 4)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the random gaits (default 0)")
+    parser.add_argument(
+        "--starts", type=options.positive, default=4, metavar="N", help="starts at each end (default 4)"
+    )
+    parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--no-polish", action="store_true", help="leave out the derivative-free check of every point")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="problem files solved at once (default 1)")
+    parser.add_argument(
+        "--jobs", type=options.positive, default=1, metavar="N", help="problems solved at once (default 1)"
+    )
     options.add_output(parser)
 
 
@@ -58,11 +62,14 @@ def parse_values(text: str) -> list[float]:
 
 def run(args: argparse.Namespace) -> int:
     """Sweep every problem, write, report."""
+    from serpenoid.errors import InputError
     from serpenoid.problem import load
 
     values = parse_values(args.c)
     problems = [load(path, args.set, args.model) for path in args.problems]
     folders = [_folder(args, problem, values) for problem in problems]
+    if len(set(folders)) < len(folders):
+        raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
     if len(problems) == 1 or args.jobs <= 1:
         summaries = []
         for problem, folder in zip(problems, folders, strict=True):
@@ -108,15 +115,17 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
 
     default = default_folder(problem, "sweep", values, args.starts, args.seed)
     if args.out and len(args.problems) > 1:
+        options.check_writable(Path(args.out))
         return Path(args.out) / problem.name
     return options.output_folder(args, default)
 
 
 def _lines(summary: dict) -> list[str]:
+    missing = f", {summary['not_reached']} not reached" if summary["not_reached"] else ""
     window = summary["idle_for_minimum_between_1_and_2"]
     shown = f"{window[0]:.3f} .. {window[1]:.3f} per cycle" if window else "none"
     return [
-        f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed",
+        f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed{missing}",
         f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
         f"  cost of transport least between c = 1 and 2 for idle energy {shown} (units of T * E)",
         f"  written to {summary['folder']}",

@@ -146,12 +146,14 @@ def profile_likelihood(
     """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors: (K, 2)."""
     low, high = FITTABLE[names[0]].low, FITTABLE[names[0]].high
     grid = best.values[0] + best.sd[0] * np.linspace(-3, 3, points)
+    noise = changed(model, names, best.values)  # chi2 values are comparable only under one noise
+    least = fit(noise, segments, (), np.empty(0)).chi2
     rows = []
     for value in grid[(grid >= low) & (grid <= high)]:
         fixed = changed(model, names[:1], np.array([value]))
         others = names[1:]
-        found = fit(fixed, segments, others, start_values(others, fixed) if others else np.empty(0))
-        rows.append((value, (found.chi2 - best.solution.chi2) / max(1.0, best.noise_scale) ** 2))
+        found = fit(fixed, segments, others, start_values(others, fixed) if others else np.empty(0), noise)
+        rows.append((value, (found.chi2 - least) / max(1.0, best.noise_scale) ** 2))
     return np.array(rows)
 
 

@@ -69,13 +69,18 @@ class Solution:
         return float(np.sqrt(self.chi2 / max(self.freedom, 1)))
 
 
-def fit(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], start: Floats) -> Solution:
-    """Fit the named numbers to all segments at once. `names` may be empty: then the model is only judged."""
+def fit(
+    model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], start: Floats, noise: Model | None = None
+) -> Solution:
+    """Fit the named numbers to all segments at once. `names` may be empty: then the model is only judged.
+
+    `noise`: the model at which S is evaluated, where values of chi2 are to be compared; default: the current one.
+    """
     values = np.asarray(start, float).copy()
     low, high = bounds(names) if names else (values, values)
     converged = not names
     for _ in range(ITERATIONS if names else 0):
-        information, gradient, _ = _normal_equations(whiten(model, segments, names, values))
+        information, gradient, _ = _normal_equations(whiten(model, segments, names, values, noise))
         step = -np.linalg.lstsq(information, gradient, rcond=1e-14)[0]
         reach = np.maximum(0.5 * np.abs(values), 0.05)
         moved = np.clip(values + np.clip(step, -reach, reach), low, high)
@@ -83,18 +88,20 @@ def fit(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], sta
         if (np.abs(step) <= 1e-9 + 1e-3 * np.sqrt(np.abs(np.diag(np.linalg.pinv(information))))).all():
             converged = True
             break
-    left = whiten(model, segments, names, values)
+    left = whiten(model, segments, names, values, noise)
     information, _, chi2 = _normal_equations(left)
     vague = sum(np.trace(s.covariance, axis1=1, axis2=2).sum() for s in segments) / VAGUE_SD**2
     freedom = sum(w.defect.size for w in left) - round(float(vague)) - len(names)
     return Solution(names, values, np.asarray(np.linalg.pinv(information)), chi2, freedom, left, converged)
 
 
-def whiten(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], values: Floats) -> tuple[Whitened, ...]:
+def whiten(
+    model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], values: Floats, noise: Model | None = None
+) -> tuple[Whitened, ...]:
     """White defects of every segment, and their derivative, at given numbers."""
     current = changed(model, names, values)
     along = direction(model, names, values) if names else np.zeros((2 * model.body.vertices, 0))
-    return tuple(_whiten(current, segment, along) for segment in segments)
+    return tuple(_whiten(current, segment, along, noise) for segment in segments)
 
 
 def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float]:
@@ -104,12 +111,13 @@ def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float
     return jacobian.T @ jacobian, jacobian.T @ defect, float(defect @ defect)
 
 
-def _whiten(model: Model, segment: Segment, along: Floats) -> Whitened:
+def _whiten(model: Model, segment: Segment, along: Floats, noise: Model | None) -> Whitened:
     lin = linearise(model, segment.smooth_angles, segment.smooth_poses)
     pose_away = segment.poses - segment.smooth_poses
     away = np.concatenate([pose_away, segment.joint_angles - segment.smooth_angles], axis=1)
     shifted = np.einsum("siq,sq->si", lin.by_before, away[:-1]) + np.einsum("siq,sq->si", lin.by_after, away[1:])
-    lower = cholesky_banded(_banded(lin, segment.covariance), lower=True)
+    spread = lin if noise is None else linearise(noise, segment.smooth_angles, segment.smooth_poses)
+    lower = cholesky_banded(_banded(spread, segment.covariance), lower=True)
     right = np.concatenate([(lin.defect + shifted)[..., None], lin.by_parameters @ along], axis=2)
     white = np.asarray(solve_banded((BAND, 0), lower, right.reshape(-1, right.shape[2]))).reshape(right.shape)
     return Whitened(white[..., 0], white[..., 1:])

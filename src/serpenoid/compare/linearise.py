@@ -1,8 +1,8 @@
 """The step equations and their exact derivatives at measured shapes and poses, on the recording's own time grid.
 
-One step from (alpha, g) to (alpha', g') fulfils mu(alpha, alpha', g^-1 g'; theta) = 0. With J = d mu / d relative pose,
-the defect in units of motion is  e = J^-1 mu  (to first order: measured minus modelled relative pose), and
-de = J^-1 (mu_alpha d alpha + mu_alpha' d alpha' + mu_theta d theta) + d relative pose.
+The modelled relative pose xi of a step from shape alpha to alpha' is the root of mu(alpha, alpha', xi; theta) = 0. The
+defect is measured minus modelled,  e = g^-1 g' - xi,  and by the implicit function theorem, with J = d mu / d xi,
+de = d(g^-1 g') + J^-1 (mu_alpha d alpha + mu_alpha' d alpha' + mu_theta d theta): exact, however large e is.
 
 Legend: S steps, m joints, P parameters.
 """
@@ -20,6 +20,7 @@ from serpenoid.body import Floats
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Model, Structure
+from serpenoid.simulation import simulate_joint_angles
 
 
 @dataclass(frozen=True)
@@ -33,17 +34,17 @@ class Linearised:
 
 
 @lru_cache(maxsize=16)
-def step_defect(structure: Structure) -> ca.Function:
-    """(angles (m), angles_after (m), relative pose (3), parameters (2 N)) -> momentum and its four Jacobians."""
+def step_derivatives(structure: Structure) -> ca.Function:
+    """(angles (m), angles_after (m), relative pose (3), parameters (2 N)) -> the four Jacobians of the momentum."""
     m, p = len(structure.joints), 2 * structure.vertices
     before, after = ca.SX.sym("angles", m), ca.SX.sym("angles_after", m)
     pose, parameters = ca.SX.sym("pose", 3), ca.SX.sym("parameters", p)
     mu = _momentum(structure, before, after, pose, parameters)
     inputs = [before, after, pose, parameters]
-    outputs = [mu, *(ca.densify(ca.jacobian(mu, x)) for x in (pose, before, after, parameters))]
-    names = ["momentum", "by_pose", "by_angles", "by_angles_after", "by_parameters"]
+    outputs = [ca.densify(ca.jacobian(mu, x)) for x in (pose, before, after, parameters)]
+    names = ["by_pose", "by_angles", "by_angles_after", "by_parameters"]
     return ca.Function(
-        "step_defect", inputs, outputs, ["angles", "angles_after", "pose", "parameters"], names, {"cse": True}
+        "step_derivatives", inputs, outputs, ["angles", "angles_after", "pose", "parameters"], names, {"cse": True}
     )
 
 
@@ -64,13 +65,14 @@ def linearise(model: Model, joint_angles: Floats, poses: Floats) -> Linearised:
     """Defects of the steps between successive rows of joint angles (R, m) and poses (R, 3) [body lengths]."""
     steps = len(poses) - 1
     relative = relative_poses(poses)
-    inputs = (joint_angles[:-1].T, joint_angles[1:].T, relative.T, np.tile(model.parameters[:, None], steps))
+    modelled = relative_poses(simulate_joint_angles(model, joint_angles, closed=False).poses)
+    inputs = (joint_angles[:-1].T, joint_angles[1:].T, modelled.T, np.tile(model.parameters[:, None], steps))
     results = _mapped(model.structure, steps)(*inputs)
-    mu, by_pose, by_angles, by_after, by_parameters = (_stack(result, steps) for result in results)
+    by_pose, by_angles, by_after, by_parameters = (_stack(result, steps) for result in results)
     solve = np.linalg.inv(by_pose)
     pose_before, pose_after = _relative_derivatives(poses, relative)
     return Linearised(
-        (solve @ mu)[..., 0],
+        relative - modelled,
         np.concatenate([pose_before, solve @ by_angles], axis=2),
         np.concatenate([pose_after, solve @ by_after], axis=2),
         solve @ by_parameters,
@@ -84,7 +86,7 @@ def _mapped(structure: Structure, steps: int) -> ca.Function:
 
 @lru_cache(maxsize=16)
 def _compiled(structure: Structure) -> ca.Function:
-    return compiled([step_defect(structure)])[0]
+    return compiled([step_derivatives(structure)])[0]
 
 
 def _stack(result: ca.DM, steps: int) -> Floats:

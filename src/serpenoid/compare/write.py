@@ -134,7 +134,7 @@ def _errors(study: Study) -> str:
                 rows.append([c.trial, c.cycle + 1, words, *error.values()])
     return (
         "<p>Net errors in the first measured body frame; the second and third rows add up to the first.</p>"
-        + report.table(header, rows)
+        + f"<details><summary>{len(study.comparisons)} cycles</summary>{report.table(header, rows)}</details>"
     )
 
 

@@ -2,7 +2,7 @@
 
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, Effect, MediumEffect, ObservationEffect, Parameter
-from serpenoid.effects.catalogue import catalogue, find
+from serpenoid.effects.catalogue import catalogue, find, places
 
 __all__ = [
     "ActiveEffect",
@@ -13,4 +13,5 @@ __all__ = [
     "Parameter",
     "catalogue",
     "find",
+    "places",
 ]

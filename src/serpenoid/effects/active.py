@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Body
 from serpenoid.effects.base import Effect, Parameter
-from serpenoid.effects.catalogue import find
+from serpenoid.effects.catalogue import find, places
 from serpenoid.errors import InputError
 from serpenoid.schema import Record
 
@@ -107,13 +107,11 @@ def check(effects: Sequence[ActiveEffect], body: Body) -> None:
 
 
 def _misplaced(active: ActiveEffect, body: Body) -> str | None:
-    kind = active.effect.place
-    if kind is None or active.place is None:
+    possible = places(active.effect, body)
+    if active.place in possible:
         return None
-    low, high = (0, body.vertices - 1) if kind == "vertex" else (1, body.joint_count)
-    if low <= active.place <= high:
-        return None
-    return f"`{active.name}`: `place` must be a {kind} from {low} to {high} of this body, got {active.place}"
+    ends = f"{possible[0]} to {possible[-1]}"
+    return f"`{active.name}`: `place` must be a {active.effect.place} from {ends} of this body, got {active.place}"
 
 
 def _refuse(fault: str | None) -> None:

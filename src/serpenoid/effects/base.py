@@ -7,8 +7,8 @@ or a power of it where the neutral value is infinite (a grip that never saturate
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Literal
 
@@ -57,7 +57,7 @@ class Parameter:
         return self.coordinate(self.typical if self.neutral is None else self.neutral)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Effect:
     """Description of one physical effect; each file of the catalogue makes one instance, called EFFECT.
 
@@ -87,6 +87,11 @@ class Effect:
         neutral = [p for p in self.parameters if p.neutral is not None]
         return bool(neutral) and all(values[p.name] == p.neutral for p in neutral)
 
+    def coordinate_bounds(self, body: Body, place: int | None) -> list[tuple[float, float]]:
+        """Lower and upper bound of every parameter's coordinate, for fits on this body."""
+        ends = [(p.coordinate(p.lower), p.coordinate(p.upper)) for p in self.parameters]
+        return [(min(pair), max(pair)) for pair in ends]
+
     def fault(self, body: Body, place: int | None, values: Values) -> str | None:
         """A rule beyond bounds that these values break on this body, as a sentence."""
         return None
@@ -97,7 +102,7 @@ class Effect:
         return SimpleNamespace(**dict(zip(names, ca.vertsplit(coordinates), strict=True)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MediumEffect(Effect):
     """Shape to motion. Override `on_element` (geometry, weights, pushes, momentum) or `on_drag` (the force law).
 
@@ -131,8 +136,27 @@ class MediumEffect(Effect):
 
 
 @dataclass(frozen=True)
+class Wave:
+    """The periodic angle of one joint, `at(row)` [rad], rows 0 .. steps; duration of a step [s].
+
+    An elliptical gait commands a sine about a mean: mean + cosine cos(2 pi row / steps) + sine sin(...).
+    """
+
+    at: Callable[[ca.SX], ca.SX]
+    steps: int
+    duration: float
+
+    @property
+    def harmonic(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Mean, cosine and sine of a wave that is still a sine."""
+        quarters = [self.at(ca.SX(self.steps * i / 4)) for i in range(4)]
+        mean = (quarters[0] + quarters[2]) / 2
+        return mean, quarters[0] - mean, quarters[1] - mean
+
+
+@dataclass(frozen=True, eq=False)
 class ActuationEffect(Effect):
-    """Command to shape. `respond` takes one joint from one time to the next.
+    """Command to shape. `respond` takes one joint from one time to the next; `in_gait` is what it settles on.
 
     memory: whether the answer depends on the angle before. shown: whether the servo's reading shows the true angle.
     """
@@ -150,8 +174,23 @@ class ActuationEffect(Effect):
         """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]."""
         raise NotImplementedError
 
+    def in_gait(self, wave: Wave, p: Symbols) -> Wave:
+        """The wave that comes out when `wave` goes in again and again: for the NLP. As it stands: without memory."""
+        if self.memory:
+            raise NotImplementedError
 
-@dataclass(frozen=True)
+        def at(row: ca.SX) -> ca.SX:
+            angle = wave.at(row)
+            return self.respond(angle, angle, angle, ca.SX(wave.duration), p)
+
+        return replace(wave, at=at)
+
+    def speed_limit(self, values: Values) -> float:
+        """Joint speed [rad/s] that an optimised gait must not exceed."""
+        return math.inf
+
+
+@dataclass(frozen=True, eq=False)
 class ObservationEffect(Effect):
     """Motion to data: what cameras and clocks make of it. Everything in SI, by numbers."""
 

@@ -7,6 +7,7 @@ import importlib
 import pkgutil
 from functools import cache
 
+from serpenoid.body import Body
 from serpenoid.effects.base import ActuationEffect, Effect, MediumEffect, ObservationEffect
 from serpenoid.errors import InputError
 
@@ -35,6 +36,13 @@ def find(name: str) -> Effect:
     close = difflib.get_close_matches(name, known, n=1)
     hint = f"did you mean `{close[0]}`?" if close else f"known: {', '.join(known)}"
     raise InputError(f"no effect is called `{name}`; {hint}")
+
+
+def places(effect: Effect, body: Body) -> list[int | None]:
+    """Where an effect can sit on a body: its vertices, its joints, or nowhere in particular."""
+    if effect.place is None:
+        return [None]
+    return list(range(body.vertices)) if effect.place == "vertex" else list(range(1, body.joint_count + 1))
 
 
 @cache

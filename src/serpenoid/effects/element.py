@@ -43,14 +43,16 @@ class Element:
     """A vertex during a step. Pairs hold (before, after) the step.
 
     points: the vertex [m]; tangents: of the body; contacts: where the drag acts [m]; wheels: directions in which it
-    rolls; weight: share of the body's weight; grip: the weight in the drag law; anisotropy_ratio: eps; time: middle of
-    the step, seconds since the start; duration [s]; push: force on the vertex [m/s]; momentum: of the vertex [m].
+    rolls; origin: what points and contacts are counted from [m]; weight: share of the body's weight; grip: the weight
+    in the drag law; anisotropy_ratio: eps; time: middle of the step, seconds since the start; duration [s]; push: force
+    on the vertex [m/s]; momentum: of the vertex [m].
     """
 
     points: tuple[ca.SX, ca.SX]
     tangents: tuple[ca.SX, ca.SX]
     contacts: tuple[ca.SX, ca.SX]
     wheels: tuple[ca.SX, ca.SX]
+    origin: ca.SX
     weight: ca.SX
     grip: ca.SX
     anisotropy_ratio: ca.SX
@@ -61,8 +63,13 @@ class Element:
 
     @property
     def middle(self) -> ca.SX:
-        """Where the vertex is in the middle of the step [m]."""
+        """Where the vertex is in the middle of the step [m], about the origin."""
         return (self.points[0] + self.points[1]) / 2
+
+    @property
+    def place(self) -> ca.SX:
+        """Where that is on the floor [m]."""
+        return self.origin + self.middle
 
     @property
     def velocity(self) -> ca.SX:

@@ -41,9 +41,12 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
         raise InputError(f"{path}: no such joint table.") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: not a CSV text file ({error}).") from None
-    m = joint_count or (len(rows[0]) if rows else 0)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
+    m = joint_count or (len(rows[0]) if rows else 2)
     if not rows or rows[0] != header(m):
-        raise InputError(f"{path}: the header must be {','.join(header(min(m, 3)))},... with {m or 'm'} joints.")
+        names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
+        raise InputError(f"{path}: the header must be {names} with {m} joints.")
     if len(rows) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(rows) - 1}.")
     return np.array([_numbers(path, number, row, m) for number, row in enumerate(rows[1:], start=2)])

@@ -98,7 +98,7 @@ class CampaignFile(Record):
         names = [trial.name for trial in self.trial]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            raise ValueError(f"trial names must be unique; twice: {', '.join(twice)}")
+            raise ValueError(f"trial names must be unique, but `{', '.join(twice)}` is there twice")
         for trial in self.trial:
             markers = trial.markers or self.motion.markers
             if markers is not None and len(markers) != self.body.vertices:

@@ -27,10 +27,10 @@ from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, 
 
 Progress = Callable[[int, int, str], None]
 UNIT_HINTS = {
-    1000.0: "mm",
-    100.0: "cm",
-    0.001: "m, with the body in millimetres",
-    0.01: "m, with the body in centimetres",
+    1000.0: "Is the file in mm?",
+    100.0: "Is the file in cm?",
+    0.001: "Is the file in m and says mm, or is the body in mm?",
+    0.01: "Is the file in m and says cm, or is the body in cm?",
 }
 
 
@@ -106,7 +106,7 @@ def _schedule(entry: TrialEntry, table: Floats | None) -> Schedule | None:
 
 
 def _label(tracks: Tracks, keys: MotionKeys, edges: Floats | None, count: int) -> Labelled:
-    markers = None if keys.format == "tidy" else keys.markers  # tidy columns are the vertices, whatever they are called
+    markers = None if keys.format == "tidy" else keys.markers  # tidy columns are vertices already
     return label_vertices(tracks, markers, edges, count, keys.first_point == "head")
 
 
@@ -137,9 +137,7 @@ def _scale(tracks: Tracks, vertices: Floats, body: Body, lengths_given: bool) ->
     if not tracks.scale_known:
         return ratio * body.total_length_m
     if not 0.7 < ratio < 1.4:
-        hint = next(
-            (f" Is the file in {unit}?" for factor, unit in UNIT_HINTS.items() if 0.7 < ratio / factor < 1.4), ""
-        )
+        hint = next((f" {words}" for factor, words in UNIT_HINTS.items() if 0.7 < ratio / factor < 1.4), "")
         raise InputError(
             f"{tracks.source}: neighbouring markers are {ratio:.4g} times as far apart as [body] says "
             f"(median {np.nanmedian(measured):.4g} m).{hint} Check `length_unit`, `edge_lengths` and `markers`."

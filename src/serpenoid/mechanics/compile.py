@@ -16,6 +16,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
@@ -32,6 +33,7 @@ def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
     """The same functions, evaluated as machine code where a C compiler exists, else as they are."""
     compiler = find_compiler()
     if compiler is None:
+        _note_once()
         return list(functions)
     try:
         library = _library(functions, compiler)
@@ -52,6 +54,12 @@ def find_compiler() -> str | None:
     if os.environ.get("SERPENOID_COMPILE", "1") == "0":
         return None
     return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or shutil.which("clang")
+
+
+@lru_cache(maxsize=1)
+def _note_once() -> None:
+    if os.environ.get("SERPENOID_COMPILE", "1") != "0":
+        log.warning("no C compiler found: same results from CasADi's virtual machine, but slower")
 
 
 def cache_folder() -> Path:
@@ -91,5 +99,5 @@ def _build(source: str, compiler: str, library: Path) -> None:
         command = [compiler, *FLAGS, str(path), "-o", str(target), "-lm"]
         result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=280)
         if result.returncode != 0:
-            raise subprocess.SubprocessError(result.stderr[-2000:])
+            raise subprocess.SubprocessError(result.stderr[-2000:] or f"{compiler} ended with {result.returncode}")
     log.info("compiled %s in %.1f s", library.name, time.perf_counter() - begin)

@@ -5,7 +5,8 @@
 drag: the wrench that the floor opposes to the step, less what pushes; P, P_1, P_2: momentum of this step and of the two
 before it, with the coefficients of the backward difference (BDF2). Without effects the residual is the gradient of the
 step energy, so the roots are those of the baseline. Poses and wrenches are in the frame of the floor, dimensionless
-(body length, total weight 1, one step); effects see metres and seconds: this file is the edge.
+(body length, total weight 1, one step); effects see metres and seconds: this file is the edge. Poses and moments are
+about an origin near the body, given with the setting: far from home a moment about home would lose digits.
 
 The function holds every medium effect of the catalogue, neutral unless its coordinates say otherwise: one library for
 all extended models, and derivatives by effects that a model does not have. Legend: M elements, P coordinates.
@@ -25,7 +26,7 @@ from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.energy import move
 from serpenoid.mechanics.functions import CSE
 
-CLOCK = 3  # body length [m], duration of the step [s], its middle [s since the start]
+SETTING = 5  # body length [m], duration of the step [s], its middle [s since the start], origin of the poses (x, y)
 Kinds = tuple[MediumEffect, ...]
 
 
@@ -34,10 +35,12 @@ def coordinate_count(kinds: Kinds) -> int:
     return sum(len(kind.parameters) + 1 for kind in kinds)
 
 
-def wrench(kinds: Kinds, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, clock: ca.SX, theta: ca.SX) -> ca.SX:
+def wrench(
+    kinds: Kinds, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX, theta: ca.SX
+) -> ca.SX:
     """Drag (3), momentum (3) and energy of one vertex; elements (4) in their body frames, medium = (weight, eps)."""
-    length, duration, _ = ca.vertsplit(clock)
-    element = _element(before, after, poses, medium, clock)
+    length, duration = setting[0], setting[1]
+    element = _element(before, after, poses, medium, setting)
     offsets = [0, *(sum(len(k.parameters) + 1 for k in kinds[: i + 1]) for i in range(len(kinds)))]
     symbols = [kind.symbols(part) for kind, part in zip(kinds, ca.vertsplit(theta, offsets), strict=True)]
     for kind, p in zip(kinds, symbols, strict=True):
@@ -56,20 +59,21 @@ def wrench(kinds: Kinds, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.S
     return ca.vertcat(resisted, momentum, energy)
 
 
-def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, clock: ca.SX) -> Element:
-    length, duration, time = ca.vertsplit(clock)
+def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX) -> Element:
+    length, duration, time = ca.vertsplit(setting[:3])
     b, a = move(poses[:3], before), move(poses[3:], after)
     points, tangents = (length * b[:2], length * a[:2]), (b[2:], a[2:])
     weight, eps = ca.vertsplit(medium)
     zero = ca.SX.zeros(2)
-    return Element(points, tangents, points, tangents, weight, weight, eps, time, duration, zero, zero)
+    origin = length * setting[3:]
+    return Element(points, tangents, points, tangents, origin, weight, weight, eps, time, duration, zero, zero)
 
 
 @dataclass(frozen=True)
 class StepFunctions:
     """Compiled functions of one step with all medium effects, sums over the vertices.
 
-    All take (before (4, M), after (4, M), poses (6), clock (3), medium (2, M), theta (P, M)).
+    All take (before (4, M), after (4, M), poses (6), setting (5), medium (2, M), theta (P, M)).
     balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)
     coupled:     -> the same, derivatives by both poses (6, 6)
     sensitivity: -> derivatives of drag and momentum by eps and by the parameters of effects without a place
@@ -117,14 +121,14 @@ def step_functions(elements: int) -> StepFunctions:
 
 
 def _symbols(coordinates: int) -> list[ca.SX]:
-    shapes = {"before": 4, "after": 4, "poses": 6, "medium": 2, "clock": CLOCK, "theta": coordinates}
+    shapes = {"before": 4, "after": 4, "poses": 6, "medium": 2, "setting": SETTING, "theta": coordinates}
     return [ca.SX.sym(name, size) for name, size in shapes.items()]
 
 
 def _summed(name: str, function: ca.Function, elements: int, outputs: list[int]) -> ca.Function:
     before, after = ca.MX.sym("before", 4, elements), ca.MX.sym("after", 4, elements)
-    poses, clock = ca.MX.sym("poses", 6), ca.MX.sym("clock", CLOCK)
+    poses, setting = ca.MX.sym("poses", 6), ca.MX.sym("setting", SETTING)
     medium, theta = ca.MX.sym("medium", 2, elements), ca.MX.sym("theta", function.size1_in(5), elements)
     mapped = function.map(f"all_{name}", "serial", elements, [2, 4], outputs)
-    results = mapped(before, after, poses, medium, clock, theta)
-    return ca.Function(name, [before, after, poses, clock, medium, theta], list(results))
+    results = mapped(before, after, poses, medium, setting, theta)
+    return ca.Function(name, [before, after, poses, setting, medium, theta], list(results))

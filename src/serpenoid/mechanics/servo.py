@@ -22,6 +22,38 @@ def memories() -> int:
 @cache
 def joint_step() -> ca.Function:
     """(memory (Q), before, after [rad], duration [s], theta (P)) -> memory (Q), true angle, what the servo reads."""
+    return compiled([_joint_step()])[0]
+
+
+@cache
+def joint_sensitivity() -> ca.Function:
+    """The same with derivatives carried along: state (Q (1 + P)) = memory and its derivatives by theta, columnwise.
+
+    -> state, true angle, reading, derivatives of both by theta (P, 2).
+    """
+    plain, q = _joint_step(), memories()
+    _, *inputs = plain.sx_in()
+    theta = inputs[-1]
+    state = ca.SX.sym("state", q * (1 + theta.numel()))
+    memory, carried = state[:q], ca.reshape(state[q:], q, theta.numel())
+    remembered, angle, reading = plain(memory, *inputs)
+
+    def by_theta(value: ca.SX) -> ca.SX:
+        return ca.jacobian(value, memory) @ carried + ca.jacobian(value, theta)
+
+    following = ca.densify(ca.vertcat(remembered, ca.vec(by_theta(remembered))))
+    slopes = ca.densify(ca.horzcat(by_theta(angle).T, by_theta(reading).T))
+    outputs = [following, angle, reading, slopes]
+    return compiled([ca.Function("joint_sensitivity", [state, *inputs], outputs, CSE)])[0]
+
+
+def parameter_rows() -> dict[tuple[str, str], int]:
+    """(effect, parameter) -> row of theta."""
+    names = [(kind.name, name) for kind in actuation_effects() for name in (*(p.name for p in kind.parameters), "")]
+    return {pair: row for row, pair in enumerate(names) if pair[1]}
+
+
+def _joint_step() -> ca.Function:
     kinds = actuation_effects()
     counts = [len(kind.parameters) + 1 for kind in kinds]
     memory, theta = ca.SX.sym("memory", memories()), ca.SX.sym("theta", sum(counts))
@@ -36,4 +68,4 @@ def joint_step() -> ca.Function:
         states += [after] if kind.memory else []
         reading = after if kind.shown else reading
     inputs, outputs = [memory, begin, end, duration, theta], [ca.vertcat(*states), after, reading]
-    return compiled([ca.Function("joint_step", inputs, outputs, CSE)])[0]
+    return ca.Function("joint_step", inputs, outputs, CSE)

@@ -12,6 +12,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.mechanics import functions
+from serpenoid.mechanics.compile import compiled
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
 
 
@@ -23,12 +25,17 @@ def joint_table(model: Model, q: Floats, steps: int) -> Floats:
 def joint_tables(model: Model, gaits: Floats, steps: int) -> Floats:
     """Joint tables of gait parameters (B, 6), shape (B, T, m) [rad]."""
     count = gaits.shape[0]
-    mapped = _mapped(model.structure, count * steps)
-    phases = np.tile(np.arange(steps) / steps, count)[None]
-    angles = mapped(np.repeat(gaits, steps, axis=0).T, phases, model.parameters).full()
-    return angles.T.reshape(count, steps, -1)
+    phases = np.tile(np.arange(steps) / steps, count)
+    rows = np.repeat(np.asarray(gaits, float), steps, axis=0)
+    (angles,) = evaluate(_mapped(model.structure, count * steps), rows, phases, model.parameters)
+    return np.ascontiguousarray(angles.T).reshape(count, steps, -1)
 
 
 @lru_cache(maxsize=32)
 def _mapped(structure: Structure, rows: int) -> ca.Function:
-    return functions.gait_joint_angles(structure).map("table", "serial", rows, [2], [])
+    return _compiled(structure).map("table", "serial", rows, [2], [])
+
+
+@lru_cache(maxsize=32)
+def _compiled(structure: Structure) -> ca.Function:
+    return compiled([functions.gait_joint_angles(structure)])[0]

@@ -54,8 +54,22 @@ class StepBlocks:
 @lru_cache(maxsize=16)
 def step_blocks(structure: Structure) -> StepBlocks:
     """The functions of `structure`, compiled where possible."""
+    return _named(compiled(_all(structure)))
+
+
+@lru_cache(maxsize=16)
+def portable_step_blocks(structure: Structure) -> StepBlocks:
+    """The same functions as they are: no reference to a compiled library on this machine."""
+    return _named(_all(structure))
+
+
+def _all(structure: Structure) -> list[ca.Function]:
     rows = [gait_row(structure, order) for order in range(len(ROW))]
-    first, second, third, *others = compiled([*rows, *_steps(structure), *_path(structure)])
+    return [*rows, *_steps(structure), *_path(structure)]
+
+
+def _named(functions: list[ca.Function]) -> StepBlocks:
+    first, second, third, *others = functions
     return StepBlocks((first, second, third), *others)
 
 

@@ -13,6 +13,8 @@ from serpenoid.optimise.ipopt import Outcome, Point
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.status import Status
 
+STATIONARY = 1e-8  # what a certificate asks for
+
 
 @dataclass(frozen=True)
 class ChainStore:
@@ -36,13 +38,13 @@ class ChainStore:
             )
 
     def load(self, c: float, solver: GaitSolver) -> Answer | None:
-        """The stored answer with its residuals evaluated afresh, or None where there is none that can be read."""
+        """The stored answer with its residuals evaluated afresh, or None where there is none for this problem."""
         try:
-            with np.load(self._path(c)) as data:
+            with self._path(c).open("rb") as stream, np.load(stream) as data:
                 point = Point(data["x"], data["lam_x"], data["lam_g"])
                 rows, iterations = tuple(data["rows"].tolist()), int(data["iterations"])
                 seconds = float(data["seconds"])
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
             return None
         _, ipopt = solver.prepared(len(rows))
         parameters = solver.parameters(c, list(rows))
@@ -50,6 +52,8 @@ class ChainStore:
         if point.x.shape != bounds.lbx.shape or point.lam_g.shape != bounds.lbg.shape:
             return None
         residuals = ipopt.residuals(point, parameters, bounds)
+        if not residuals.largest <= STATIONARY:
+            return None  # an answer, but to another problem
         objective = float(ipopt.functions["f"](point.x, parameters))
         outcome = Outcome(Status.SOLVED, "Stored", point, objective, residuals, iterations, {"total": seconds})
         return Answer(outcome, point.x[-6:], iterations, seconds, rows)

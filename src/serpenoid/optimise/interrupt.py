@@ -26,16 +26,23 @@ class StopFlag:
 
 @contextmanager
 def catch_interrupt() -> Iterator[StopFlag]:
-    """Turn SIGINT into a flag inside the block (main thread only; elsewhere the flag never rises)."""
+    """Turn SIGINT into a flag inside the block (main thread only; elsewhere the flag never rises).
+
+    A second SIGINT goes to the handler from before: as a rule it raises KeyboardInterrupt.
+    """
     flag = StopFlag()
     if threading.current_thread() is not threading.main_thread():
         yield flag
         return
 
-    def raise_flag(_signal: int, _frame: FrameType | None) -> None:
+    previous = signal.getsignal(signal.SIGINT)
+
+    def raise_flag(number: int, frame: FrameType | None) -> None:
+        if flag and callable(previous):
+            previous(number, frame)
         flag.stopped = True
 
-    previous = signal.signal(signal.SIGINT, raise_flag)
+    signal.signal(signal.SIGINT, raise_flag)
     try:
         yield flag
     finally:

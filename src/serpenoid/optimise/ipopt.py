@@ -95,17 +95,23 @@ class Outcome:
 
 
 class Ipopt:
-    """A prepared solver for one GaitNLP; bounds, start and parameters are given per solve."""
+    """A prepared solver for one GaitNLP; bounds, start and parameters are given per solve.
 
-    def __init__(self, nlp: GaitNLP, options: dict | None = None) -> None:
+    `kept` names the constraints that IPOPT sees (default all): rows that nothing limits would only cost time.
+    Points, bounds and residuals always have all constraints; a row left out has the multiplier zero.
+    """
+
+    def __init__(self, nlp: GaitNLP, kept: np.ndarray | None = None, options: dict | None = None) -> None:
         self.functions = nlp.functions()
-        nx, np_ = nlp.variables.numel(), nlp.parameters.numel()
-        self._callback = IterationCallback((nx, sum(nlp.constraint_counts), np_), self._observe)
+        nx, np_, ng = nlp.variables.numel(), nlp.parameters.numel(), sum(nlp.constraint_counts)
+        self._kept = np.arange(ng) if kept is None else kept
+        self._callback = IterationCallback((nx, self._kept.size, np_), self._observe)
         self._watcher: Callable[[float], None] | None = None
         x, p = nlp.variables, nlp.parameters
-        problem = {"x": x, "p": p, "f": self.functions["f"](x, p), "g": self.functions["g"](x, p)}
-        given = {"jac_g": self.functions["jac_g"], "grad_f": self.functions["grad_f"]}
-        given |= {"hess_lag": self.functions["hess_lag"], "iteration_callback": self._callback}
+        seen = self._seen(nlp)
+        problem = {"x": x, "p": p, "f": self.functions["f"](x, p), "g": seen["g"](x, p)}
+        given = {"jac_g": seen["jac_g"], "grad_f": self.functions["grad_f"]}
+        given |= {"hess_lag": seen["hess_lag"], "iteration_callback": self._callback}
         # a fresh barrier and a warm one are two configurations of the same problem
         self._cold = ca.nlpsol("cold", "ipopt", problem, OPTIONS | given | (options or {}))
         self._warm_arguments = (problem, OPTIONS | given | WARM | (options or {}))
@@ -121,17 +127,21 @@ class Ipopt:
     ) -> Outcome:
         """Solve from a primal start (array) or warm from a primal-dual Point."""
         if isinstance(start, Point):
-            solver, arguments = self._warm_solver(), {"x0": start.x, "lam_x0": start.lam_x, "lam_g0": start.lam_g}
+            multipliers = {"lam_x0": start.lam_x, "lam_g0": start.lam_g[self._kept]}
+            solver, arguments = self._warm_solver(), {"x0": start.x} | multipliers
         else:
             solver, arguments = self._cold, {"x0": start}
         self._callback.flag, self._callback.error, self._watcher = flag, None, watch
         begin = time.perf_counter()
-        result = solver(p=parameters, lbx=bounds.lbx, ubx=bounds.ubx, lbg=bounds.lbg, ubg=bounds.ubg, **arguments)
+        limits = {"lbg": bounds.lbg[self._kept], "ubg": bounds.ubg[self._kept]}
+        result = solver(p=parameters, lbx=bounds.lbx, ubx=bounds.ubx, **limits, **arguments)
         wall = time.perf_counter() - begin
         if self._callback.error is not None:
             raise self._callback.error
         stats = solver.stats()
-        point = Point(*(result[key].full()[:, 0] for key in ("x", "lam_x", "lam_g")))
+        lam_g = np.zeros(bounds.lbg.size)
+        lam_g[self._kept] = result["lam_g"].full()[:, 0]
+        point = Point(result["x"].full()[:, 0], result["lam_x"].full()[:, 0], lam_g)
         status = OUTCOMES.get(stats["return_status"], Status.NOT_CONVERGED)
         residuals = self.residuals(point, parameters, bounds)
         evaluation = sum(value for key, value in stats.items() if key.startswith("t_wall_nlp"))
@@ -150,6 +160,24 @@ class Ipopt:
         pairs = [(point.lam_x, point.x, bounds.lbx, bounds.ubx), (point.lam_g, value, bounds.lbg, bounds.ubg)]
         complementarity = max(_complementarity(*pair) for pair in pairs)
         return Residuals(float(np.max(np.abs(slope), initial=0.0)), feasibility, complementarity)
+
+    def _seen(self, nlp: GaitNLP) -> dict[str, ca.Function]:
+        """The constraint Functions restricted to the kept rows."""
+        total = sum(nlp.constraint_counts)
+        names = {key: self.functions[key] for key in ("g", "jac_g", "hess_lag")}
+        if self._kept.size == total:
+            return names
+        x, p, rows = nlp.variables, nlp.parameters, self._kept.tolist()
+        factor, multipliers = ca.MX.sym("factor"), ca.MX.sym("multipliers", self._kept.size)
+        g, jacobian = names["jac_g"](x, p)
+        spread = ca.DM(ca.Sparsity.triplet(total, len(rows), rows, list(range(len(rows)))), 1.0)
+        hessian = names["hess_lag"](x, p, factor, spread @ multipliers)
+        lagrange = (["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"])
+        return {
+            "g": ca.Function("kept_g", [x, p], [names["g"](x, p)[rows]], ["x", "p"], ["g"]),
+            "jac_g": ca.Function("kept_jac_g", [x, p], [g[rows], jacobian[rows, :]], ["x", "p"], ["g", "jac_g_x"]),
+            "hess_lag": ca.Function("kept_hess", [x, p, factor, multipliers], [hessian], *lagrange),
+        }
 
     def _warm_solver(self) -> ca.Function:
         if self._warm is None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.problem import Problem
 
 FIRST_ROWS = 10
@@ -39,6 +40,10 @@ def path_limits(problem: Problem) -> PathLimits:
     if task.constraints.joint_speed_limits:
         speed = (body.joint_speed_limit_rpm or np.inf) * 2 * np.pi / 60
         upper[m:] = speed * (task.cycle_duration_s or np.inf) / task.steps
+    for active in problem.model.actuation_effects:
+        if isinstance(active.effect, ActuationEffect):  # a gait that never saturates is played as it is commanded
+            reach = active.effect.speed_limit(active.parameters) * problem.model.step_duration(task.steps)
+            upper[m:] = np.minimum(upper[m:], reach)
     return PathLimits(upper)
 
 

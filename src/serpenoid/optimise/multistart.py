@@ -16,7 +16,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
 from serpenoid.status import Status
 
-SAME_COST = 1e-6  # optima whose costs differ by less are one: mirror images and half turns of theta are equal in cost
+SAME_COST = 1e-6  # optima whose objectives differ by less are one: mirror images and half turns of theta are equal
 Progress = Callable[[int, "Solution | None"], None]
 
 
@@ -76,6 +76,7 @@ def as_solution(
         gait=EllipseGait.from_parameters(answer.q),
         table=check.table,
         trajectory=check.trajectory,
+        objective=outcome.objective,
         residuals=outcome.residuals,
         resimulation_error=check.resimulation_error,
         polishing_gain=check.polishing_gain,
@@ -116,12 +117,12 @@ def _summary(
 
 
 def _groups(solutions: list[Solution]) -> Iterator[list[int]]:
-    """Indices of solved starts with the same cost, best first."""
-    good = sorted((i for i, s in enumerate(solutions) if s.status.ok), key=lambda i: solutions[i].cost)
-    costs = np.array([solutions[i].cost for i in good])
+    """Indices of solved starts with the same objective, best first."""
+    good = sorted((i for i, s in enumerate(solutions) if s.status.ok), key=lambda i: solutions[i].objective)
+    costs = np.array([solutions[i].objective for i in good])
     cuts = np.flatnonzero(np.diff(costs) > SAME_COST) + 1
     return (list(part) for part in np.split(np.array(good, int), cuts) if part.size)
 
 
 def _best(solutions: list[Solution]) -> Solution | None:
-    return min((s for s in solutions if s.status.ok), key=lambda s: s.cost, default=None)
+    return min((s for s in solutions if s.status.ok), key=lambda s: s.objective, default=None)

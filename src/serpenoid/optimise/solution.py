@@ -16,7 +16,8 @@ from serpenoid.trajectory import Trajectory
 class Solution:
     """An optimal gait; `trajectory` is its re-simulation, `table` (T, m) its joint angles [rad].
 
-    cost = -displacement + c * dissipation, all from the re-simulation.
+    cost = -displacement + c * dissipation, from the re-simulation; `objective` is what the optimiser minimised, with
+    the user's own terms where there are any.
     """
 
     status: Status
@@ -25,6 +26,7 @@ class Solution:
     gait: EllipseGait
     table: Floats
     trajectory: Trajectory
+    objective: float
     residuals: Residuals
     resimulation_error: float
     polishing_gain: float | None

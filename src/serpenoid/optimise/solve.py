@@ -38,6 +38,7 @@ def solve(
     gaits = random_gaits(solver, starts, seed)
     if isinstance(problem.gait, EllipseGait):
         gaits[0] = _inside(solver, problem.gait.parameters)
+    solver.prepare(gaits[0])
     with catch_interrupt() as flag:
         return solve_many(solver, gaits, problem.task.c, flag, progress)
 
@@ -45,8 +46,10 @@ def solve(
 def solve_from(problem: Problem, gait: EllipseGait, customise: Customise | None = None) -> Solution:
     """Optimise from one gait; the answer is certified with polishing."""
     solver = GaitSolver(problem, customise)
+    start = _inside(solver, gait.parameters)
+    solver.prepare(start)
     with catch_interrupt() as flag:
-        return solve_one(solver, _inside(solver, gait.parameters), problem.task.c, polish=True, flag=flag)[0]
+        return solve_one(solver, start, problem.task.c, polish=True, flag=flag)[0]
 
 
 @dataclass(frozen=True)
@@ -68,9 +71,11 @@ def improve(
 ) -> list[Improved]:
     """The paper's set: `count` random gaits, each improved within +-`fraction` of its own parameters."""
     solver = GaitSolver(problem)
+    gaits = random_gaits(solver, count, seed)
+    solver.prepare(gaits[0])
     result: list[Improved] = []
     with catch_interrupt() as flag:
-        for q in random_gaits(solver, count, seed):
+        for q in gaits:
             if flag:
                 break
             result.append(_improve_one(solver, q, fraction, flag))

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.extended import ExtendedNLP
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, worst_violation
@@ -44,7 +46,7 @@ class GaitSolver:
         self.steps = problem.task.steps
         self.limits = path_limits(problem)
         self.customise = customise
-        self._prepared: dict[int, tuple[GaitNLP, Ipopt]] = {}
+        self._prepared: dict[tuple[int, bool], tuple[GaitNLP, Ipopt]] = {}
 
     def gait_bounds(self) -> GaitBounds:
         """Lower and upper bounds of q from the problem, theta unbounded unless given."""
@@ -55,6 +57,14 @@ class GaitSolver:
         if frequency is not None:
             pairs[EllipseGait.NAMES.index("xi")] = frequency
         return pairs[:, 0], pairs[:, 1]
+
+    def prepare(self, q: Floats) -> None:
+        """Compile what solving from gait q calls: done before Ctrl-C is caught, so that it ends a compile at once."""
+        self.start(q)
+        self.prepared(len(self._first_rows()))
+
+    def _first_rows(self) -> list[int]:
+        return even_rows(self.steps, min(FIRST_ROWS, self.steps)) if self.limits.any else []
 
     def start(self, q: Floats) -> Floats:
         """A start that satisfies all momentum equations: the simulated poses of gait q."""
@@ -73,10 +83,10 @@ class GaitSolver:
     ) -> Answer:
         """Optimise from gait parameters (6,) or warm from a Point whose constraints had `rows`."""
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
-        chosen = list(rows) or (even_rows(self.steps, min(FIRST_ROWS, self.steps)) if self.limits.any else [])
+        chosen = list(rows) or self._first_rows()
         iterations, seconds = 0, 0.0
         for _ in range(EXCHANGES):
-            _, ipopt = self.prepared(len(chosen))
+            _, ipopt = self.prepared(len(chosen), penalised=c > 0)
             parameters = self.parameters(c, chosen)
             outcome = ipopt.solve(current, parameters, self.bounds(chosen, gait_bounds), flag, watch)
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
@@ -87,14 +97,21 @@ class GaitSolver:
             chosen, current = exchange(chosen, table, self.limits, self.steps), outcome.point.x
         return Answer(outcome, q, iterations, seconds, tuple(chosen))
 
-    def prepared(self, path_rows: int) -> tuple[GaitNLP, Ipopt]:
-        """The NLP with `path_rows` limit rows, and its solver."""
-        if path_rows not in self._prepared:
-            nlp = GaitNLP(self.model.structure, self.steps, path_rows)
+    def prepared(self, path_rows: int, penalised: bool = True) -> tuple[GaitNLP, Ipopt]:
+        """The NLP with `path_rows` limit rows, with or without dissipation in the objective, and its solver."""
+        key = path_rows, penalised
+        if key not in self._prepared:
+            extended = self.model.medium_effects or self.model.actuation_effects
+            kind = partial(ExtendedNLP, self.model) if extended else partial(GaitNLP, self.model.structure)
+            nlp: GaitNLP = kind(self.steps, path_rows)
+            nlp.penalised = penalised
             if self.customise is not None:
                 self.customise(nlp)
-            self._prepared[path_rows] = nlp, Ipopt(nlp)
-        return self._prepared[path_rows]
+            limited = np.tile(np.isfinite(self.limits.upper), path_rows)
+            momentum, _, added = nlp.constraint_counts
+            kept = np.concatenate([np.full(momentum, True), limited, np.full(added, True)])
+            self._prepared[key] = nlp, Ipopt(nlp, np.flatnonzero(kept))
+        return self._prepared[key]
 
     def parameters(self, c: float, rows: list[int]) -> Floats:
         """Numbers for the NLP's parameters."""

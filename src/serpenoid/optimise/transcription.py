@@ -3,7 +3,7 @@
     variables    poses g_1 .. g_T of the body frame (g_0 = origin) and the gait q = (sigma, x_c, y_c, theta, a, xi)
     minimise     -Delta + c * dissipation                       Delta = |(x, y) of g_T|, dissipation = T * E
     subject to   T dE/d pose = 0 for every step                 (3 T equations: the geometric momentum vanishes)
-                 joint angles and their changes in limits       (at K rows of the table; see rows.py)
+                 joint angles and their changes in limits       (at K rows of the table; see limits.py)
                  whatever the user adds with `subject_to`
 
 Direct transcription after Even et al., Sec. III-A, with the paper's simulation as constraints.
@@ -21,7 +21,7 @@ import numpy as np
 from serpenoid.mechanics import functions
 from serpenoid.model import Structure
 from serpenoid.optimise.assembly import gather_gradient, scatter_hessian, scatter_jacobian
-from serpenoid.optimise.blocks import GAIT, step_blocks
+from serpenoid.optimise.blocks import GAIT, StepBlocks, portable_step_blocks, step_blocks
 
 
 @dataclass
@@ -29,12 +29,16 @@ class GaitNLP:
     """The whole-cycle NLP of one Structure. Build it, optionally add terms, then take its Functions.
 
     variables: MX (3 T + 6), poses then gait; `poses` (3, T), `gait` (6). parameters: MX (1 + K + 2 N): c, the phases of
-    the K path rows, model parameters.
+    the K path rows, model parameters. `penalised=False` leaves the dissipation out (faster where c = 0). `portable`
+    Functions are self-contained: they can be saved, loaded elsewhere and generated as C; the others call the library
+    compiled on this machine, and are faster.
     """
 
     structure: Structure
     steps: int
     path_rows: int = 0
+    portable: bool = False
+    penalised: bool = True
     variables: ca.MX = field(init=False)
     parameters: ca.MX = field(init=False)
     own_objective: ca.MX = field(init=False)
@@ -109,6 +113,10 @@ class GaitNLP:
         added = sum(expression.numel() for expression, _, _ in self.added)
         return 3 * self.steps, 2 * len(self.structure.joints) * self.path_rows, added
 
+    @property
+    def _blocks(self) -> StepBlocks:
+        return (portable_step_blocks if self.portable else step_blocks)(self.structure)
+
     def _phases(self) -> ca.MX:
         return ca.MX(ca.DM(np.arange(self.steps + 1) / self.steps)).T
 
@@ -118,7 +126,7 @@ class GaitNLP:
 
     def _step_inputs(self, order: int) -> list[ca.MX]:
         """Inputs of the step blocks, one column (or block of columns) per step, with row derivatives up to `order`."""
-        blocks, t, m = step_blocks(self.structure), self.steps, self.structure.elements
+        blocks, t, m = self._blocks, self.steps, self.structure.elements
         phases = self._phases()
         rows = blocks.rows[order].map(f"rows_{order}", "serial", t + 1, [0, 2], [])
         row = rows(self.gait, phases, self.model_parameters)
@@ -143,14 +151,16 @@ class GaitNLP:
         gait_nlp_objective (variables, parameters) -> f, gradient; gait_nlp_constraints -> g; gait_nlp_jacobian -> g, J;
         gait_nlp_hessian (variables, parameters, multiplier of f, multipliers of g) -> upper triangle.
         """
-        blocks, x, p = step_blocks(self.structure), self.variables, self.parameters
+        blocks, x, p = self._blocks, self.variables, self.parameters
         added = ca.vertcat(*(expression for expression, _, _ in self.added)) if self.added else ca.MX(0, 1)
         counts = self.constraint_counts
-        weight = 0 if self.replaced else p[0] * self.steps
+        weight = p[0] * self.steps if self.penalised and not self.replaced else ca.MX(0)
         residual, energy = self._over_steps(blocks.value, 0)
-        slopes, energy_slopes = self._over_steps(blocks.jacobian, 1), self._over_steps(blocks.gradient, 1)
-        f = self._base_objective() + weight * ca.sum2(energy)
-        gradient = ca.gradient(self._base_objective(), x) + weight * gather_gradient(energy_slopes, self.steps)
+        slopes = self._over_steps(blocks.jacobian, 1)
+        f, gradient = self._base_objective(), ca.gradient(self._base_objective(), x)
+        if not weight.is_zero():
+            f += weight * ca.sum2(energy)
+            gradient += weight * gather_gradient(self._over_steps(blocks.gradient, 1), self.steps)
         path, path_jacobian = self._path_terms()
         g = ca.vertcat(ca.vec(residual) * self.steps, path, added)
         jacobian = scatter_jacobian(slopes * self.steps, self.steps)
@@ -180,7 +190,7 @@ class GaitNLP:
     def _path_terms(self) -> tuple[ca.MX, ca.MX]:
         if not self.path_rows:
             return ca.MX(0, 1), ca.MX(0, self.variables.numel())
-        blocks = step_blocks(self.structure)
+        blocks = self._blocks
         slopes = ca.horzsplit(self._path(blocks.path_jacobian), GAIT)
         count = 2 * len(self.structure.joints) * self.path_rows
         jacobian = ca.horzcat(ca.MX(count, 3 * self.steps), ca.vertcat(*slopes))
@@ -191,6 +201,6 @@ class GaitNLP:
         if not self.path_rows:
             return ca.MX(n + GAIT, n + GAIT)
         columns = ca.reshape(multipliers, 2 * len(self.structure.joints), self.path_rows)
-        blocks = self._path(step_blocks(self.structure).path_hessian, columns)
+        blocks = self._path(self._blocks.path_hessian, columns)
         total = sum(ca.horzsplit(blocks, GAIT), ca.MX.zeros(GAIT, GAIT))
         return ca.diagcat(ca.MX(n, n), ca.triu(total))

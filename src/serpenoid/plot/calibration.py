@@ -17,7 +17,7 @@ RMS_MAP = LinearSegmentedColormap.from_list("rms", [RED, "#F3D9C9", "#FFFFFF"])
 def displacement_for_eps(
     time_s: Floats, measured: Floats, eps: Floats, curves: Floats, rms: Floats, best: tuple[float, Floats], ax: Axes
 ) -> Axes:
-    """Measured displacement (R,) over simulated ones (E, R), redder where the RMS (E,) is small; best marked."""
+    """Measured displacement (R,) over simulated ones (E, R), redder where their RMS (E,) is small."""
     order = np.argsort(-rms)
     scale = max(float(rms.max()), 1e-12)
     for index in order:
@@ -26,8 +26,8 @@ def displacement_for_eps(
     for index in range(0, len(eps), 3):
         ax.plot(time_s, curves[index], color=GREY, lw=0.5)
         ax.annotate(
-            f"{eps[index]:.2g}", (time_s[-1], curves[index, -1]), xytext=(4, 0), textcoords="offset points", va="center",
-            fontsize=SMALL, color=GREY,
+            f"{eps[index]:.2g}", (time_s[-1], curves[index, -1]), xytext=(4, 0), textcoords="offset points",
+            va="center", fontsize=SMALL, color=GREY,
         )  # fmt: skip
     ax.plot(time_s, best[1], color="#F0C400", lw=3.2, label=f"best RMS, eps = {best[0]:.4g}")
     ax.plot(time_s, measured, color=BLUE, lw=1.4, label="measured")

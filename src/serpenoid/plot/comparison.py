@@ -43,7 +43,9 @@ def paths(comparison: Comparison, ax: Axes) -> Axes:
     """Centroid paths and the last bodies."""
     for name, colour, path in _three(comparison):
         ax.plot(*path.poses[:, :2].T, color=colour, label=name, **LINES[name])
-        draw_body(path.vertices[-1], ax, colour, width=BODIES[name], joints=name == "Exp")
+        body = path.vertices[-1]
+        joints = range(1, len(body) - 1) if name == "Exp" else ()
+        draw_body(body, ax, colour, width=BODIES[name], joints=joints)
     draw_body(comparison.exp.vertices[0], ax, GREY, width=2.0)
     ax.set_aspect("equal", adjustable="datalim")
     dress(ax, "", "x [body lengths]", "y [body lengths]")
@@ -90,7 +92,7 @@ def residual_along_body(comparison: Comparison, ax: Axes) -> Axes:
 
 def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
     """Xi of every pair of classes on one logarithmic scale, with what is published and what it hides below."""
-    fig = figure(4.1 * len(statistics) + 0.9, 5.0)
+    fig = figure(4.1 * len(statistics) + 0.9, 5.5)
     axes = fig.subplots(1, len(statistics), squeeze=False)[0]
     reach = max(1.25, max(float(np.exp(np.abs(np.log(s.quotients)).max())) for s in statistics))
     image = None
@@ -102,7 +104,10 @@ def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
         ax.set_yticks(shown, [gaits[i] for i in shown], fontsize=SMALL)
         if len(gaits) <= 8:
             for (i, j), value in np.ndenumerate(s.quotients):
-                ax.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=SMALL - 1, color=INK)
+                dark = abs(np.log(value)) > 0.6 * np.log(reach)
+                ax.text(
+                    j, i, f"{value:.2f}", ha="center", va="center", fontsize=SMALL - 1, color="white" if dark else INK
+                )
         dress(ax, s.pair, ratio_caption(s), "", grid=False)
         ax.xaxis.label.set_fontsize(SMALL)
     if image is not None:

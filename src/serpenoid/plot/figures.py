@@ -13,12 +13,13 @@ from serpenoid.files import atomic
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot import joints, optima
 from serpenoid.plot.animate import animation
-from serpenoid.plot.body import crosses_itself, shapes
+from serpenoid.plot.body import shapes
 from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
 from serpenoid.plot.style import PHASE_MAP, colour_bar, figure, legend_above
 from serpenoid.plot.sweep import costs_figure, family_figure, front_figure
 from serpenoid.problem import Problem
+from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import Trajectory
 
 if TYPE_CHECKING:

@@ -39,7 +39,7 @@ def floor(trial: Trial, ax: Axes) -> Axes:
     ax.plot(*motion.smooth_poses[::step, :2].T, color=INK, lw=1.6, label="centroid")
     for passage in trial.passages:
         for frame, colour in ((passage.first, GREY), (passage.last, BLUE)):
-            draw_body(motion.vertices[frame], ax, colour, width=2.4)
+            draw_body(motion.vertices[frame], ax, colour, 2.4, trial.body.joint_vertices)
     for jump in motion.jumps:
         if jump.vertex is None:
             ax.plot(*motion.poses[jump.frame, :2], marker="x", color=RED, ms=8, mew=2)

@@ -8,9 +8,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid.robot.bus import ATTEMPTS_IN_MOTION, Bus, ServoHealth, ServoState
+from serpenoid.robot.bus import ATTEMPTS_IN_MOTION, Bus, ServoState
 from serpenoid.robot.checks import check_start, check_table
-from serpenoid.robot.control_table import name_hardware_errors
 from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.log import ServoLog
 from serpenoid.robot.plan import READING_INTERVAL_S, Plan, RowCommand, read_time_s
@@ -18,10 +17,8 @@ from serpenoid.robot.prepare import refuse, set_profile, set_up
 from serpenoid.robot.stop import StopWatcher
 from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
 from serpenoid.robot.timing import RowTiming
+from serpenoid.robot.watch import ServoWatch
 
-LOW_VOLTAGE_READINGS = 3  # a moment's sag is no empty battery
-UNRELIABLE = 6.0  # failed readings of one servo, each answered one taking back this share of one:
-FADING = 0.25
 SLIPPED_S = 0.5  # rows' time that leaves more than a row late, less what leaves in time
 STANDSTILL_TICKS = 3  # between two readings
 MISSED_SHARE = 0.1  # of a row's time: later than this is a missed deadline
@@ -35,14 +32,11 @@ class Player:
     def __init__(self, bus: Bus, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Progress) -> None:
         self._bus, self._plan, self._log, self._stop, self._progress = bus, plan, log, stop, progress
         self._ids = plan.robot.ids
-        self._errors: dict[int, int] = {}
-        self._low_readings = 0
         self._slipped_s = 0.0
-        self._unreliability = [0.0] * len(self._ids)
+        self._watch = ServoWatch(bus, plan)
         self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
         self._gave_up = False
         self.given_up_readings = 0
-        self._next_health = 0
         self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
 
     def run(self) -> None:
@@ -145,59 +139,17 @@ class Player:
         before, failures = time.monotonic(), self._bus.failures.copy()
         states = self._bus.read_states(self._ids)
         moment = (before + time.monotonic()) / 2
-        healths = self._look_after(states)
-        self._log.write(moment, (row.phase, row.cycle, row.step), row.goals, states, self._errors)
-        self._refuse_sick(healths, states)
-        self._refuse_unreliable({i for i in self._ids if self._bus.failures[i] > failures[i]})
+        healths = self._watch.ask(states)
+        errors = {i: health.hardware_error for i, health in healths.items()}
+        self._log.write(moment, (row.phase, row.cycle, row.step), row.goals, states, errors)
+        self._watch.judge(healths, states, {i for i in self._ids if self._bus.failures[i] > failures[i]})
         return states
-
-    def _look_after(self, states: Mapping[int, ServoState]) -> dict[int, ServoHealth]:
-        """The health of every servo that raises its alert bit, and of one more in turn."""
-        turn = self._ids[self._next_health % len(self._ids)]
-        self._next_health += 1
-        wanted = [i for i in self._ids if states[i].alert or i == turn]
-        healths = {i: self._bus.read_health(i) for i in wanted}
-        self._errors = {i: health.hardware_error for i, health in healths.items() if health.hardware_error}
-        return healths
-
-    def _refuse_sick(self, healths: Mapping[int, ServoHealth], states: Mapping[int, ServoState]) -> None:
-        for servo_id, health in healths.items():
-            label = self._plan.robot.joint_label(self._ids.index(servo_id))
-            if health.hardware_error:
-                state = f"{states[servo_id].temperature} deg C, {states[servo_id].voltage:.1f} V"
-                trouble = name_hardware_errors(health.hardware_error)
-                raise RobotFault(f"{label} protects itself: {trouble}; {state}. Then: serpenoid robot reboot.")
-            if health.watchdog_tripped:
-                raise RobotFault(
-                    f"{label}: its bus watchdog tripped: it heard nothing for {self._plan.watchdog_s:.2f} s."
-                )
-            if not health.torque:
-                raise RobotFault(f"{label} has lost its torque without an error: did its power fail for a moment?")
-        self._refuse_low_voltage(states)
-
-    def _refuse_low_voltage(self, states: Mapping[int, ServoState]) -> None:
-        volts = float(np.median([state.voltage for state in states.values()]))
-        minimum = self._plan.robot.voltage.minimum_V
-        self._low_readings = self._low_readings + 1 if volts < minimum else 0
-        if self._low_readings >= LOW_VOLTAGE_READINGS:
-            raise RobotFault(
-                f"battery: {volts:.1f} V at the servos, `minimum_V` is {minimum:g} V. Charge it and play again."
-            )
 
     def _refuse_after_trip(self, late: float) -> None:
         tripped = [i for i in self._ids if self._bus.read_health(i).watchdog_tripped]
         if tripped:
             text = f"this computer stalled for {late:.2f} s and the bus watchdogs of servos {tripped} stopped them"
             raise RobotFault(f"{text}. Close what keeps it busy, then play again.")
-
-    def _refuse_unreliable(self, failed: set[int]) -> None:
-        """A servo that answers only when asked again, reading after reading; single failures fade away."""
-        for j, i in enumerate(self._ids):
-            score = self._unreliability[j] + (1.0 if i in failed else -FADING)
-            self._unreliability[j] = max(0.0, score)
-            if score >= UNRELIABLE:
-                text = "answers late or corrupt, reading after reading"
-                raise RobotFault(f"{self._plan.robot.joint_label(j)} {text}. Check its cable and its plugs.")
 
     def _refuse_slipped(self, late: float) -> None:
         """One late row is a hitch; a row of them is another gait than the one that was asked for."""

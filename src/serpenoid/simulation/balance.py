@@ -23,7 +23,7 @@ STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
 
 @dataclass(frozen=True)
 class Coast:
-    """Momentum known from earlier steps: the residual gains rate (S,) times this step's momentum, and carried (S, 3)."""
+    """What earlier momenta add to the residual: `rate` (S,) times this step's momentum, and `carried` (S, 3)."""
 
     rate: Floats
     carried: Floats
@@ -75,19 +75,21 @@ def _newton(
 ) -> Steps:
     """Damped Newton for the second poses; `relative` of the answer holds poses on the floor."""
     law, m = Law.of(model, strength), model.structure.elements
-    clocks, count = law.clocks(times), len(ends)
+    home, count = starts * [1, 1, 0], len(ends)
+    settings, carried = law.settings(times), about(coast.carried, home)
+    settings[3:] = home[:, :2].T
     residual, energy = np.full(count, np.inf), np.full(count, np.nan)
     slopes = np.zeros((count, 3, 3))
     damping, step = np.ones(count), np.zeros((count, 3))
-    base = ends.copy()
+    base, turned = ends - home, starts - home
     todo = np.arange(count)
     for _ in range(ITERATIONS):
         trial = base[todo] + damping[todo, None] * step[todo]
         part = _columns(before, todo, m), _columns(after, todo, m)
-        poses = np.hstack([starts[todo], trial]).T
-        value, work, slope = evaluate("balance", law, *part, poses, clocks[:, todo])
+        poses = np.hstack([turned[todo], trial]).T
+        value, work, slope = evaluate("balance", law, *part, poses, settings[:, todo])
         rate = coast.rate[todo, None]
-        excess = value[:, :3] + rate * value[:, 3:] + coast.carried[todo]
+        excess = value[:, :3] + rate * value[:, 3:] + carried[todo]
         size = np.abs(excess).max(1)
         size = np.where(np.isfinite(size), size, np.inf)
         better = size < residual[todo]
@@ -100,7 +102,7 @@ def _newton(
         if todo.size == 0:
             break
     sound = (residual <= TOLERANCE) & (np.linalg.det(slopes) > 0)
-    return Steps(base, energy, residual, sound)
+    return Steps(base + home, energy, residual, sound)
 
 
 def _solve(matrix: Floats, right: Floats) -> Floats:
@@ -117,6 +119,12 @@ def _columns(elements: Floats, steps: np.ndarray, m: int) -> Floats:
 def _subset(model: Model, before: Floats, after: Floats, keep: np.ndarray) -> tuple[Floats, Floats]:
     m, steps = model.structure.elements, np.flatnonzero(keep)
     return _columns(before, steps, m), _columns(after, steps, m)
+
+
+def about(momenta: Floats, point: Floats) -> Floats:
+    """Momenta (S, 3) whose angular part is about `point` (3,) or (S, 3) instead of the origin."""
+    angular = momenta[:, 2] - (point[..., 0] * momenta[:, 1] - point[..., 1] * momenta[:, 0])
+    return np.column_stack([momenta[:, :2], angular])
 
 
 def compose(starts: Floats, relative: Floats) -> Floats:

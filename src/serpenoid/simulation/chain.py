@@ -11,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.linalg import LinAlgError, solve_banded
 
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulation.balance import compose, relative
+from serpenoid.simulation.balance import about, compose, relative
 from serpenoid.simulation.law import Law, evaluate
 from serpenoid.simulation.steps import TOLERANCE, Steps
 
@@ -30,7 +30,7 @@ def solve_chain(model: Model, before: Floats, after: Floats, times: Floats, star
 
     before, after: elements (4, M S); guess: relative poses (S, 3) to begin with.
     """
-    chain = _Chain.of(model, before, after, times)
+    chain = Chain.of(model, before, after, times)
     count = len(times) - 1
     poses, momenta = np.empty((count + 1, 3)), np.zeros((count + 2, 3))  # momenta: two zeros, then one per step
     poses[0] = start
@@ -67,21 +67,21 @@ def difference_weights(times: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class _Chain:
-    """Everything about the steps that does not change: numbers, elements by step (4, S, M), clocks, rates (S, 3)."""
+class Chain:
+    """Everything about the steps that does not change: numbers, elements by step (4, S, M), settings, rates (S, 3)."""
 
     law: Law
     before: Floats
     after: Floats
-    clocks: Floats
+    settings: Floats
     rates: Floats
 
     @classmethod
-    def of(cls, model: Model, before: Floats, after: Floats, times: Floats) -> _Chain:
+    def of(cls, model: Model, before: Floats, after: Floats, times: Floats) -> Chain:
         law, m = Law.of(model), model.structure.elements
-        clocks = law.clocks(np.column_stack([times[:-1], times[1:]]))
-        rates = difference_weights(times) * clocks[1][:, None]  # dt times the coefficients: dimensionless
-        return cls(law, before.reshape(4, -1, m), after.reshape(4, -1, m), clocks, rates)
+        settings = law.settings(np.column_stack([times[:-1], times[1:]]))
+        rates = difference_weights(times) * settings[1][:, None]  # dt times the coefficients: dimensionless
+        return cls(law, before.reshape(4, -1, m), after.reshape(4, -1, m), settings, rates)
 
 
 @dataclass(frozen=True)
@@ -94,20 +94,22 @@ class _Found:
     resisting: np.ndarray
 
 
-def _window(chain: _Chain, poses: Floats, momenta: Floats, first: int, guess: Floats) -> _Found:
+def _window(chain: Chain, poses: Floats, momenta: Floats, first: int, guess: Floats) -> _Found:
     """Solve the steps first .. first + W - 1 for their second poses (W, 3)."""
     part = slice(first, first + len(guess))
-    x, size, damping = guess, np.inf, 1.0
+    home = poses[first] * [1, 1, 0]
+    carried = about(momenta[first : first + 2], home)
+    x, size, damping = guess - home, np.inf, 1.0
     best, step = None, np.zeros_like(guess)
     for _ in range(ITERATIONS):
         trial = x + damping * step
-        now = _evaluate(chain, part, np.vstack([poses[first][None], trial]), momenta[first : first + 2])
+        now = evaluate_window(chain, part, np.vstack([poses[first] - home, trial]), carried, home[:2])
         value = float(np.max(np.abs(now.residual)))
         if np.isfinite(value) and value < size:
             x, size, best, damping = trial, value, now, min(1.0, 2 * damping)
             if size <= TOLERANCE / 10:
                 break
-            step = -_solve(now)
+            step = -solve_linear(now.slopes, now.residual[..., None])[..., 0]
         else:
             damping /= 3
             if damping < LEAST_DAMPING:
@@ -117,11 +119,13 @@ def _window(chain: _Chain, poses: Floats, momenta: Floats, first: int, guess: Fl
         nothing = np.full(count, np.nan)
         return _Found(False, guess, np.zeros((count, 3)), nothing, nothing, np.zeros(count, bool))
     resisting = np.linalg.det(best.slopes[0]) > 0
-    return _Found(size <= TOLERANCE, x, best.momenta, best.energy, np.abs(best.residual).max(1), resisting)
+    return _Found(
+        size <= TOLERANCE, x + home, about(best.momenta, -home), best.energy, np.abs(best.residual).max(1), resisting
+    )
 
 
 @dataclass(frozen=True)
-class _Evaluation:
+class Evaluation:
     """Residuals (W, 3), momenta (W, 3), energy (W,), and derivatives by the poses i + 1 .. i - 2 (4, W, 3, 3)."""
 
     residual: Floats
@@ -130,10 +134,15 @@ class _Evaluation:
     slopes: Floats
 
 
-def _evaluate(chain: _Chain, part: slice, poses: Floats, carried: Floats) -> _Evaluation:
+def evaluate_window(
+    chain: Chain, part: slice, poses: Floats, carried: Floats, origin: Floats | None = None
+) -> Evaluation:
+    """Residuals of the steps in `part`: poses (W + 1, 3) and the two momenta before (2, 3), all about `origin`."""
     pairs = np.hstack([poses[:-1], poses[1:]]).T
     before, after = chain.before[:, part].reshape(4, -1), chain.after[:, part].reshape(4, -1)
-    value, energy, slope = evaluate("coupled", chain.law, before, after, pairs, chain.clocks[:, part])
+    settings = chain.settings[:, part].copy()
+    settings[3:] = 0.0 if origin is None else origin[:, None]
+    value, energy, slope = evaluate("coupled", chain.law, before, after, pairs, settings)
     c0, c1, c2 = (chain.rates[part, i, None] for i in range(3))
     momenta = np.vstack([carried, value[:, 3:]])
     residual = value[:, :3] + c0 * momenta[2:] + c1 * momenta[1:-1] + c2 * momenta[:-2]
@@ -147,21 +156,28 @@ def _evaluate(chain: _Chain, part: slice, poses: Floats, carried: Floats) -> _Ev
     slopes[1] = by_start[:, :3] + a * start[2:] + b * end[1:-1]
     slopes[2] = b * start[1:-1] + c * end[:-2]
     slopes[3] = c * start[:-2]
-    return _Evaluation(residual, value[:, 3:], energy, slopes)
+    return Evaluation(residual, value[:, 3:], energy, slopes)
 
 
-def _solve(now: _Evaluation) -> Floats:
-    """Solve the banded system; the unknowns are the second poses, the window's first pose is given."""
-    count = len(now.residual)
+def solve_linear(slopes: Floats, right: Floats) -> Floats:
+    """Solutions (W, 3, K) of the banded system of a window; the unknowns are the second poses, the first is given.
+
+    Zero where the system is singular: a body that touches nothing, a window that went astray.
+    """
+    count = len(right)
     bands = np.zeros((LOWER + UPPER + 1, 3 * count))
     row, column = np.meshgrid(np.arange(3), np.arange(3), indexing="ij")
     for below in range(4):
         steps = np.arange(below, count)
         i, j = 3 * steps[:, None, None] + row, 3 * (steps[:, None, None] - below) + column
-        bands[UPPER + i - j, j] = now.slopes[below, below:]
+        bands[UPPER + i - j, j] = slopes[below, below:]
     if not np.isfinite(bands).all():
-        return np.zeros_like(now.residual)
-    return solve_banded((LOWER, UPPER), bands, now.residual.ravel()).reshape(count, 3)
+        return np.zeros_like(right)
+    try:
+        solution = solve_banded((LOWER, UPPER), bands, right.reshape(3 * count, -1))
+    except LinAlgError:
+        return np.zeros_like(right)
+    return np.asarray(solution).reshape(right.shape)
 
 
 def _continued(start: Floats, relative_poses: Floats) -> Floats:

@@ -15,6 +15,16 @@ from serpenoid.simulation.chain import solve_chain
 from serpenoid.simulation.steps import Steps, solve_steps
 
 
+def solve_independent(model: Model, before: Floats, after: Floats, times: Floats) -> Steps:
+    """Relative poses of steps that need no others: elements (4, M S), times (B, R) [s] of B sequences, R - 1 steps."""
+    plain = solve_steps(model, before, after)
+    if not model.medium_effects:
+        return plain
+    guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
+    spans = np.column_stack([times[:, :-1].ravel(), times[:, 1:].ravel()])
+    return solve_balance(model, before, after, spans, np.zeros_like(guess), guess)
+
+
 def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None = None) -> Steps:
     """Relative poses of a sequence of shapes: elements (4, M R) at `times` (R,) [s], first pose `start` on the floor.
 

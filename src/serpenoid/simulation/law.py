@@ -1,4 +1,4 @@
-"""The numbers that the step functions with effects take: clock, weights and every effect's coordinates.
+"""The numbers that the step functions with effects take: settings, weights and every effect's coordinates.
 
 Legend: S steps, M vertices, P coordinates.
 """
@@ -16,6 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
+from serpenoid.mechanics.evaluate import evaluate as run
 from serpenoid.mechanics.extended import step_functions
 from serpenoid.model import Model
 
@@ -38,9 +39,10 @@ class Law:
         medium = np.vstack([weights, np.full(weights.size, model.medium.anisotropy_ratio)])
         return cls(medium, coordinates(model, strength, candidates=candidates), model.body.total_length_m)
 
-    def clocks(self, times: Floats) -> Floats:
-        """Clock inputs (3, S) of steps that begin and end at `times` (S, 2) [s]."""
-        return np.vstack([np.full(len(times), self.length_m), times[:, 1] - times[:, 0], times.mean(1)])
+    def settings(self, times: Floats) -> Floats:
+        """Settings (5, S) of steps that begin and end at `times` (S, 2) [s]: length, duration, middle, origin 0."""
+        length, zero = np.full(len(times), self.length_m), np.zeros(len(times))
+        return np.vstack([length, times[:, 1] - times[:, 0], times.mean(1), zero, zero])
 
 
 def coordinates(
@@ -51,7 +53,7 @@ def coordinates(
 ) -> Floats:
     """theta (P, M) of `kinds` (default all): an effect's coordinates where it sits, its resting ones elsewhere."""
     n = model.body.vertices
-    blocks = []
+    blocks = [np.zeros((0, n))]
     for kind in medium_effects() if kinds is None else kinds:
         resting = np.array([*(p.resting for p in kind.parameters), 0.0])
         block = np.repeat(resting[:, None], n, axis=1)
@@ -74,22 +76,22 @@ def _enter(block: Floats, resting: Floats, active: ActiveEffect, strength: float
 
 
 def evaluate(
-    which: str, law: Law, before: Floats, after: Floats, poses: Floats, clocks: Floats
+    which: str, law: Law, before: Floats, after: Floats, poses: Floats, settings: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """`balance` or `coupled` of S steps: drag and momentum (S, 6), energy (S,), derivatives (S, 6, 3 or 6)."""
     count = poses.shape[1]
-    value, energy, slope = _mapped(which, law.medium.shape[1], count)(
-        before, after, poses, clocks, law.medium, law.theta
-    )
-    return value.full().T, energy.full()[0], slope.full().T.reshape(count, -1, 6).transpose(0, 2, 1)
+    function = _mapped(which, law.medium.shape[1], count)
+    value, energy, slope = run(function, before.T, after.T, poses.T, settings.T, law.medium.T, law.theta.T)
+    return value.T, energy[0], slope.T.reshape(count, -1, 6).transpose(0, 2, 1)
 
 
-def sensitivities(law: Law, before: Floats, after: Floats, poses: Floats, clocks: Floats) -> tuple[Floats, Floats]:
+def sensitivities(law: Law, before: Floats, after: Floats, poses: Floats, settings: Floats) -> tuple[Floats, Floats]:
     """Derivatives of drag and momentum by (eps, unplaced parameters): (S, 6, 1 + G); by placed ones: (S, 6, M, L)."""
     count, m = poses.shape[1], law.medium.shape[1]
-    everywhere, somewhere = _mapped("sensitivity", m, count)(before, after, poses, clocks, law.medium, law.theta)
-    first = everywhere.full().T.reshape(count, -1, 6).transpose(0, 2, 1)
-    return first, somewhere.full().T.reshape(count, m, -1, 6).transpose(0, 3, 1, 2)
+    function = _mapped("sensitivity", m, count)
+    everywhere, somewhere = run(function, before.T, after.T, poses.T, settings.T, law.medium.T, law.theta.T)
+    first = everywhere.T.reshape(count, -1, 6).transpose(0, 2, 1)
+    return first, somewhere.T.reshape(count, m, -1, 6).transpose(0, 3, 1, 2)
 
 
 @lru_cache(maxsize=128)

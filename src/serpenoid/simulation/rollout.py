@@ -12,14 +12,22 @@ import numpy as np
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulation.extended import solve_extended
+from serpenoid.simulation.extended import solve_extended, solve_independent
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
-__all__ = ["Batch", "body_frame", "body_poses", "simulate_batch", "simulate_joint_angles", "simulate_vertices"]
+__all__ = [
+    "Batch",
+    "body_frame",
+    "body_poses",
+    "simulate_batch",
+    "simulate_joint_angles",
+    "simulate_realised",
+    "simulate_vertices",
+]
 
 
 def simulate_joint_angles(
@@ -42,6 +50,18 @@ def simulate_joint_angles(
     return _assemble(model, vertices, steps, cycles if closed else 1, start)
 
 
+def simulate_realised(model: Model, joint_angles: Floats, times: Floats, start: Floats | None = None) -> Trajectory:
+    """Simulate joint angles that the body really had, shape (R, m) [rad] at `times` (R,) [s since the motion began].
+
+    Actuation effects do not act on them; `simulation.servos.realise` makes such angles from commanded ones.
+    """
+    angles = np.asarray(joint_angles, float)
+    if not np.isfinite(angles).all():
+        return _failed(Status.BAD_SHAPE, angles.shape[0], model)
+    vertices, elements = shape_rows(model, angles)
+    return _assemble(model, vertices, _solve_rows(model, elements, times, start), 1, start)
+
+
 def simulate_vertices(
     model: Model, vertices: Floats, start: Floats | None = None, times: Floats | None = None
 ) -> Trajectory:
@@ -55,12 +75,7 @@ def simulate_vertices(
     if not np.isfinite(shapes).all() or (lengths <= 0).any():
         return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
     elements = elements_of_vertices(model, shapes)
-    m = model.structure.elements
-    if model.medium_effects:
-        steps = solve_extended(model, elements, _checked_times(model, times, len(shapes)), start)
-    else:
-        steps = solve_steps(model, elements[:, :-m], elements[:, m:])
-    return _assemble(model, shapes, steps, 1, start)
+    return _assemble(model, shapes, _solve_rows(model, elements, times, start), 1, start)
 
 
 @dataclass(frozen=True)
@@ -82,7 +97,7 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
     """Simulate B joint tables, shape (B, T, m) [rad], for one cycle each, in one compiled call."""
     b, t, _ = tables.shape
     if model.effects:
-        return _extended_batch([simulate_joint_angles(model, table) for table in tables])
+        return _extended_batch(model, tables)
     steps = solve_cycles(model, tables)
     relative = steps.relative.reshape(b, t, 3)
     dissipation = t * steps.energy.reshape(b, t).sum(1)
@@ -96,11 +111,25 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
     return Batch(poses, dissipation, residual, sound)
 
 
-def _extended_batch(motions: list[Trajectory]) -> Batch:
-    poses = np.array([motion.poses for motion in motions])
-    dissipation = np.array([motion.dissipation for motion in motions])
-    residual = np.array([motion.residual for motion in motions])
-    return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+def _extended_batch(model: Model, tables: Floats) -> Batch:
+    """All steps of all gaits at once where they are independent, else gait by gait."""
+    b, t, m = tables.shape
+    if model.knows("place") or model.knows("history"):
+        motions = [simulate_joint_angles(model, table) for table in tables]
+        poses = np.array([motion.poses for motion in motions])
+        dissipation = np.array([motion.dissipation for motion in motions])
+        residual = np.array([motion.residual for motion in motions])
+        return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+    realised = np.array([realise_gait(model, table) for table in tables])
+    closed = np.concatenate([realised, realised[:, :1]], axis=1)
+    _, elements = shape_rows(model, closed.reshape(-1, m))
+    rows = elements.reshape(4, b, t + 1, -1)
+    before, after = rows[:, :, :-1].reshape(4, -1), rows[:, :, 1:].reshape(4, -1)
+    times = np.tile(_clock(model.step_duration(t), t + 1), (b, 1))
+    steps = solve_independent(model, before, after, times)
+    energy, residual = steps.energy.reshape(b, t).sum(1), steps.residual.reshape(b, t).max(1)
+    poses = group.accumulate(steps.relative.reshape(b, t, 3))
+    return Batch(poses, t * energy, residual, np.asarray(steps.sound.reshape(b, t).all(1)))
 
 
 def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats | None, closed: bool) -> Trajectory:
@@ -111,13 +140,17 @@ def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats |
     played = cycles if closed and not alike else 1
     rows = np.concatenate([np.tile(angles, (played, 1)), angles[:1]]) if closed else angles
     vertices, elements = shape_rows(model, rows)
-    if model.medium_effects:
-        steps = solve_extended(model, elements, _clock(duration, len(rows)), start)
-    else:
-        m = model.structure.elements
-        steps = solve_steps(model, elements[:, :-m], elements[:, m:])
+    steps = _solve_rows(model, elements, _clock(duration, len(rows)), start)
     trajectory = _assemble(model, vertices, steps, cycles if closed and alike else 1, start)
     return replace(trajectory, steps_per_cycle=len(table)) if closed else trajectory
+
+
+def _solve_rows(model: Model, elements: Floats, times: Floats | None, start: Floats | None) -> Steps:
+    """Steps of consecutive rows, elements (4, M R): the baseline's, or with effects."""
+    m = model.structure.elements
+    if model.medium_effects:
+        return solve_extended(model, elements, _checked_times(model, times, elements.shape[1] // m), start)
+    return solve_steps(model, elements[:, :-m], elements[:, m:])
 
 
 def _checked_times(model: Model, times: Floats | None, rows: int) -> Floats:

@@ -5,6 +5,7 @@ Legend: R rows, T rows of a joint table, m joints, P coordinates.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,9 +13,10 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import actuation_effects
 from serpenoid.errors import InputError
-from serpenoid.mechanics.servo import joint_step, memories
+from serpenoid.mechanics.servo import joint_sensitivity, joint_step, memories
 from serpenoid.model import Model
 
 CHUNK = 1000  # steps evaluated in one call
@@ -55,13 +57,32 @@ def realise_gait(model: Model, table: Floats) -> Floats:
     raise InputError("[[effects]] the servos never settle into a periodic motion: the cycle is too quick for them.")
 
 
-def coordinates(model: Model) -> Floats:
+def play_with_derivatives(theta: Floats, setpoints: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
+    """Angles and readings (R, m) of a trial from rest, and the derivatives of both by theta (R, m, P, 2)."""
+    joints = setpoints.shape[1]
+    resting, durations = np.concatenate([setpoints[:1], setpoints]), np.concatenate([[1.0], np.diff(times)])
+    state = np.vstack([np.tile(setpoints[:1], (memories(), 1)), np.zeros((memories() * len(theta), joints))])
+    parts: list[list[Floats]] = [[], [], []]
+    for first in range(0, len(durations), CHUNK):
+        part = slice(first, min(first + CHUNK, len(durations)))
+        count = part.stop - part.start
+        inputs = _inputs(resting, durations, part, theta)
+        result = _rollout(joints, count, derivatives=True)(state, *inputs)
+        state = result[0].full()[:, -joints:]
+        shapes = (count, joints), (count, joints), (count, joints, 2, len(theta))
+        for found, value, shape in zip(parts, result[1:], shapes, strict=True):
+            found.append(value.full().T.reshape(shape))
+    angles, readings, slopes = (np.concatenate(found) for found in parts)
+    return angles, readings, np.swapaxes(slopes, 2, 3)
+
+
+def coordinates(model: Model, candidates: Sequence[ActiveEffect] = ()) -> Floats:
     """theta (P, m): an effect's coordinates at its joint (or at all), its resting ones elsewhere."""
     m = model.body.joint_count
     blocks = []
     for kind in actuation_effects():
         block = np.repeat(np.array([*(p.resting for p in kind.parameters), 0.0])[:, None], m, axis=1)
-        for active in (e for e in model.actuation_effects if e.name == kind.name):
+        for active in (e for e in (*model.actuation_effects, *candidates) if e.name == kind.name):
             where = slice(None) if active.place is None else slice(active.place - 1, active.place)
             block[:, where] = np.array(active.coordinates)[:, None]
         blocks.append(block)
@@ -74,15 +95,21 @@ def _play(theta: Floats, setpoints: Floats, durations: Floats, memory: Floats) -
     for first in range(0, len(durations), CHUNK):
         part = slice(first, min(first + CHUNK, len(durations)))
         count = part.stop - part.start
-        before, after = setpoints[:-1][part].reshape(1, -1), setpoints[1:][part].reshape(1, -1)
-        repeated = np.repeat(durations[part], joints)[None]
-        result = _rollout(joints, count)(memory, before, after, repeated, np.tile(theta, (1, count)))
+        result = _rollout(joints, count)(memory, *_inputs(setpoints, durations, part, theta))
         memory = result[0].full()[:, -joints:]
         angles.append(result[1].full().reshape(count, joints))
         readings.append(result[2].full().reshape(count, joints))
     return Realised(np.concatenate(angles), np.concatenate(readings)), memory
 
 
+def _inputs(setpoints: Floats, durations: Floats, part: slice, theta: Floats) -> tuple[Floats, ...]:
+    """Set-points before and after, durations and theta, one column per step and joint."""
+    before, after = setpoints[:-1][part].reshape(1, -1), setpoints[1:][part].reshape(1, -1)
+    repeated = np.repeat(durations[part], setpoints.shape[1])[None]
+    return before, after, repeated, np.tile(theta, (1, part.stop - part.start))
+
+
 @lru_cache(maxsize=64)
-def _rollout(joints: int, count: int) -> ca.Function:
-    return joint_step().map(joints).mapaccum(count)
+def _rollout(joints: int, count: int, derivatives: bool = False) -> ca.Function:
+    function = joint_sensitivity() if derivatives else joint_step()
+    return function.map(joints).mapaccum(count)

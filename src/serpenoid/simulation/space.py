@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.model import Model, Structure
 from serpenoid.status import Status
@@ -39,13 +40,15 @@ class SpatialTrajectory:
 
 def simulate_in_space(model: Model, vertices: Floats) -> SpatialTrajectory:
     """Place shapes (R, N, 3) [body lengths] one after the other; the first stays where it is."""
+    if model.medium_effects:
+        raise InputError(f"[[effects]] `{model.medium_effects[0].name}` acts on a floor; simulate in the plane.")
     shapes = np.asarray(vertices, float)
     rows = shapes.shape[0]
     rotations, translations = np.tile(np.eye(3), (rows, 1, 1)), np.zeros((rows, 3))
     energies, residuals = np.zeros(rows - 1), np.zeros(rows - 1)
     if not np.isfinite(shapes).all() or (np.linalg.norm(np.diff(shapes, axis=1), axis=2) <= 0).any():
-        nowhere = [np.full_like(x, np.nan) for x in (rotations, translations, shapes, energies)]
-        return SpatialTrajectory(Status.BAD_SHAPE, *nowhere, np.inf)
+        lost = [np.full_like(x, np.nan) for x in (rotations, translations, shapes, energies)]
+        return SpatialTrajectory(Status.BAD_SHAPE, lost[0], lost[1], lost[2], lost[3], np.inf)
     for t in range(rows - 1):
         origin = shapes[t].mean(0)
         step = _Step(model, shapes[t] - origin, shapes[t + 1])
@@ -87,7 +90,7 @@ class _Step:
                 break
             stiffness, axes = np.linalg.eigh(curvature)
             pose = -axes @ ((axes.T @ slope) / np.maximum(np.abs(stiffness), 1e-12))
-            pose *= min(1.0, LONGEST_TURN / max(np.linalg.norm(pose[3:]), 1e-300))
+            pose *= min(1.0, LONGEST_TURN / max(float(np.linalg.norm(pose[3:])), 1e-300))
             here = self.rotation, self.shift
             for _ in range(30):
                 self._move(pose)

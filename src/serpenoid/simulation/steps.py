@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 from serpenoid.body import Floats
 from serpenoid.mechanics import functions, planar
 from serpenoid.mechanics.compile import compiled
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
 
 TOLERANCE = 1e-12
@@ -41,8 +42,8 @@ def solve_steps(model: Model, before: Floats, after: Floats) -> Steps:
     count = before.shape[1] // structure.elements
     _, step = _compiled(structure)
     mapped = _mapped(step, count)
-    results = mapped(before, after, 0, model.parameters)
-    pose, residual, curvature, energy = (np.asarray(r.full()) for r in results)
+    guess = np.zeros(1)
+    pose, residual, curvature, energy = evaluate(mapped, before.T, after.T, guess, model.parameters)
     sound = _sound(pose, residual, curvature)
     relative, residual, energy = pose.T, np.abs(residual[0]), energy[0]
     for s in np.flatnonzero(~sound):
@@ -65,8 +66,8 @@ def shape_rows(model: Model, joint_angles: Floats) -> tuple[Floats, Floats]:
     """Vertices (R, N, 2) in the body frame and elements (4, M R) of joint angles (R, m)."""
     shapes, _ = _compiled(model.structure)
     rows = joint_angles.shape[0]
-    points, found = _mapped(shapes, rows)(joint_angles.T, model.parameters)
-    return points.full().T.reshape(rows, -1, 2), found.full()
+    points, found = evaluate(_mapped(shapes, rows), joint_angles, model.parameters)
+    return points.T.reshape(rows, -1, 2), found
 
 
 @lru_cache(maxsize=32)
@@ -107,10 +108,8 @@ def solve_cycles(model: Model, tables: Floats) -> Steps:
 
     Steps whose root is not sound are left marked; `solve_steps` repairs them.
     """
-    b, t, joints = tables.shape
-    function = _cycles(model.structure, t, b)
-    results = function(tables.reshape(b * t, joints).T, model.parameters)
-    pose, residual, curvature, energy = (np.asarray(r.full()) for r in results)
+    b, t, _ = tables.shape
+    pose, residual, curvature, energy = evaluate(_cycles(model.structure, t, b), tables, model.parameters)
     return Steps(pose.T, energy[0], np.abs(residual[0]), _sound(pose, residual, curvature))
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
-from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
+from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Wave
 
-INSTANT = 1e-9  # s: keeps the division defined at a lag of zero, where the answer is the set-point to the last bit
+INSTANT = 1e-12  # s: keeps the division defined at a lag of zero, where the answer is the set-point to the last bit
 
 
 class ServoLag(ActuationEffect):
@@ -17,6 +19,27 @@ class ServoLag(ActuationEffect):
         behind = p.lag * (after - before) / duration
         decay = ca.exp(-duration / (p.lag + INSTANT))
         return after - behind + (angle - before + behind) * decay
+
+    def in_gait(self, wave: Wave, p: Symbols) -> Wave:
+        """A sine comes out smaller and later: with z = exp(2 pi i / steps) by the factor (c + b / z) / (1 - a / z)."""
+        duration, units = ca.SX(wave.duration), ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+        a, b, c = (self.respond(ca.SX(u), ca.SX(v), ca.SX(w), duration, p) for u, v, w in units)
+        x, y = ca.cos(2 * ca.pi / wave.steps), -ca.sin(2 * ca.pi / wave.steps)  # 1 / z
+        real, imaginary = _ratio(c + b * x, b * y, 1 - a * x, -a * y)
+        mean, cosine, sine = wave.harmonic
+
+        def at(row: ca.SX) -> ca.SX:
+            angle = 2 * ca.pi * row / wave.steps
+            direct = cosine * ca.cos(angle) + sine * ca.sin(angle)
+            quarter_later = sine * ca.cos(angle) - cosine * ca.sin(angle)
+            return mean + real * direct + imaginary * quarter_later
+
+        return replace(wave, at=at)
+
+
+def _ratio(a: ca.SX, b: ca.SX, c: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(a + i b) / (c + i d), its real and imaginary part."""
+    return (a * c + b * d) / (c**2 + d**2), (b * c - a * d) / (c**2 + d**2)
 
 
 EFFECT = ServoLag(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
+from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Values, Wave
 
 
 class SpeedSaturation(ActuationEffect):
@@ -15,6 +15,14 @@ class SpeedSaturation(ActuationEffect):
         wanted = after - angle
         excess = ca.fmax(1.0, p.max_speed * ca.fabs(wanted) / duration)
         return ca.if_else(excess > 1, angle + wanted / excess, after)
+
+    def in_gait(self, wave: Wave, p: Symbols) -> Wave:
+        """Unchanged: an optimised gait keeps the speed limit, so that it is played as it is commanded."""
+        return wave
+
+    def speed_limit(self, values: Values) -> float:
+        """The speed that the servos have."""
+        return values["max_speed"]
 
 
 EFFECT = SpeedSaturation(

@@ -15,7 +15,7 @@ class FrictionGradient(MediumEffect):
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Scale the grip by the place of the vertex in the middle of the step."""
-        x, y = ca.vertsplit(element.middle)
+        x, y = ca.vertsplit(element.place)
         return replace(element, grip=element.grip * ca.exp(p.gradient_x * x + p.gradient_y * y))
 
 

@@ -15,7 +15,7 @@ class FrictionPatch(MediumEffect):
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Scale the grip by the place of the vertex in the middle of the step."""
-        away = element.middle - ca.vertcat(p.x, p.y)
+        away = element.place - ca.vertcat(p.x, p.y)
         factor = 1 + p.strength * ca.exp(-ca.dot(away, away) / (2 * p.radius**2))
         return replace(element, grip=element.grip * factor)
 

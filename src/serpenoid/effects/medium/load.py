@@ -16,6 +16,10 @@ class Load(MediumEffect):
         """Add the share to the drag's weight."""
         return replace(element, grip=element.grip + p.share)
 
+    def coordinate_bounds(self, body: Body, place: int | None) -> list[tuple[float, float]]:
+        """From lost contact upwards."""
+        return [(-float(body.vertex_weights[place or 0]), self.parameters[0].upper)]
+
     def fault(self, body: Body, place: int | None, values: Values) -> str | None:
         """No less than nothing can rest on a vertex."""
         least = -float(body.vertex_weights[place or 0])

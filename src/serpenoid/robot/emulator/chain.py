@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from serpenoid.robot.emulator import packets
 from serpenoid.robot.emulator.faults import Fault
@@ -12,6 +13,13 @@ from serpenoid.robot.emulator.servo import EmulatedServo
 
 BITS_PER_BYTE = 10  # start, eight data, stop
 SILENCE_S = 0.05  # a packet that pauses this long inside is given up
+
+
+class Ground(Protocol):
+    """What the servos are built into, if more than free shafts."""
+
+    def advance(self, now: float) -> None:
+        """Move up to time `now` [s]."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +38,7 @@ class Chain:
     ) -> None:
         self.servos = list(servos)
         self.faults = list(faults)
+        self.ground: Ground | None = None
         self.instructions = 0
         self.parser = packets.Parser()
         self.torque_since: float | None = None
@@ -46,6 +55,8 @@ class Chain:
         for fault in self.faults:
             if fault.active(self.elapsed(now)):
                 self._apply(fault)
+        if self.ground is not None:
+            self.ground.advance(now)
         for servo in self.servos:
             servo.advance(now)
 

@@ -39,16 +39,21 @@ class Motion:
     def advance(self, duration: float, goal: float, velocity: int, acceleration: int, voltage: float) -> None:
         """Move for `duration` [s] towards `goal` with the register values of the profile."""
         fastest = no_load_speed_rpm(voltage) * TICKS_PER_S_PER_RPM
-        limit = min(velocity * TICKS_PER_S_PER_UNIT, fastest) if velocity else fastest
         remaining = duration
         while remaining > 0:
             step = min(STEP_S, remaining)
-            self._move_profile(step, goal, limit, acceleration * TICKS_PER_S2_PER_UNIT)
+            self.walk_profile(step, goal, velocity, acceleration, voltage)
             pull = (self.profile - self.position) * (1 - exp(-step / LAG_S))
             moved = copysign(min(abs(pull), fastest * step), pull)
             self.position += moved
             self.velocity = moved / step
             remaining -= step
+
+    def walk_profile(self, duration: float, goal: float, velocity: int, acceleration: int, voltage: float) -> None:
+        """Move the profile alone; it never asks for more than the no-load speed."""
+        fastest = no_load_speed_rpm(voltage) * TICKS_PER_S_PER_RPM
+        limit = min(velocity * TICKS_PER_S_PER_UNIT, fastest) if velocity else fastest
+        self._move_profile(duration, goal, limit, acceleration * TICKS_PER_S2_PER_UNIT)
 
     def _move_profile(self, step: float, goal: float, limit: float, acceleration: float) -> None:
         distance = goal - self.profile

@@ -68,6 +68,16 @@ def test_derivatives_of_the_step_are_those_of_finite_differences():
     )
 
 
+def test_derivative_of_the_defect_is_exact_where_the_model_is_wrong():
+    angles = serpenoid_table(20)[:3]
+    poses = np.array([[0, 0, 0], [0.1, -0.05, 0.2], [0.1, 0.1, -0.1]])  # no motion of this model
+    model, h = snake(), 1e-6
+    along = direction(model, ONLY_EPS, np.array([EPS]))
+    up, down = (linearise(changed(model, ONLY_EPS, np.array([EPS + s * h])), angles, poses).defect for s in (1, -1))
+    exact = (linearise(model, angles, poses).by_parameters @ along)[..., 0]
+    np.testing.assert_allclose(exact, (up - down) / (2 * h), atol=1e-8)  # h^2 plus rounding over h
+
+
 def test_exact_data_give_back_eps_to_rounding():
     found = estimate(snake(0.4), (recorded(snake(), 0, hidden=0.0),), ONLY_EPS)
     exact = recorded(snake(), 0, hidden=0.0)

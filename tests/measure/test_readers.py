@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rehearsal import DATA
 from serpenoid.errors import InputError
 from serpenoid.measure.logs import read_joint_table, read_power_log, read_servo_log
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 
-DATA = Path(__file__).resolve().parents[1].parent / "shared" / "data"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
 LAMPREY = {"time": "t", "frame": "frame", "point": "point", "x": "mxmm", "y": "mymm"}
 

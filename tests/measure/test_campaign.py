@@ -120,7 +120,7 @@ def _copy(folder: Path, target: Path, *edits: tuple[str, str]) -> Path:
             ("cycle_duration_s = 2.0", "cycle_duraton_s = 2.0"),
             r"cycle_duraton_s: unknown key. Did you mean `cycle_duration_s`",
         ),
-        (('name = "wide-2"', 'name = "wide-1"'), "trial names must be unique; twice: wide-1"),
+        (('name = "wide-2"', 'name = "wide-1"'), "trial names must be unique, but `wide-1` is there twice"),
         (('"Snake:vertex_0", ', ""), "`markers` needs 12 names, got 11"),
         (("[0.0418, 0.0836", "[41.8, 0.0836"), "times as far apart"),
         (('format = "motive"', 'format = "motiv"'), "format: .*'motive', 'c3d'.*got 'motiv'"),
@@ -153,6 +153,19 @@ def test_logs_may_be_missing(rehearsed, tmp_path):
         # laid over measured shapes, the start takes the servo's lag with it
         assert trial.schedule.start_s == pytest.approx(LAB.still_s + LAB.lag_s, abs=0.02)
         assert len(trial.passages) == 2
+
+
+def test_tidy_files_are_in_vertex_order_whatever_markers_are_called(rehearsed, tmp_path):
+    _, campaign, truths = rehearsed
+    truth, length = truths["wide-1"], campaign.body.total_length_m
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(12))
+    table = np.column_stack([truth.time_s, (truth.vertices * length).reshape(len(truth.time_s), -1)])
+    folder = _copy(rehearsed[0], tmp_path, ('format = "motive"', 'format = "tidy"'), ("wide-1/motion.csv", "tidy.csv"))
+    text = (folder / "campaign.toml").read_text()
+    (folder / "campaign.toml").write_text(text[: text.index("[[trial]]", text.index("[[trial]]") + 5)])
+    np.savetxt(folder / "tidy.csv", table, delimiter=",", header=header, comments="")
+    motion = load_campaign(folder).trials[0].motion
+    np.testing.assert_allclose(motion.smooth_poses[:, :2], truth.poses[:, :2], atol=1e-5)  # smoothing of the kinks
 
 
 def test_a_folder_without_campaign_says_what_to_do(tmp_path):

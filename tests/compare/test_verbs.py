@@ -127,7 +127,7 @@ def test_a_wrong_parameter_and_a_wrong_eps_are_refused(folder, tmp_path, capsys)
 
 def test_ctrl_c_exits_with_130_and_leaves_no_half_written_file(folder, tmp_path):
     command = [sys.executable, "-m", "serpenoid", "compare", str(folder), "--out", str(tmp_path / "out")]
-    source = Path(__file__).resolve().parents[1] / "src"
+    source = Path(__file__).resolve().parents[2] / "src"
     process = subprocess.Popen(
         command,
         env={**os.environ, "PYTHONPATH": str(source)},

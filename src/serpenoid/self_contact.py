@@ -1,0 +1,22 @@
+"""Whether a chain crosses itself: the model has no self-contact, a robot does."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.body import Floats
+
+
+def crosses_itself(vertices: Floats) -> np.ndarray:
+    """Which chains (R, N, 2) have two edges that cross: no real body can take such a shape; shape (R,)."""
+    edges = vertices.shape[1] - 1
+    first, second = np.triu_indices(edges, k=2)
+    a, b, c, d = (vertices[:, k] for k in (first, first + 1, second, second + 1))
+    apart = _side(a, b, c) * _side(a, b, d) >= 0
+    return np.asarray((~apart & (_side(c, d, a) * _side(c, d, b) < 0)).any(1))
+
+
+def _side(a: Floats, b: Floats, p: Floats) -> Floats:
+    """On which side of the line a-b the point p lies, by sign."""
+    along, to = b - a, p - a
+    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]

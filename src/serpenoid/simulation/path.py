@@ -1,0 +1,61 @@
+"""How a whole simulated path depends on every parameter and on its first pose: for fits of paths.
+
+All steps' residuals together, r(g_1 .. g_S; g_0, theta) = 0, have a banded derivative by the poses (see `chain`), so
+d g / d theta is one banded solve with a right side per parameter. Legend: R rows, S = R - 1 steps, P columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+from serpenoid.simulation.chain import Chain, evaluate_window, solve_linear
+from serpenoid.simulation.rollout import simulate_vertices
+from serpenoid.simulation.sensitivity import Column, recorded
+from serpenoid.status import Status
+from serpenoid.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class PathSensitivities:
+    """A simulated path, poses (R, 3) in `trajectory`, with its derivatives.
+
+    by_start (R, 3, 3): by the first pose; jacobian (R, 3, P): by the columns' coordinates (eps first). NaN where the
+    simulation failed.
+    """
+
+    trajectory: Trajectory
+    by_start: Floats
+    jacobian: Floats
+    columns: tuple[Column, ...]
+
+
+def path_sensitivities(
+    model: Model,
+    vertices: Floats,
+    times: Floats,
+    start: Floats | None = None,
+    candidates: Sequence[ActiveEffect] = (),
+) -> PathSensitivities:
+    """Simulate shapes (R, N, 2) [body lengths] from pose `start`, with exact derivatives of every pose.
+
+    Arguments as for `simulate_vertices` and `step_sensitivities`.
+    """
+    motion = simulate_vertices(model, vertices, start, times)
+    problem, columns = recorded(model, vertices, times, motion.poses, candidates)
+    rows, count = len(motion.poses), len(columns)
+    if motion.status is not Status.SOLVED:
+        return PathSensitivities(motion, np.full((rows, 3, 3), np.nan), np.full((rows, 3, count), np.nan), columns)
+    chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.rates)
+    now = evaluate_window(chain, slice(0, rows - 1), motion.poses, np.zeros((2, 3)))
+    right = np.zeros((rows - 1, 3, 3 + count))
+    for age in range(1, min(4, rows)):  # the first pose is in the residuals of three steps
+        right[age - 1, :, :3] = -now.slopes[age, age - 1]
+    right[:, :, 3:] = -problem.residual_derivatives(problem.measured, columns)
+    by = np.concatenate([np.eye(3, 3 + count)[None], solve_linear(now.slopes, right)])
+    return PathSensitivities(motion, by[..., :3], by[..., 3:], columns)

@@ -1,0 +1,128 @@
+"""Gaits optimised under extended models: exact derivatives, certified by the forward simulation."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import serpenoid as sp
+from effects.conftest import extended, place_of, typical
+from serpenoid.effects import ActiveEffect, catalogue
+from serpenoid.gaits import EllipseGait
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.model import Model
+from serpenoid.optimise.extended import ExtendedNLP, realised_angles
+from serpenoid.problem import Problem
+from serpenoid.simulation.servos import realise_gait
+
+OPTIMISED = [n for n, e in catalogue().items() if e.applies_to("nlp")]
+SERVOS = ("servo_lag", "backlash", "gain_loss", "zero_offset")
+MIXED = ("inertia", "slope", "worn_wheel", "servo_lag", "zero_offset", "grip_saturation")
+
+
+@pytest.fixture(scope="module")
+def start(problem: Problem) -> EllipseGait:
+    """The baseline's optimum."""
+    return sp.solve_from(wanted(problem), EllipseGait(a=6)).gait
+
+
+def wanted(problem: Problem, *effects: ActiveEffect) -> Problem:
+    """Joint limits, some price of dissipation, 20 steps: quick."""
+    task = problem.task.model_copy(update={"c": 0.5, "steps": 20})
+    return problem.model_copy(update={"task": task, "effects": effects})
+
+
+@pytest.mark.parametrize("name", OPTIMISED)
+def test_optimum_with_an_effect_is_certified_and_no_worse_than_the_baselines(
+    name: str, problem: Problem, start: EllipseGait
+) -> None:
+    changed = wanted(problem, typical(name))
+    solution = sp.solve_from(changed, start)
+    assert solution.status.ok, solution.status.value
+    assert solution.resimulation_error < 1e-8
+    assert solution.polishing_gain is not None
+    assert solution.polishing_gain < 1e-6
+    if name != "speed_saturation":  # there the baseline's gait is forbidden
+        table = joint_table(changed.model, start.parameters, 20)
+        old = sp.simulate_joint_angles(changed.model, table)
+        assert solution.cost <= -old.displacement + 0.5 * old.dissipation + 1e-9
+
+
+@pytest.mark.parametrize("width", [0.03, 0.15, 0.4, 1.5])
+def test_play_in_a_joint_is_optimised_up_to_a_joint_that_never_moves(
+    width: float, problem: Problem, start: EllipseGait
+) -> None:
+    """The motion has kinks in the gait parameters where a row begins to follow; optima lie between them."""
+    changed = wanted(problem, ActiveEffect.of("backlash", 5, width=width))
+    solution = sp.solve_from(changed, start)
+    assert solution.status.ok, solution.status.value
+
+
+@pytest.mark.parametrize("steps", [12, 50])
+@pytest.mark.parametrize(
+    "names", [("servo_lag",), ("backlash",), ("gain_loss",), ("stuck_joint",), ("zero_offset",), SERVOS]
+)
+def test_formula_of_the_steady_state_is_where_playing_again_and_again_ends(
+    names: tuple[str, ...], steps: int, problem: Problem
+) -> None:
+    model = extended(problem, *(typical(n) for n in names))
+    q, edges = problem.gait.parameters, model.body.edges  # type: ignore[union-attr]
+    played = realise_gait(model, joint_table(model, q, steps))
+    row = ca.SX.sym("row")
+    formula = ca.Function("formula", [row], [realised_angles(model, ca.SX(q), row, ca.SX(edges), steps)])
+    found = np.array([formula(i).full()[:, 0] for i in range(steps + 1)])
+    np.testing.assert_allclose(found, np.concatenate([played, played[:1]]), atol=1e-12)
+
+
+def test_cameras_do_not_change_the_optimum(problem: Problem, start: EllipseGait) -> None:
+    solution = sp.solve_from(wanted(problem, typical("marker_offset")), start)
+    np.testing.assert_allclose(solution.gait.parameters, start.parameters, atol=1e-5)
+
+
+def test_a_gait_for_saturating_servos_stays_below_their_speed(problem: Problem, start: EllipseGait) -> None:
+    slow = ActiveEffect.of("speed_saturation", max_speed=0.4)
+    solution = sp.solve_from(wanted(problem, slow), start)
+    assert solution.status.ok
+    speed = np.abs(np.diff(solution.table, axis=0, append=solution.table[:1])).max() * 20 / 5.0
+    assert speed == pytest.approx(0.4, rel=1e-6)
+
+
+@pytest.mark.parametrize("present", [("worn_wheel",), MIXED])
+def test_derivatives_of_the_nlp_are_those_of_its_values(present: tuple[str, ...], problem: Problem) -> None:
+    model = extended(problem, *(ActiveEffect.typical(n, place_of(n)) for n in present))
+    functions = ExtendedNLP(model, 8).functions()
+    rng = np.random.default_rng(0)
+    q = problem.gait.parameters  # type: ignore[union-attr]
+    motion = sp.simulate_joint_angles(model, joint_table(model, q, 8))
+    x = np.concatenate([(motion.poses[1:] - motion.poses[0]).ravel(), q]) + 1e-3 * rng.standard_normal(30)
+    p = np.concatenate([[0.7], model.parameters])
+    direction, multipliers, h = rng.standard_normal(30), rng.standard_normal(24), 1e-6
+    up, down = x + h * direction, x - h * direction
+    g, jacobian = functions["jac_g"](x, p)
+    change = (functions["g"](up, p) - functions["g"](down, p)).full()[:, 0] / (2 * h)
+    np.testing.assert_allclose((jacobian @ direction).full()[:, 0], change, atol=1e-6)
+    upper = functions["hess_lag"](x, p, 1.3, multipliers).full()
+    hessian = upper + np.triu(upper, 1).T
+
+    def slope(at: np.ndarray) -> np.ndarray:
+        gradient, rows = functions["grad_f"](at, p)[1], functions["jac_g"](at, p)[1]
+        return (1.3 * gradient + rows.T @ multipliers).full()[:, 0]
+
+    np.testing.assert_allclose(hessian @ direction, (slope(up) - slope(down)) / (2 * h), atol=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("present", "dissipation"),
+    [(("inertia",), "vertex"), (("slope", "servo_lag", "gain_loss"), "vertex"), (("servo_lag", "stuck_joint"), "edge")],
+)
+def test_simulated_motion_satisfies_the_nlps_equations(
+    present: tuple[str, ...], dissipation: str, problem: Problem
+) -> None:
+    medium = problem.medium.model_copy(update={"dissipation": dissipation})
+    model = Model(problem.body, medium, tuple(typical(n) for n in present), 5.0)
+    q = problem.gait.parameters  # type: ignore[union-attr]
+    motion = sp.simulate_joint_angles(model, joint_table(model, q, 20))
+    x = np.concatenate([(motion.poses[1:] - motion.poses[0]).ravel(), q])
+    residual = ExtendedNLP(model, 20).functions()["g"](x, np.concatenate([[0.0], model.parameters]))
+    assert np.abs(residual.full()).max() < 1e-10

@@ -1,0 +1,140 @@
+"""What is known about each effect without any simulation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import serpenoid as sp
+from effects.conftest import extended, typical
+from serpenoid.effects import ActiveEffect, catalogue
+from serpenoid.model import Model
+from serpenoid.problem import Problem
+from serpenoid.trajectory import Trajectory
+
+MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium"]
+KNOW_SIDES = {"left_right_asymmetry", "toe", "slope", "friction_patch", "friction_gradient"}
+HOMOGENEOUS = ["worn_wheel", "load", "toe", "contact_offset", "friction_patch", "friction_gradient"]
+KNOW_SPEED = ["dry_friction", "grip_saturation", "slope", "inertia", "added_mass", "anisotropy_drift"]
+MIRROR = np.array([1, -1, -1])
+
+
+def played(model: Model, table: np.ndarray, **kwargs: object) -> Trajectory:
+    motion = sp.simulate_joint_angles(model, table, **kwargs)  # type: ignore[arg-type]
+    assert motion.status.ok
+    return motion
+
+
+def net(motion: Trajectory) -> np.ndarray:
+    return motion.poses[-1] - motion.poses[0]
+
+
+@pytest.mark.parametrize("name", sorted(set(MEDIUM) - KNOW_SIDES))
+def test_effects_that_do_not_know_sides_commute_with_the_mirror(name: str, problem: Problem, table: np.ndarray) -> None:
+    model = extended(problem, typical(name))
+    left, right = (played(model, sign * table) for sign in (1, -1))
+    np.testing.assert_allclose(left.poses * MIRROR, right.poses, atol=1e-10)
+
+
+@pytest.mark.parametrize(("name", "parameter"), [("left_right_asymmetry", "asymmetry"), ("toe", "angle")])
+def test_effects_that_know_sides_change_their_sign_in_the_mirror(
+    name: str, parameter: str, problem: Problem, table: np.ndarray
+) -> None:
+    left, right = (
+        played(extended(problem, ActiveEffect.of(name, **{parameter: sign * 0.2})), sign * table) for sign in (1, -1)
+    )
+    np.testing.assert_allclose(left.poses * MIRROR, right.poses, atol=1e-10)
+    same = played(extended(problem, ActiveEffect.of(name, **{parameter: 0.2})), -table)
+    assert np.abs(same.poses - right.poses).max() > 1e-3
+
+
+@pytest.mark.parametrize("name", HOMOGENEOUS)
+def test_homogeneous_laws_are_blind_to_speed(name: str, problem: Problem, table: np.ndarray) -> None:
+    quick, slow = (played(extended(problem, typical(name), duration=s), table) for s in (2.0, 8.0))
+    np.testing.assert_allclose(quick.poses, slow.poses, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", KNOW_SPEED)
+def test_mixtures_of_laws_know_speed(name: str, problem: Problem, table: np.ndarray) -> None:
+    quick, slow = (played(extended(problem, typical(name), duration=s), table) for s in (2.0, 8.0))
+    assert np.abs(quick.poses - slow.poses)[:, :2].max() > 2e-3
+
+
+def test_a_power_law_is_blind_to_speed_but_for_the_creep(problem: Problem, table: np.ndarray) -> None:
+    quick, slow = (played(extended(problem, typical("power_law_drag"), duration=s), table) for s in (2.0, 8.0))
+    assert np.abs(quick.poses - slow.poses).max() < 2e-3
+
+
+def test_an_isotropic_body_on_a_slope_slides_downhill_at_the_pull_speed(problem: Problem, table: np.ndarray) -> None:
+    body, medium = problem.body, problem.medium.model_copy(update={"anisotropy_ratio": 1.0})
+    model = Model(body, medium, (ActiveEffect.of("slope", pull_x=0.002, pull_y=-0.001),), 5.0)
+    still = Model(body, medium, (), 5.0)
+    slid = played(model, table).poses - played(still, table).poses
+    expected = np.linspace(0, 5, 51)[:, None] * [0.002, -0.001] / body.total_length_m
+    np.testing.assert_allclose(slid[:, :2], expected, atol=1e-12)
+
+
+def test_a_body_that_does_not_bend_relaxes_to_the_pull_speed_as_newton_says(problem: Problem) -> None:
+    """x = p (t - tau (1 - exp(-t / tau))) for isotropic drag, from rest; order two in the step."""
+    pull, tau = 0.01, 0.5
+    medium = problem.medium.model_copy(update={"anisotropy_ratio": 1.0})
+    effects = (ActiveEffect.of("slope", pull_x=pull, pull_y=0.0), ActiveEffect.of("inertia", relaxation_time=tau))
+    model = Model(problem.body, medium, effects)
+    errors = []
+    for steps in (100, 200):
+        times = np.linspace(0, 2, steps + 1)
+        motion = sp.simulate_realised(model, np.zeros((steps + 1, 10)), times)
+        exact = pull * (times - tau * (1 - np.exp(-times / tau))) / problem.body.total_length_m
+        errors.append(np.abs(motion.poses[:, 0] - exact).max())
+    assert errors[0] / errors[1] == pytest.approx(4, abs=0.5)
+
+
+@pytest.mark.parametrize("name", ["inertia", "added_mass"])
+def test_vanishing_inertia_approaches_the_massless_body(name: str, problem: Problem, table: np.ndarray) -> None:
+    baseline = played(extended(problem), table).poses
+    errors = [
+        np.abs(played(extended(problem, ActiveEffect.of(name, relaxation_time=s)), table).poses - baseline).max()
+        for s in (0.04, 0.02, 0.01, 1e-9)
+    ]
+    assert errors[0] > errors[1] > errors[2] > errors[3]
+    assert errors[3] < 1e-8
+
+
+def test_a_seized_chain_is_isotropic_and_stays_where_it_is(problem: Problem, table: np.ndarray) -> None:
+    """All wheels seized = eps 1: equal drag everywhere keeps the weighted centroid in place."""
+    effects = [ActiveEffect.of("worn_wheel", k, seizure=1.0) for k in range(12)]
+    motion = played(extended(problem, *effects), table)
+    np.testing.assert_allclose(motion.poses[:, :2], 0, atol=1e-12)
+
+
+def test_a_patch_wider_than_the_arena_changes_nothing_but_the_drag_level(problem: Problem, table: np.ndarray) -> None:
+    wide = ActiveEffect.of("friction_patch", strength=3.0, x=0.0, y=0.0, radius=10.0)
+    np.testing.assert_allclose(
+        played(extended(problem, wide), table).poses, played(extended(problem), table).poses, atol=2e-3
+    )
+
+
+@pytest.mark.parametrize("name", ["slope", "friction_patch", "friction_gradient"])
+def test_place_matters_for_effects_of_the_floor(name: str, problem: Problem, table: np.ndarray) -> None:
+    model = extended(problem, typical(name))
+    here = played(model, table)
+    there = played(model, table, start=np.array([0.3, 0.2, 2.0]))
+    assert np.abs(here.net_motion - there.net_motion).max() > 1e-3
+
+
+def test_friction_only_takes_energy(problem: Problem, table: np.ndarray) -> None:
+    for name in MEDIUM:
+        assert (played(extended(problem, typical(name)), table).step_energy >= 0).all(), name
+
+
+def test_lag_delays_and_shrinks_a_sine_as_a_first_order_filter(problem: Problem) -> None:
+    """Amplitude 1 / sqrt(1 + (omega lag)^2), delay atan(omega lag), for finely sampled set-points."""
+    from serpenoid.simulation.servos import realise_gait
+
+    lag, cycle = 0.3, 5.0
+    phase = 2 * np.pi * np.arange(2000) / 2000
+    table = np.repeat(np.sin(phase)[:, None], 10, axis=1)
+    found = realise_gait(extended(problem, ActiveEffect.of("servo_lag", lag=lag), duration=cycle), table)
+    omega = 2 * np.pi / cycle
+    expected = np.sin(phase - np.arctan(omega * lag)) / np.hypot(1, omega * lag)
+    np.testing.assert_allclose(found[:, 0], expected, atol=1e-5)

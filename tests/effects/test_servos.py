@@ -1,0 +1,58 @@
+"""Derivatives of realised joint angles, against differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from effects.conftest import extended, place_of, typical
+from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.problem import Problem
+from serpenoid.simulation.sensitivity import servo_sensitivities
+from serpenoid.simulation.servos import realise
+
+ACTUATION = [n for n, e in catalogue().items() if e.site == "actuation"]
+TIMES = np.concatenate([np.arange(51) * 0.1, 5 + np.arange(1, 12) * 0.1])
+STEP = 1e-6
+
+
+@pytest.fixture(scope="module")
+def setpoints(table: np.ndarray) -> np.ndarray:
+    """One cycle and a pause."""
+    return np.concatenate([table, np.repeat(table[:1], 12, axis=0)])
+
+
+def changed(active: ActiveEffect, change: float) -> ActiveEffect:
+    p = active.effect.parameters[0]
+    value = p.value(p.coordinate(active.parameters[p.name]) + change)
+    return ActiveEffect.model_construct(name=active.name, place=active.place, parameters={p.name: value})
+
+
+@pytest.mark.parametrize("others", [(), ("servo_lag",), ("speed_saturation", "backlash", "gain_loss")])
+@pytest.mark.parametrize("name", ACTUATION)
+@pytest.mark.parametrize("neutral", [True, False])
+def test_derivatives_are_those_of_the_angles(
+    name: str, others: tuple[str, ...], neutral: bool, problem: Problem, setpoints: np.ndarray
+) -> None:
+    if neutral and all(p.neutral is None for p in find(name).parameters):
+        return  # a stuck joint is stuck at some angle
+    active = ActiveEffect.neutral(name, place_of(name)) if neutral else typical(name)
+    present = [typical(other) for other in others if other != name]
+    model = extended(problem, *present, active)
+    found = servo_sensitivities(model, setpoints, TIMES, [active] if neutral else [])
+    (column,) = [i for i, c in enumerate(found.columns) if c.effect == name]
+    high, low = (realise(extended(problem, *present, changed(active, h)), setpoints, TIMES) for h in (STEP, 0.0))
+    # a coordinate of 1 / speed has its kink far from zero; a row that begins or ends to slip within the step differs
+    for exact, up, down in (
+        (found.angles_by[..., column], high.angles, low.angles),
+        (found.readings_by[..., column], high.readings, low.readings),
+    ):
+        difference = np.abs(exact - (up - down) / STEP)
+        assert np.median(difference) < 1e-6
+        assert (difference > 1e-4 * max(1.0, np.abs(exact).max())).mean() < 0.01
+    np.testing.assert_array_equal(found.angles, realise(model, setpoints, TIMES).angles)
+
+
+def test_a_stuck_joint_is_no_candidate(problem: Problem, setpoints: np.ndarray) -> None:
+    with pytest.raises(ValueError, match="put it into the model"):
+        servo_sensitivities(extended(problem), setpoints, TIMES, [typical("stuck_joint")])

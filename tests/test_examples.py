@@ -1,0 +1,79 @@
+"""The examples in problems/: they run, and what they show holds."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+from types import ModuleType
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import serpenoid as sp
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+
+
+def example(name: str) -> ModuleType:
+    """An example file as a module."""
+    spec = importlib.util.spec_from_file_location(name, PROBLEMS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_own_constraint_binds_and_own_term_counts() -> None:
+    own = example("own_objective")
+    problem = sp.load(own.PROBLEM, set=["task.c=0.5"])
+    plain, gentle = sp.solve(problem, starts=1).best, sp.solve(problem, starts=1, customise=own.gentle).best
+    assert gentle.status.ok
+    assert np.mean(plain.table**2) > own.CAP
+    assert np.mean(gentle.table**2) <= own.CAP + 1e-9  # IPOPT's constraint tolerance is 1e-10
+    offset = own.OFFSET_PRICE * (gentle.gait.x_c**2 + gentle.gait.y_c**2)
+    assert gentle.objective == pytest.approx(gentle.cost + offset, abs=1e-9)  # poses agree to 1e-8, in fact to 1e-13
+    assert plain.objective == pytest.approx(plain.cost, abs=1e-9)
+
+
+def test_own_objective_chooses_the_best_start() -> None:
+    own = example("own_objective")
+    result = sp.solve(sp.load(own.PROBLEM), starts=2, customise=own.thrifty)
+    price = [s.trajectory.dissipation / s.trajectory.displacement for s in result.solutions]
+    assert result.best.objective == pytest.approx(min(price), abs=1e-7)
+    assert result.best.trajectory.displacement >= 0.2 - 1e-9
+
+
+def test_functions_survive_saving_and_momentum_vanishes_on_the_motion(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    symbols = example("open_symbols")
+    symbols.main(tmp_path)
+    assert "gait_nlp_hessian: x (156, 1)" in capsys.readouterr().out
+    problem = sp.load(symbols.PROBLEM)
+    assert symbols.largest_momentum(problem) <= 1e-12  # the simulation's own tolerance per step
+    rng = np.random.default_rng(0)
+    for number, function in enumerate(symbols.open_functions(problem)):
+        loaded = ca.Function.load(str(tmp_path / f"{number:02d}-{function.name()}.casadi"))
+        inputs = [rng.uniform(0.2, 1.0, function.size_in(i)) for i in range(function.n_in())]
+        for mine, theirs in zip(function.call(inputs), loaded.call(inputs), strict=True):
+            np.testing.assert_array_equal(mine.full(), theirs.full())
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_portable_nlp_stands_alone_as_c(tmp_path: Path) -> None:
+    symbols = example("open_symbols")
+    problem = sp.load(symbols.PROBLEM)
+    nlp = sp.GaitNLP(problem.model.structure, 10, portable=True)
+    constraints = nlp.functions()["g"]
+    source, library = tmp_path / "g.c", tmp_path / "g.so"
+    source.write_text(symbols.generate_c([constraints]), encoding="utf-8")
+    subprocess.run(["cc", "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True)
+    q = problem.gait.parameters
+    x = np.concatenate([np.random.default_rng(1).normal(size=30), q])
+    p = np.concatenate([[0.0], problem.model.parameters])
+    outside = ca.external(constraints.name(), str(library))(x, p).full()
+    np.testing.assert_allclose(outside, constraints(x, p).full(), rtol=0, atol=1e-12)
