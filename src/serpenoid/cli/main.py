@@ -26,6 +26,7 @@ VERBS: dict[str, str] = {
     "measure": "read a campaign of recordings: what is in it, what is missing, how good it is",
     "fit": "fit the anisotropy ratio to a campaign, with intervals",
     "compare": "lay measured, simulated and resimulated motion over each other",
+    "diagnose": "find out what the simulation gets wrong, and why",
     "show": "say what is in a results folder",
     "effects": "list the physical effects that a model can have and a diagnosis can name",
     "schema": "print the schema of a problem file",

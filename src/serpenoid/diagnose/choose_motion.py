@@ -1,0 +1,117 @@
+"""Which effects of the medium (and steps or drift of the camera frame) the motion shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.diagnose.finding import Named, Rung, interval
+from serpenoid.diagnose.jumps import find_jumps
+from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
+from serpenoid.diagnose.noise import path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.observation import Observation
+from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.residual_words import pattern
+from serpenoid.diagnose.select import RIVAL, Selection, Try, select
+from serpenoid.diagnose.windows import make_tracks
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+
+GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
+QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
+RELATIVE = 3e-3  # what smoothing the shapes leaves
+SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
+
+
+@dataclass(frozen=True)
+class MotionFinding:
+    """The rung's finding and everything it rests on."""
+
+    rung: Rung
+    selection: Selection
+    before_m: float
+    after_m: float
+
+
+def choose_motion(
+    recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
+) -> MotionFinding:
+    """Calibrate eps, select effects, say what is left."""
+    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
+    labels = tuple(gaits[r.gait] for r in recordings)
+    for _ in range(2):
+        motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
+        model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
+    return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
+
+
+def finding(found: Selection) -> MotionFinding:
+    """The selection in words and intervals."""
+    motion, best, floor = found.motion, found.best, found.floor_m
+    before = total([path_rms(t, p) for t, p in zip(motion.tracks, found.null.predictions, strict=True)])
+    after = total([path_rms(t, p) for t, p in zip(motion.tracks, best.predictions, strict=True)])
+    named = [named_of(found, best, e) for e in best.effects]
+    jumps = find_jumps(motion, best.predictions, floor)
+    faint = [t.added for t in found.faint]
+    if jumps is not None and jumps.strength >= 1.6:
+        named.append(jumps)
+        after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
+    elif jumps is not None:
+        faint.append(jumps.effect)
+    _, differences = window_noise(motion.tracks, residuals(motion.tracks, best.predictions))
+    words = pattern(motion, best.predictions, after / floor, differences)
+    rung = Rung("motion", tuple(named), rivals(found), tuple(faint), after / floor, words)
+    return MotionFinding(rung, found, before, after)
+
+
+def rivals(found: Selection) -> tuple[ActiveEffect, ...]:
+    """Other effects in the place of one of the chosen that the data cannot exclude."""
+    others = []
+    for t in rival_tries(found):
+        others.append(next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place)))
+    return tuple({(e.name, e.place): e for e in others}.values())
+
+
+def rival_tries(found: Selection) -> list[Try]:
+    """Their fits; of one name and place only the best."""
+    chosen = {(e.name, e.place) for e in found.best.effects}
+    best: dict[tuple[str, int | None], Try] = {}
+    for t in found.tries:
+        key = (t.added.name, t.added.place)
+        same_size = len(t.fit.effects) == len(found.best.effects)
+        if chosen and key not in chosen and same_size and t.fit.chi2 - found.reach < RIVAL:
+            best[key] = min(best.get(key, t), t, key=lambda x: x.fit.chi2)
+    return list(best.values())
+
+
+def named_of(found: Selection, best: Fit, effect: ActiveEffect) -> Named:
+    """Intervals from the curvature, strength from what the path loses without the effect."""
+    _, covariance = best.evidence.solve(range(len(best.coordinates)))
+    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    at = 1
+    for e in best.effects:
+        if e is effect:
+            break
+        at += len(e.effect.parameters)
+    ends, bound = {}, []
+    for i, p in enumerate(effect.effect.parameters):
+        x = effect.coordinates[i]
+        half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
+        ends[p.name] = interval(
+            [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
+        )
+        value = effect.parameters[p.name]
+        if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
+            bound.append(p.name)
+    kept = [e for e in best.effects if e is not effect]
+    others = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
+    without = fit(found.motion, best.model, kept, others) if kept else found.null
+    return Named(
+        effect, ends, strength(found.motion, best.predictions, without.predictions) / found.floor_m, tuple(bound)
+    )
+
+
+def _clipped(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)

@@ -1,0 +1,152 @@
+"""Which observation effects the markers show: zeros, displaced markers, length scale, clock rate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.finding import Named, Rung, interval
+from serpenoid.diagnose.observation import (
+    ANGLE_FLOOR,
+    Observation,
+    Sample,
+    columns_of,
+    evidence,
+    sample,
+    signature,
+)
+from serpenoid.diagnose.recording import Recording
+from serpenoid.effects.active import ActiveEffect
+
+AT_MOST = 3
+GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
+VISIBLE = 1.6  # floors
+RIVAL = 14.0
+SETTLED = 1.35  # chi squared per marker coordinate
+Key = tuple[str, int | None]
+
+
+def all_keys(body: Body) -> list[Key]:
+    """Every effect that moves markers against the servos' chain."""
+    joints, vertices = range(1, body.joint_count + 1), range(body.vertices)
+    zero: list[Key] = [("zero_offset", j) for j in joints]
+    return [*zero, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
+
+
+def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observation]:
+    """The rung's finding, and the observation model to be taken out of the data (faint effects included)."""
+    data = sample(recordings)
+    chosen: list[Key] = []
+    now, rivals = Observation.neutral(data.body), []
+    for _ in range(AT_MOST):
+        found = _next(data, now, chosen)
+        if found is None:
+            break
+        chosen, now, close = found
+        rivals += close
+    shown: list[Named] = []
+    faint: list[Named] = []
+    for key in chosen:
+        named = _named(data, now, chosen, key)
+        (shown if named.strength >= VISIBLE else faint).append(named)
+    rung = evidence(data, now)
+    left = float(rung.constant.sum() / rung.count.sum())
+    clock = _clock(recordings)
+    if clock is not None:
+        (shown if clock.strength >= VISIBLE else faint).append(clock)
+    words = (
+        () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
+    )
+    visible = {(n.effect.name, n.effect.place) for n in shown}
+    others = tuple(ActiveEffect.neutral(*k) for k, of in rivals if of in visible and k not in visible)
+    return Rung("observation", tuple(shown), others, tuple(n.effect for n in faint), left, words), now
+
+
+def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key], Observation, list] | None:
+    """One more effect, or None; with it the rivals that do as well."""
+    body = data.body
+    own = [c for k in chosen for c in columns_of(body, *k)]
+    sums = evidence(data, now)
+    before = sums.held_out(own)
+    gains = []
+    for key in all_keys(body):
+        if key in chosen:
+            continue
+        columns = columns_of(body, *key)
+        gains.append((before - sums.held_out([*own, *columns]), key))
+    gains.sort(key=lambda g: -g[0])
+    if gains[0][0] < GAIN:
+        return None
+    tries = []
+    for gain, key in gains[:6]:
+        if gain > 0.3 * gains[0][0]:
+            fitted = solved(data, now, [*chosen, key])
+            tries.append((evidence(data, fitted).constant.sum(), len(columns_of(body, *key)), key, fitted))
+    least = min(t[0] for t in tries)
+    close = sorted((t for t in tries if t[0] - least < RIVAL), key=lambda t: (t[1], t[0]))
+    key, fitted = close[0][2], close[0][3]
+    return [*chosen, key], fitted, [(t[2], key) for t in close[1:]]
+
+
+def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
+    """Gauss-Newton in the numbers of the given effects."""
+    columns = [c for k in keys for c in columns_of(data.body, *k)]
+    for _ in range(rounds):
+        step, _ = evidence(data, now).solve(columns)
+        for column, amount in zip(columns, step, strict=True):
+            now = now.with_column(column, float(amount))
+    return now
+
+
+def only(body: Body, now: Observation, key: Key) -> Observation:
+    """An observation model with this one effect of `now`."""
+    alone = Observation.neutral(body)
+    for column, value in zip(columns_of(body, *key), values_of(body, now, key), strict=True):
+        alone = alone.with_column(column, value)
+    return alone
+
+
+def values_of(body: Body, now: Observation, key: Key) -> list[float]:
+    """Parameters of one effect in an observation model."""
+    if key[0] == "zero_offset":
+        return [float(now.zeros[int(key[1] or 1) - 1])]
+    return [float(v) for v in now.markers[int(key[1] or 0)]] if key[0] == "marker_offset" else [now.scale]
+
+
+def _named(data: Sample, now: Observation, chosen: list[Key], key: Key) -> Named:
+    own = [c for k in chosen for c in columns_of(data.body, *k)]
+    sums = evidence(data, now)
+    _, covariance = sums.solve(own)
+    spread = np.sqrt(sums.constant.sum() / sums.count.sum())
+    values = values_of(data.body, now, key)
+    effect = ActiveEffect.neutral(key[0], key[1]).with_coordinates(values)
+    ends = {}
+    for p, value, column in zip(effect.effect.parameters, values, columns_of(data.body, *key), strict=True):
+        half = 2.1 * np.sqrt(covariance[own.index(column), own.index(column)]) * spread + SYSTEMATIC[p.name]
+        ends[p.name] = interval((value - half, value + half))
+    return Named(effect, ends, float(signature(data, only(data.body, now, key)).max()))
+
+
+SYSTEMATIC = {"offset": 5e-5, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep, smoothing
+
+
+def _clock(recordings: Sequence[Recording]) -> Named | None:
+    weights = np.array([1 / r.clock.rate_sd**2 for r in recordings])
+    rates = np.array([r.clock.rate for r in recordings])
+    rate, sd = float((weights * rates).sum() / weights.sum()), float(1 / np.sqrt(weights.sum()))
+    if abs(rate) < 5 * sd:
+        return None
+    squares = [_drifted(r) for r in recordings]
+    strength = abs(rate) * float(np.sqrt(np.mean(squares, axis=0)).max()) / ANGLE_FLOOR
+    effect = ActiveEffect.neutral("clock_offset").with_coordinates([rate])
+    half = 2.1 * sd + 1e-5
+    return Named(effect, {"rate": interval((rate - half, rate + half))}, strength)
+
+
+def _drifted(r: Recording) -> Floats:
+    inside = (r.time > 0) & (r.time < r.end)
+    speed = np.gradient(r.angles, r.time, axis=0)[inside]
+    late = r.time[inside] - r.time[inside].mean()
+    return np.asarray(((speed * late[:, None]) ** 2).mean(axis=0))

@@ -1,0 +1,99 @@
+"""The whole diagnosis: three rungs from command to motion, a verdict, and what it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from serpenoid.diagnose.choose_actuation import choose_actuation
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_observation import choose_observation
+from serpenoid.diagnose.finding import Named, Rung
+from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
+from serpenoid.diagnose.recording import Recording
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after."""
+
+    verdict: str
+    rungs: tuple[Rung, ...]
+    motion: MotionFinding
+    before: Scores
+    after: Scores
+
+    @property
+    def named(self) -> tuple[Named, ...]:
+        """All effects named."""
+        return tuple(n for rung in self.rungs for n in rung.named)
+
+    @property
+    def rivals(self) -> tuple[ActiveEffect, ...]:
+        """What cannot be told apart from them."""
+        return tuple(e for rung in self.rungs for e in rung.rivals)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What is left above chance."""
+        return tuple(f"{rung.name}: {w}" for rung in self.rungs for w in rung.words)
+
+    @property
+    def model(self) -> Model:
+        """The extended model: what the motion's fit found, and what the upper rungs did."""
+        fitted = self.motion.selection.best.model
+        present = {(e.name, e.place) for e in fitted.effects}
+        others = tuple(n.effect for n in self.named if (n.effect.name, n.effect.place) not in present)
+        return Model(fitted.body, fitted.medium, (*fitted.effects, *others))
+
+
+def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str], None]) -> Diagnosis:
+    """From recordings to a verdict. `model` is where the calibration of eps begins."""
+    say("command against shape")
+    actuation = choose_actuation(recordings)
+    say("shape against markers")
+    observation, seen = choose_observation(recordings)
+    say("shape against motion")
+    motion = choose_motion(recordings, seen, model, say)
+    rungs = (actuation, observation, motion.rung)
+    say("gain on held-out gaits")
+    found = motion.selection
+    jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
+    before = scores(found.motion, held_out(found.motion, found.null))
+    after = scores(found.motion, held_out(found.motion, found.best), jumps)
+    return Diagnosis(verdict(rungs), rungs, motion, before, after)
+
+
+def verdict(rungs: Sequence[Rung]) -> str:
+    """One of four: only what has no structure left on any rung is explained."""
+    named = any(rung.named for rung in rungs)
+    settled = all(rung.settled for rung in rungs)
+    if settled:
+        return "explained" if named else "nothing"
+    return "partly explained" if named else "unexplained"
+
+
+def record(d: Diagnosis) -> dict[str, Any]:
+    """diagnosis.json, but for the next experiment."""
+    found = d.motion.selection
+    return {
+        "verdict": d.verdict,
+        "effects": [n.record() for n in d.named],
+        "alternatives": [
+            {"name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters)}
+            for e in d.rivals
+        ],
+        "below_the_floor": [{"name": e.name, "place": e.place} for rung in d.rungs for e in rung.faint],
+        "anisotropy_ratio": {
+            "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
+        },
+        "gain": gain_record(d.before, d.after),
+        "noise_floor_m": found.floor_m,
+        "left": {rung.name: rung.left for rung in d.rungs},
+        "residual_pattern": list(d.words),
+        "next_experiment": None,
+        "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],
+    }  # fmt: skip

@@ -1,0 +1,76 @@
+"""Least squares in summary: what the data say about a set of linear parameters, gait by gait.
+
+    chi2_g(theta) = c_g - 2 b_g theta + theta A_g theta        (g: gaits; residuals in units of their noise)
+
+Any candidate is a few of the columns; all of them are scored from the same sums. What decides is how well a gait is
+predicted by a fit to the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+
+RIDGE = 1e-9
+SILENT = 1e-9
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Sums over each gait: matrices A (G, P, P), vectors b (G, P), constants c (G,), numbers of residuals (G,)."""
+
+    matrix: Floats
+    vector: Floats
+    constant: Floats
+    count: Floats
+
+    @classmethod
+    def of(cls, residuals: Floats, columns: Floats, labels: np.ndarray) -> Evidence:
+        """From white residuals (R,), columns (R, P) and gait labels (R,)."""
+        kinds = np.unique(labels)
+        parts = [(residuals[labels == k], columns[labels == k]) for k in kinds]
+        return cls(
+            np.stack([x.T @ x for _, x in parts]),
+            np.stack([x.T @ r for r, x in parts]),
+            np.array([r @ r for r, _ in parts]),
+            np.array([float(len(r)) for r, _ in parts]),
+        )
+
+    def solve(self, chosen: Sequence[int], without: int | None = None) -> tuple[Floats, Floats]:
+        """Best values of the chosen columns and their covariance, perhaps without one gait."""
+        index = list(chosen)
+        keep = [g for g in range(len(self.constant)) if g != without]
+        matrix = self.matrix[keep].sum(axis=0)[np.ix_(index, index)]
+        vector = self.vector[keep].sum(axis=0)[index]
+        scale = np.sqrt(np.diag(matrix))
+        scale = np.where(scale > SILENT, scale, 1.0)  # a column that says nothing stays at zero
+        regular = matrix / np.outer(scale, scale) + RIDGE * np.eye(len(index))
+        inverse = np.linalg.inv(regular) / np.outer(scale, scale)
+        return inverse @ vector, inverse
+
+    def chi2(self, chosen: Sequence[int]) -> float:
+        """Chi squared after the best fit of the chosen columns."""
+        index = list(chosen)
+        if not index:
+            return float(self.constant.sum())
+        values, _ = self.solve(index)
+        return self._left(index, values, range(len(self.constant)))
+
+    def held_out(self, chosen: Sequence[int]) -> float:
+        """Chi squared of every gait predicted by a fit to the others, summed."""
+        index = list(chosen)
+        if not index:
+            return float(self.constant.sum())
+        gaits = range(len(self.constant))
+        return sum(self._left(index, self.solve(index, without=g)[0], [g]) for g in gaits)
+
+    def _left(self, index: list[int], values: Floats, gaits: Sequence[int] | range) -> float:
+        total = 0.0
+        for g in gaits:
+            a, b = self.matrix[g][np.ix_(index, index)], self.vector[g][index]
+            total += float(self.constant[g] - 2 * b @ values + values @ a @ values)
+        return total

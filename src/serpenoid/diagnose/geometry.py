@@ -1,0 +1,88 @@
+"""Chains of rigid links in numbers: vertices of joint angles, rigid registration, planar motions.
+
+Pose: weighted centroid and mean edge angle. Legend: F rows, N vertices, m joints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.body import Body, Floats
+from serpenoid.measure.chain import link_of_edge
+
+LEAST_MARKERS = 4
+
+
+def shapes(body: Body, angles: Floats) -> Floats:
+    """Vertices (F, N, 2) [m] in the body frame of joint angles (F, m)."""
+    psi = np.concatenate([np.zeros((len(angles), 1)), np.cumsum(angles, axis=1)], axis=1)[:, link_of_edge(body)]
+    psi = psi - psi.mean(axis=1, keepdims=True)
+    edge = np.stack([np.cos(psi), np.sin(psi)], axis=2) * body.edges_m[:, None]
+    points = np.concatenate([np.zeros((len(angles), 1, 2)), np.cumsum(edge, axis=1)], axis=1)
+    centre: Floats = np.einsum("k,fki->fi", body.vertex_weights, points)
+    return np.asarray(points - centre[:, None])
+
+
+def marker_angles(body: Body, markers: Floats) -> Floats:
+    """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where one is hidden."""
+    edge, link = np.diff(markers, axis=1), link_of_edge(body)
+    total = np.stack([edge[:, link == j].sum(axis=1) for j in range(link.max() + 1)], axis=1)
+    a, b = total[:, :-1], total[:, 1:]
+    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
+
+
+def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:
+    """Poses (F, 3) that carry points (F, N, 2) to visible markers by least squares, and residuals (F, N, 2).
+
+    NaN where fewer than four markers are seen. Points are in the body frame, so the pose is that of the body.
+    """
+    seen = np.isfinite(markers[..., 0])
+    count = seen.sum(axis=1)
+    share = (seen / np.maximum(count, 1)[:, None])[..., None]
+    there = np.where(seen[..., None], markers, 0.0)
+    mid_p, mid_m = (share * points).sum(axis=1), (share * there).sum(axis=1)
+    a, b = (points - mid_p[:, None]) * seen[..., None], (there - mid_m[:, None]) * seen[..., None]
+    dot = (a * b).sum(axis=(1, 2))
+    cross = (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]).sum(axis=1)
+    heading = np.arctan2(cross, dot)
+    place = mid_m - turn(heading, mid_p)
+    poses = np.column_stack([place, heading])
+    poses[count < LEAST_MARKERS] = np.nan
+    known = np.isfinite(poses[:, 2])
+    poses[known, 2] = np.unwrap(poses[known, 2])
+    residual = markers - place[:, None] - turn(heading[:, None], points)
+    residual[count < LEAST_MARKERS] = np.nan
+    return poses, np.asarray(residual)
+
+
+def turn(angle: Floats, vectors: Floats) -> Floats:
+    """Vectors (..., 2) turned by angles (...)."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def relative(first: Floats, second: Floats) -> Floats:
+    """Poses `second` (..., 3) in the frames of `first` (..., 3)."""
+    place = turn(-first[..., 2], second[..., :2] - first[..., :2])
+    return np.concatenate([place, (second[..., 2] - first[..., 2])[..., None]], axis=-1)
+
+
+def travel(steps: Floats, start: Floats) -> Floats:
+    """Poses (S + 1, 3) reached from `start` (3,) by relative motions (S, 3)."""
+    heading = start[2] + np.concatenate([[0.0], np.cumsum(steps[:, 2])])
+    moved = turn(heading[:-1], steps[:, :2])
+    place = start[:2] + np.concatenate([np.zeros((1, 2)), np.cumsum(moved, axis=0)])
+    return np.column_stack([place, heading])
+
+
+def filled(values: NDArray[np.float64]) -> Floats:
+    """Columns (F, c) with holes bridged by straight lines, ends held."""
+    rows = np.arange(len(values))
+    columns = []
+    for column in values.T:
+        known = np.isfinite(column)
+        columns.append(np.interp(rows, rows[known], column[known]) if known.any() else np.zeros(len(rows)))
+    return np.stack(columns, axis=1)

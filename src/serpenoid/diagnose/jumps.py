@@ -1,0 +1,53 @@
+"""Steps of position across gaps: what the model does not account for between the last marker seen and the next.
+
+A jump has a length and a direction of its own at every gap; residuals there are Rice distributed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.special import ive
+
+from serpenoid.diagnose.finding import Named, interval
+from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.noise import gap_steps
+from serpenoid.diagnose.windows import Prediction
+from serpenoid.effects.active import ActiveEffect
+
+CERTAIN = 12.0  # log-likelihood ratio
+MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
+
+
+def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths of unaccounted displacement across gaps [m], and their noise (SD of one component) [m]."""
+    lengths, noises = [], []
+    for track, p in zip(motion.tracks, predictions, strict=True):
+        noise = motion.noise.of(track)
+        for first, last, step in gap_steps(track, p):
+            lengths.append(np.hypot(step[0], step[1]))
+            noises.append(np.sqrt((noise[first:last, :2] ** 2).sum() / 2))
+    return np.array(lengths), np.array(noises)
+
+
+def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float) -> Named | None:
+    """The effect `position_jumps`, if the gaps show it."""
+    lengths, noises = gap_lengths(motion, predictions)
+    if len(lengths) < 3:
+        return None
+
+    def log_likelihood(size: float) -> float:
+        z = lengths * size / noises**2
+        return float((np.log(ive(0, z)) + z - (lengths**2 + size**2) / (2 * noises**2)).sum())
+
+    most = float(lengths.max() + 3 * noises.max())
+    found = minimize_scalar(lambda x: -log_likelihood(x), bounds=(0.0, most), method="bounded")
+    size = float(found.x)
+    if log_likelihood(size) - log_likelihood(0.0) < CERTAIN:
+        return None
+    grid = np.linspace(0, 2 * size, 400)
+    inside = grid[np.array([log_likelihood(x) for x in grid]) > log_likelihood(size) - 2.2]
+    effect = ActiveEffect.neutral("position_jumps").with_coordinates([size])
+    return Named(effect, {"size": interval((inside[0], inside[-1]))}, MEAN_SHARE * size / floor_m)

@@ -1,0 +1,248 @@
+"""Fits on the rung of motion: every candidate is scored linearly, the best are fitted in full.
+
+Legend: W windows of all trials, P columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.evidence import Evidence
+from serpenoid.diagnose.geometry import turn
+from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
+from serpenoid.effects.catalogue import catalogue, find
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.simulation.sensitivity import EPS, Column
+
+STEPS = 8
+LEAST_EPS, MOST_EPS = 5e-3, 1.0
+CONVERGED = 0.02  # chi squared
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations [m, m, rad] of a window's displacement while playing (3,) and in pauses (3,)."""
+
+    playing: Floats
+    pause: Floats
+
+    def of(self, track: Track) -> Floats:
+        """(B - 1, 3)."""
+        return np.where(track.playing[:, None], self.playing, self.pause)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The tracks and their noise; labels: gait numbers, one per track."""
+
+    tracks: tuple[Track, ...]
+    noise: Noise
+    labels: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model with its effects (frame_drift is one of them, though the model's motion does not know it).
+
+    evidence: linearised about the fit; names of its columns: eps first, then each effect's coordinates.
+    """
+
+    model: Model
+    drift: ActiveEffect | None
+    evidence: Evidence
+    predictions: tuple[Prediction, ...]
+    chi2: float
+    held_out: float
+
+    @property
+    def effects(self) -> tuple[ActiveEffect, ...]:
+        """All of them."""
+        return (*self.model.effects, *(() if self.drift is None else (self.drift,)))
+
+    @property
+    def coordinates(self) -> Floats:
+        """eps and the coordinates of all effects."""
+        return np.array([self.model.medium.anisotropy_ratio, *(c for e in self.effects for c in e.coordinates[:-1])])
+
+
+def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tuple[Model, ActiveEffect | None]:
+    """Model (and drift) of eps and coordinates x (1 + P)."""
+    eps = float(np.clip(x[0], LEAST_EPS, MOST_EPS))
+    found, drift, at = [], None, 1
+    for e in effects:
+        size = len(e.effect.parameters)
+        new = e.with_coordinates(x[at : at + size].tolist())
+        at += size
+        if e.name == "frame_drift":
+            drift = new
+        elif e.name == "load":
+            least = -float(model.body.vertex_weights[e.place or 0])
+            new = e.with_coordinates([max(new.parameters["share"], least)])
+            found.append(new)
+        else:
+            found.append(new)
+    # a neutral value would drop the effect from the model, and with it the derivative
+    kept = [_awake(e) for e in found]
+    return Model(model.body, Medium(anisotropy_ratio=eps), tuple(kept)), drift
+
+
+def _awake(effect: ActiveEffect) -> ActiveEffect:
+    if not effect.is_neutral:
+        return effect
+    nudged = [c + 1e-9 * max(abs(p.coordinate(p.typical)), 1e-6) for c, p in
+              zip(effect.coordinates, effect.effect.parameters, strict=False)]  # fmt: skip
+    return effect.with_coordinates(nudged)
+
+
+def drift_columns(track: Track) -> Floats:
+    """Displacement of each window by a unit velocity of the frame, (B - 1, 3, 2)."""
+    heading = track.poses[track.boundaries[:-1], 2]
+    x = turn(-heading, np.tile([1.0, 0.0], (len(heading), 1))) * track.duration[:, None]
+    y = turn(-heading, np.tile([0.0, 1.0], (len(heading), 1))) * track.duration[:, None]
+    zero = np.zeros(len(heading))
+    return np.stack([np.column_stack([x, zero]), np.column_stack([y, zero])], axis=2)
+
+
+def linearised(
+    motion: Motion,
+    model: Model,
+    effects: Sequence[ActiveEffect],
+    drift: ActiveEffect | None,
+    candidates: Sequence[ActiveEffect] = (),
+) -> tuple[Evidence, tuple[Prediction, ...], tuple[tuple[str, int | None], ...]]:
+    """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions."""
+    rows, columns, labels, predictions = [], [], [], []
+    names: list[tuple[str, int | None]] = []
+    for track, label in zip(motion.tracks, motion.labels, strict=True):
+        p = _prediction(model, track, candidates)
+        by = {(c.effect, c.place, c.parameter): p.jacobian[..., i] for i, c in enumerate(p.columns)}
+        own = drift_columns(track)
+        velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
+        moved = p.displacement + own @ velocity
+        p = replace(p, displacement=moved)
+        stacked, names = [by[None, None, "anisotropy_ratio"]], [("anisotropy_ratio", None)]
+        for e in [*effects, *candidates]:
+            for i, parameter in enumerate(e.effect.parameters):
+                stacked.append(own[..., i] if e.name == "frame_drift" else by[e.name, e.place, parameter.name])
+                names.append((e.name, e.place))
+        use, noise = track.usable, motion.noise.of(track)
+        jacobian = np.stack(stacked, axis=-1)
+        good = use & np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(moved).all(axis=1)
+        rows.append(((track.displacement - moved) / noise)[good].ravel())
+        columns.append((jacobian / noise[..., None])[good].reshape(-1, len(names)))
+        labels.append(np.full(len(rows[-1]), label))
+        predictions.append(p)
+    joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    return joined, tuple(predictions), tuple(names)
+
+
+def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
+    inside = [c for c in candidates if isinstance(c.effect, MediumEffect)]
+    if not model.knows("history"):
+        return predict(model, track, inside)
+    base = coasting(model, track)
+    columns = [EPS, *(Column(e.name, e.place, p.name) for e in model.effects for p in e.effect.parameters)]
+    jacobian = [_difference(model, track, c, base) for c in columns]
+    if inside:
+        plain = Model(model.body, model.medium, tuple(e for e in model.effects if not _remembers(e)))
+        p = predict(plain, track, inside)
+        added = [i for i, c in enumerate(p.columns) if c not in columns]
+        columns += [p.columns[i] for i in added]
+        jacobian += [p.jacobian[..., i] for i in added]
+    return Prediction(base, np.stack(jacobian, axis=-1), tuple(columns))
+
+
+def _remembers(effect: ActiveEffect) -> bool:
+    return isinstance(effect.effect, MediumEffect) and "history" in effect.effect.knows
+
+
+def _difference(model: Model, track: Track, column: Column, base: Floats) -> Floats:
+    """Derivative by a forward difference, where earlier steps matter."""
+    if column.effect is None:
+        step = 1e-4 * model.medium.anisotropy_ratio
+        medium = Medium(anisotropy_ratio=model.medium.anisotropy_ratio + step)
+        return (coasting(Model(model.body, medium, model.effects), track) - base) / step
+    effects, step = [], 1.0
+    for e in model.effects:
+        if (e.name, e.place) == (column.effect, column.place):
+            index = [p.name for p in e.effect.parameters].index(column.parameter)
+            p, x = e.effect.parameters[index], list(e.coordinates)
+            step = 1e-3 * max(abs(x[index]), 0.01 * abs(p.coordinate(p.typical)))
+            x[index] += step
+            e = e.with_coordinates(x)
+        effects.append(e)
+    return (coasting(Model(model.body, model.medium, tuple(effects)), track) - base) / step
+
+
+def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats, steps: int = STEPS) -> Fit:
+    """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded."""
+    effects = sorted(effects, key=lambda e: e.name == "frame_drift")
+    model, drift = with_values(start, effects, x)
+    evidence, predictions, _ = linearised(motion, model, effects, drift)
+    x = _values(model, drift)
+    best, damping = float(evidence.constant.sum()), 1e-4
+    for _ in range(steps):
+        matrix, vector = evidence.matrix.sum(axis=0), evidence.vector.sum(axis=0)
+        scale = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
+        regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
+        step = np.linalg.solve(regular, vector / scale) / scale
+        trial, trial_drift = with_values(start, effects, x + step)
+        new, new_predictions, _ = linearised(motion, trial, effects, trial_drift)
+        cost = float(new.constant.sum()) if new.count.sum() == evidence.count.sum() else np.inf
+        if cost < best:
+            gained = best - cost
+            model, drift, evidence, predictions, best = trial, trial_drift, new, new_predictions, cost
+            x, damping = _values(model, drift), max(damping / 10, 1e-9)
+            if gained < CONVERGED * max(1.0, 1e-5 * best):
+                break
+        else:
+            damping = max(damping, 1e-4) * 30
+            if damping > 1e3:
+                break
+    columns = range(len(x))
+    return Fit(model, drift, evidence, predictions, best, evidence.held_out(columns))
+
+
+def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
+    """Another few steps from a fit, on other tracks or another noise."""
+    return fit(motion, found.model, list(found.effects), found.coordinates, steps)
+
+
+def _values(model: Model, drift: ActiveEffect | None) -> Floats:
+    effects = [*model.effects, *(() if drift is None else (drift,))]
+    return np.array([model.medium.anisotropy_ratio, *(c for e in effects for c in e.coordinates[:-1])])
+
+
+def candidates_of(model: Model) -> list[ActiveEffect]:
+    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted."""
+    found = []
+    for kind in catalogue().values():
+        if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):
+            continue
+        if any(p.neutral is None for p in kind.parameters) or not kind.applies_to("diagnose"):
+            continue
+        places = range(model.body.vertices) if kind.place == "vertex" else [None]
+        present = {(e.name, e.place) for e in model.effects}
+        found += [ActiveEffect.neutral(kind.name, p) for p in places if (kind.name, p) not in present]
+    return found
+
+
+def patch_grid(motion: Motion) -> list[ActiveEffect]:
+    """Friction patches, neutral, over the floor that was visited."""
+    place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
+    low, high = place.min(axis=0) - 0.25, place.max(axis=0) + 0.25
+    kind = find("friction_patch")
+    found = []
+    for radius in (0.13, 0.22, 0.35):
+        counts = np.maximum(np.ceil((high - low) / radius).astype(int), 2)
+        for x in np.linspace(low[0], high[0], counts[0]):
+            for y in np.linspace(low[1], high[1], counts[1]):
+                found.append(ActiveEffect.neutral(kind.name, None, x=float(x), y=float(y), radius=radius))
+    return found

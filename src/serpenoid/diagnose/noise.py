@@ -1,0 +1,149 @@
+"""What chance does: differences between repeats, which no law of the robot or the floor can explain.
+
+Window noise: SD of the difference of two repeats' residuals over sqrt 2. Floor F: RMS over a trial's path of the
+distance that this noise, strung together window by window, adds up to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.geometry import relative, travel, turn
+from serpenoid.diagnose.medium import Motion, Noise
+from serpenoid.diagnose.windows import Prediction, Track
+
+LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers
+CREEP = np.array(
+    [4e-5, 4e-5, 1.5e-4]
+)  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
+DRAWS = 24
+
+
+def residuals(tracks: Sequence[Track], predictions: Sequence[Prediction]) -> list[Floats]:
+    """Measured minus predicted displacement of each window (B - 1, 3), NaN where not usable."""
+    return [
+        np.where(t.usable[:, None], t.displacement - p.displacement, np.nan)
+        for t, p in zip(tracks, predictions, strict=True)
+    ]
+
+
+def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
+    """Indices of successive repeats."""
+    by: dict[tuple[str, float], list[int]] = {}
+    for i, t in enumerate(tracks):
+        by.setdefault(t.recording.setting, []).append(i)
+    return [(a, b) for same in by.values() for a, b in zip(same[:-1], same[1:], strict=True)]
+
+
+def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise, Floats]:
+    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself."""
+    couples = pairs(tracks)
+    playing, pause = [], []
+    if couples:
+        for a, b in couples:
+            n = min(len(left[a]), len(left[b]))
+            d = (left[a][:n] - left[b][:n]) / np.sqrt(2)
+            d = np.where(np.isfinite(d).all(axis=1)[:, None], d, np.nan)
+            playing.append(d[tracks[a].playing[:n]])
+            pause.append(d[~tracks[a].playing[:n]])
+    else:
+        playing = [x[t.playing] for t, x in zip(tracks, left, strict=True)]
+        pause = [x[~t.playing] for t, x in zip(tracks, left, strict=True)]
+    moved, rested = (np.concatenate(x) for x in (playing, pause))
+    noise = [_sd(x[np.isfinite(x[:, 0])]) for x in (moved, rested)]
+    return Noise(np.maximum(noise[0], LEAST), np.hypot(np.maximum(noise[1], LEAST), CREEP)), moved[
+        np.isfinite(moved[:, 0])
+    ]
+
+
+def _sd(values: Floats) -> Floats:
+    if len(values) < 4:
+        return LEAST.copy()
+    return np.sqrt((values**2).mean(axis=0))
+
+
+def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
+    """F [m]: the path RMS that window noise adds up to."""
+    rng = np.random.default_rng(0)
+    squares = []
+    for track, p in zip(motion.tracks, predictions, strict=True):
+        noise = motion.noise.of(track).copy()
+        noise[~track.playing] = LEAST
+        steps = np.nan_to_num(p.displacement)
+        true = travel(steps, np.zeros(3))[:, :2]
+        for _ in range(DRAWS):
+            path = travel(steps + rng.normal(size=noise.shape) * noise, np.zeros(3))[:, :2]
+            squares.append(_mean_in_time(track, ((path - true) ** 2).sum(axis=1)))
+    return float(np.sqrt(np.mean(squares)))
+
+
+def _mean_in_time(track: Track, values: Floats) -> float:
+    weight = track.duration
+    return float(((values[1:] + values[:-1]) / 2 * weight).sum() / weight.sum())
+
+
+def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
+    """RMS distance [m] of the measured path from the predicted one, started at the measured first pose.
+
+    mend: what the model does not account for across gaps of all markers is taken out first.
+    """
+    path = travel(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
+    measured = track.measured[:, :2].copy()
+    if mend:
+        for first, last, step in gap_steps(track, predicted):
+            measured[last:] -= turn(track.measured[first, 2], step[:2])
+    miss = ((measured - path) ** 2).sum(axis=1)
+    known = np.isfinite(miss)
+    return float(np.sqrt(_mean_in_time(track, np.interp(np.arange(len(miss)), np.flatnonzero(known), miss[known]))))
+
+
+def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Floats]]:
+    """(boundary before, boundary after, unaccounted displacement (3,)) of every gap of all markers."""
+    known = np.isfinite(track.measured[:, 0])
+    found, i, last = [], 0, len(track.gap_windows)
+    while i < last:
+        if not track.gap_windows[i]:
+            i += 1
+            continue
+        a = i
+        while a > 0 and not known[a]:
+            a -= 1
+        b = i + 1
+        while b < last and (not known[b] or track.gap_windows[b]):
+            b += 1
+        if known[a] and known[b]:
+            said = travel(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
+            found.append((a, b, relative(track.measured[a], track.measured[b]) - said))
+        i = b
+    return found
+
+
+def total(values: Sequence[float]) -> float:
+    """RMS over trials."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Prediction]) -> float:
+    """Path RMS [m] between two models' paths on the same shapes, start poses fitted."""
+    squares = []
+    for track, a, b in zip(motion.tracks, full, without, strict=True):
+        one, other = (travel(np.nan_to_num(p.displacement), np.zeros(3)) for p in (a, b))
+        squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one)) ** 2).sum(axis=1)))
+    return float(np.sqrt(np.mean(squares)))
+
+
+def _registered(path: Floats, target: Floats) -> Floats:
+    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included (gyration 0.27 m)."""
+
+    def points(pose: Floats) -> Floats:
+        arm = 0.27 * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
+        return np.concatenate([pose[:, :2] + arm, pose[:, :2] - arm])
+
+    p, q = points(path), points(target)
+    a, b = p - p.mean(axis=0), q - q.mean(axis=0)
+    angle = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray((path[:, :2] - p.mean(axis=0)) @ np.array([[c, s], [-s, c]]) + q.mean(axis=0))

@@ -1,0 +1,153 @@
+"""Second rung: do markers stand where the servos' shapes put them?
+
+Every frame's chain (joint angles from the servos) is laid rigidly over the markers seen; what is left is white marker
+noise, unless a joint's zero, a marker or the length scale is off. The columns of `zero_offset`, `marker_offset` and
+`length_scale` are exact derivatives of that chain, with the rigid motions projected out frame by frame.
+
+Legend: F frames (of all trials), N vertices, P columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.evidence import Evidence
+from serpenoid.diagnose.geometry import marker_angles, register, shapes, turn
+from serpenoid.diagnose.recording import Recording
+
+FRAMES_PER_TRIAL = 250
+LEAST_SEEN = 8
+ANGLE_FLOOR = 2e-3  # rad: scatter of a smoothed marker angle
+LINK_FLOOR = 0.2e-3 * np.sqrt(2) / np.sqrt(11)  # m: of a link's length over eleven frames
+STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What lies between the chain and the data: zeros (m,) [rad], markers (N, 2) along and left [m], scale error,
+    clock rate [s/s]. All zero: nothing does."""
+
+    zeros: Floats
+    markers: Floats
+    scale: float = 0.0
+    rate: float = 0.0
+
+    @classmethod
+    def neutral(cls, body: Body) -> Observation:
+        return cls(np.zeros(body.joint_count), np.zeros((body.vertices, 2)))
+
+    def angles(self, readings: Floats) -> Floats:
+        """True joint angles of servo readings (F, m)."""
+        return readings + self.zeros
+
+    def seen(self, body: Body, angles: Floats) -> Floats:
+        """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
+        points = shapes(body, angles)
+        edge = np.diff(points, axis=1)
+        edge = edge / np.linalg.norm(edge, axis=2, keepdims=True)
+        edge = np.concatenate([edge[:, :1], edge], axis=1)  # the edge on the tail side; vertex 0: edge 0
+        sideways = np.stack([-edge[..., 1], edge[..., 0]], axis=2)
+        moved = points + self.markers[:, :1] * edge + self.markers[:, 1:] * sideways
+        return np.asarray(moved * (1 + self.scale))
+
+    def with_column(self, column: int, amount: float) -> Observation:
+        """One number changed: zeros, then markers (along, left by vertex), then scale."""
+        zeros, markers = self.zeros.copy(), self.markers.copy()
+        m, n = len(zeros), len(markers)
+        if column < m:
+            zeros[column] += amount
+        elif column < m + 2 * n:
+            markers[(column - m) // 2, (column - m) % 2] += amount
+        else:
+            return replace(self, scale=self.scale + amount)
+        return replace(self, zeros=zeros, markers=markers)
+
+
+def columns_of(body: Body, name: str, place: int | None) -> list[int]:
+    """Column numbers of an observation effect (or of `zero_offset`)."""
+    m, n = body.joint_count, body.vertices
+    if name == "zero_offset":
+        return [int(place or 1) - 1]
+    if name == "marker_offset":
+        return [m + 2 * int(place or 0), m + 2 * int(place or 0) + 1]
+    return [m + 2 * n]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Frames of all trials, thinned: markers (F, N, 2), readings (F, m), labels (F,) of gaits, noise [m]."""
+
+    body: Body
+    markers: Floats
+    readings: Floats
+    labels: np.ndarray
+    noise: float = field(default=0.0)
+
+
+def sample(recordings: Sequence[Recording]) -> Sample:
+    """Thin the recordings; the noise comes from neighbouring frames."""
+    body = recordings[0].body
+    markers, readings, labels, squares = [], [], [], []
+    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
+    for r in recordings:
+        inside = np.flatnonzero((np.isfinite(r.markers[..., 0]).sum(axis=1) >= LEAST_SEEN) & (r.time < r.end))
+        some = inside[:: max(len(inside) // FRAMES_PER_TRIAL, 1)]
+        markers.append(r.markers[some])
+        readings.append(r.angles[some])
+        labels.append(np.full(len(some), gaits[r.gait]))
+        left = register(shapes(body, r.angles), r.markers)[1]
+        squares.append(np.nanmedian(np.abs(np.diff(left, axis=0))))
+    noise = 1.4826 * float(np.median(squares)) / np.sqrt(2) * np.sqrt(24 / 21)
+    return Sample(body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise)
+
+
+def evidence(data: Sample, now: Observation) -> Evidence:
+    """Residuals and columns of the sample at an observation model, in units of marker noise."""
+    body = data.body
+    count = body.joint_count + 2 * body.vertices + 1
+    base = now.seen(body, now.angles(data.readings))
+    pose, left = register(base, data.markers)
+    seen = np.isfinite(data.markers[..., 0])[..., None]
+    residual = np.where(seen, turn(-pose[:, None, 2], np.where(seen, left, 0.0)), 0.0)
+    columns = np.empty((count, *residual.shape))
+    for c in range(count):
+        moved = now.with_column(c, STEP)
+        columns[c] = np.where(seen, (moved.seen(body, moved.angles(data.readings)) - base) / STEP, 0.0)
+    basis = _rigid(base, seen)
+    flat = columns.reshape(count, len(base), -1)
+    inside = np.einsum("fri,cfi->cfr", basis, flat)
+    flat = flat - np.einsum("fri,cfr->cfi", basis, inside)
+    rows = residual.reshape(len(base), -1) / data.noise
+    matrices, vectors, constants, counts = [], [], [], []
+    for gait in np.unique(data.labels):
+        mine = data.labels == gait
+        x = flat[:, mine].reshape(count, -1) / data.noise
+        r = rows[mine].ravel()
+        matrices.append(x @ x.T)
+        vectors.append(x @ r)
+        constants.append(r @ r)
+        counts.append(2.0 * seen[mine].sum() - 3 * mine.sum())
+    return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), np.array(counts))
+
+
+def _rigid(points: Floats, seen: np.ndarray) -> Floats:
+    """Orthonormal rigid motions of the visible points, (F, 3, 2 N)."""
+    one, zero = np.ones(points.shape[:2]), np.zeros(points.shape[:2])
+    motions = [np.stack(x, axis=2) for x in ((one, zero), (zero, one), (-points[..., 1], points[..., 0]))]
+    stacked = np.stack([np.where(seen, m, 0.0).reshape(len(points), -1) for m in motions], axis=2)
+    return np.swapaxes(np.linalg.qr(stacked)[0], 1, 2)
+
+
+def signature(data: Sample, effect: Observation) -> Floats:
+    """RMS of what an observation model changes: marker angles over readings and link lengths, in floors (2 m + 1,)."""
+    body = data.body
+    true = effect.angles(data.readings)
+    seen = effect.seen(body, true)
+    angle = marker_angles(body, seen) - data.readings
+    length = np.linalg.norm(np.diff(seen, axis=1), axis=2) - body.edges_m
+    parts = [angle / ANGLE_FLOOR, length / LINK_FLOOR]
+    return np.sqrt(np.concatenate([(p**2).mean(axis=0) for p in parts]))

@@ -1,0 +1,88 @@
+"""What is left above chance, in words: where, when, which direction, which sign.
+
+Repeats share what is not chance: with m the mean and d the difference of two repeats' residuals, the ratio
+4 sum m^2 / sum d^2 is 1 if only chance is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.noise import pairs, residuals
+from serpenoid.diagnose.windows import Prediction
+
+RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
+PATH = 1.35  # floors
+TAIL = 6.0  # standard deviations: a push in one trial
+DIRECTIONS = ("forward", "to the left", "in turning left")
+
+
+def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
+    """Ratio over all windows and components, and by component (3,)."""
+    top, bottom = np.zeros(3), np.zeros(3)
+    for a, b in pairs(motion.tracks):
+        n = min(len(left[a]), len(left[b]))
+        noise = motion.noise.of(motion.tracks[a])[:n]
+        m, d = (left[a][:n] + left[b][:n]) / noise, (left[a][:n] - left[b][:n]) / noise
+        top += np.nansum(m**2, axis=0)
+        bottom += np.nansum(d**2, axis=0)
+    if not bottom.any():
+        return 1.0, np.ones(3)
+    return float(top.sum() / bottom.sum()), top / bottom
+
+
+def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, differences: Floats) -> tuple[str, ...]:
+    """Sentences about what is left, or none."""
+    left = residuals(motion.tracks, predictions)
+    ratio, by = repeatable(motion, left)
+    words = []
+    if ratio > RATIO:
+        worst = int(by.argmax())
+        words.append(f"what is left repeats: {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
+        words += _when(motion, left, worst)
+        words += _where(motion, left)
+    if path > PATH:
+        words.append(f"paths stray {path:.1f} floors from the measured ones")
+    if len(differences):
+        size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
+        robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))
+        if size.max() > TAIL or (robust > 5).sum() >= 3:
+            words.append("repeats differ by pushes in single trials that no law of the floor explains")
+    return tuple(words)
+
+
+def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
+    groups: dict[str, list[Floats]] = {}
+    for track, x in zip(motion.tracks, left, strict=True):
+        white = x / motion.noise.of(track)
+        for i in range(len(x)):
+            name = f"phase {track.phase[i]:.2f}" if track.playing[i] else "pauses"
+            groups.setdefault(name, []).append(white[i])
+    sizes = {k: np.sqrt(np.nanmean(np.square(v))) for k, v in groups.items() if np.isfinite(v).any()}
+    worst = max(sizes, key=lambda k: sizes[k])
+    mean = float(np.nanmean(np.array(groups[worst])[:, component]))
+    sign = "more" if mean > 0 else "less"
+    return [
+        f"largest in {worst} ({sizes[worst]:.1f} SD; there the body moves {sign} {DIRECTIONS[component]} than modelled)"
+    ]
+
+
+def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:
+    place, size = [], []
+    for track, x in zip(motion.tracks, left, strict=True):
+        white = (x / motion.noise.of(track)) ** 2
+        place.append(track.poses[track.boundaries[:-1], :2])
+        size.append(white.mean(axis=1))
+    p, s = np.concatenate(place), np.concatenate(size)
+    good = np.isfinite(s)
+    p, s = p[good], s[good]
+    centre = (p * s[:, None]).sum(axis=0) / s.sum()
+    spread = np.sqrt((((p - centre) ** 2).sum(axis=1) * s).sum() / s.sum())
+    usual = np.sqrt(((p - p.mean(axis=0)) ** 2).sum(axis=1).mean())
+    if spread < 0.75 * usual:
+        return [f"gathered on the floor about x = {centre[0]:.2f} m, y = {centre[1]:.2f} m"]
+    return []

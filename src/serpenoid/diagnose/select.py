@@ -1,0 +1,214 @@
+"""Which effects of the medium: linear scores of all candidates, full fits of the best, forward selection with pruning.
+
+What decides is the prediction of held-out gaits; "nothing" always competes. An effect must gain more than the best of
+all tries would by chance, and its trace in the path must stand above the floor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.diagnose.evidence import Evidence
+from serpenoid.diagnose.medium import (
+    STEPS,
+    Fit,
+    Motion,
+    candidates_of,
+    drift_columns,
+    fit,
+    fit_guided,
+    linearised,
+    patch_grid,
+)
+from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.processes import in_processes
+from serpenoid.diagnose.windows import Track, patch_columns, predict
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+
+AT_MOST = 3
+FULL_FITS = (10, 6, 4)
+PER_NAME = 4
+GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
+SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
+PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
+VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
+RIVAL = 14.0  # chi squared: what is no worse than this cannot be excluded
+
+Progress = Callable[[str], None]
+Retrack = Callable[[Model], tuple[Track, ...]]
+
+
+@dataclass(frozen=True)
+class Try:
+    """A full fit with one more (or another) effect."""
+
+    fit: Fit
+    added: ActiveEffect
+    strength_m: float
+
+
+@dataclass(frozen=True)
+class Selection:
+    """null: eps alone; best: what was chosen; tries: every full fit, last level; faint: gains below the floor."""
+
+    motion: Motion
+    null: Fit
+    best: Fit
+    floor_m: float
+    tries: tuple[Try, ...]
+    faint: tuple[Try, ...]
+    scores: tuple[tuple[str, int | None, float], ...]
+    reach: float = np.inf  # chi squared of the choice, on the mesh of the tries
+
+
+def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion, Fit]:
+    """eps alone, noise from repeats about it."""
+    base = start or fit(motion, model, [], np.array([model.medium.anisotropy_ratio]))  # type: ignore
+    noise, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
+    motion = replace(motion, noise=noise)
+    return motion, fit(motion, base.model, list(base.effects), base.coordinates)
+
+
+def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Selection:
+    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
+    motion, null = calibrated(motion, None, model)
+    best = null
+    faint: list[Try] = []
+    kept: list[Try] = []
+    scores: tuple[tuple[str, int | None, float], ...] = ()
+    for level in range(AT_MOST):
+        floor = path_floor(motion, best.predictions)
+        say(f"looking for effect {level + 1}")
+        ranked = score(motion, best)
+        scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
+        promising = [
+            r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
+        ]
+        tries = attempts(motion, best, promising)
+        good = [t for t in tries if best.held_out - t.fit.held_out > GAIN]
+        if not good:
+            break
+        first = min(good, key=lambda t: t.fit.held_out)
+        if first.strength_m < VISIBLE * floor:
+            faint.append(first)
+            break
+        motion = replace(motion, tracks=retrack(first.fit.model))
+        motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
+        null = fit(motion, null.model, [], null.coordinates)
+        best = pruned(motion, better)
+        kept = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
+    return Selection(
+        motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2
+    )
+
+
+def again(motion: Motion, t: Try) -> Try:
+    """The same fit under a new noise."""
+    return replace(t, fit=fit(motion, t.fit.model, list(t.fit.effects), t.fit.coordinates, steps=2))
+
+
+def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:
+    """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
+    drift = {e.name for e in base.effects}
+    singles = [c for c in candidates_of(base.model) if c.name not in drift or c.place is not None]
+    evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
+    own = list(range(len(base.coordinates)))
+    before, at, result = evidence.held_out(own), len(own), []
+    for c in singles:
+        size = len(c.effect.parameters)
+        index = own + list(range(at, at + size))
+        at += size
+        values, _ = evidence.solve(index)
+        x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
+        result.append((c, before - evidence.held_out(index), x))
+    if "friction_patch" not in drift:
+        result += _patches(motion, base, before, own)
+    return sorted(result, key=lambda r: -r[1])
+
+
+def _patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[tuple[ActiveEffect, float, np.ndarray]]:
+    grid = patch_grid(motion)
+    evidence = _with_patches(motion, base, grid)
+    result = []
+    for i, patch in enumerate(grid):
+        index = [*own, len(own) + i]
+        values, _ = evidence.solve(index)
+        weak = float(np.clip(values[-1], -0.9, 3.0))
+        x = np.concatenate([base.coordinates + values[:-1], [weak, *patch.coordinates[1:-1]]])
+        result.append((patch, before - evidence.held_out(index), x))
+    return result
+
+
+def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
+    rows, columns, labels = [], [], []
+    for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
+        own = predict(base.model, track)
+        jacobian = [own.jacobian]
+        if base.drift is not None:
+            jacobian.append(drift_columns(track))
+        jacobian.append(patch_columns(base.model, track, grid))
+        joined, noise, use = np.concatenate(jacobian, axis=2), motion.noise.of(track), track.usable
+        rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
+        columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
+        labels.append(np.full(len(rows[-1]), label))
+    return Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+
+
+def shortlist(
+    ranked: Sequence[tuple[ActiveEffect, float, np.ndarray]], count: int
+) -> list[tuple[ActiveEffect, float, np.ndarray]]:
+    """The best, but no more than a few of one name (of patches, whose places are fitted, two)."""
+    taken: dict[str, int] = {}
+    result = []
+    for item in ranked:
+        name = item[0].name
+        limit = 2 if name == "friction_patch" else PER_NAME
+        if taken.get(name, 0) < limit:
+            result.append(item)
+            taken[name] = taken.get(name, 0) + 1
+        if len(result) == count:
+            break
+    return result
+
+
+def attempts(motion: Motion, base: Fit, promising: Sequence[tuple[ActiveEffect, float, np.ndarray]]) -> list[Try]:
+    """A few steps for all, and to the end for the best of them."""
+    first = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in promising])
+    first.sort(key=lambda t: t.fit.chi2)
+    ahead = [t for t in first[:FINALISTS] if t.fit.chi2 < OUT_OF_REACH * first[0].fit.chi2]
+    return in_processes([(finished, (motion, base, t)) for t in ahead])
+
+
+def finished(motion: Motion, base: Fit, t: Try) -> Try:
+    """Fitted to the end."""
+    found = fit_guided(motion, t.fit, steps=STEPS)
+    return Try(found, t.added, strength(motion, found.predictions, base.predictions))
+
+
+def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
+    """Fit the base's effects and one more in full; its strength is what the path loses without it."""
+    effects = [*base.model.effects, *([base.drift] if base.drift else [])]
+    order = [*effects, added]
+    moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
+    sizes = [len(e.effect.parameters) for e in order]
+    starts = np.cumsum([1, *sizes])
+    x = np.concatenate([x[:1], *(x[starts[i] : starts[i] + sizes[i]] for i in moved)])
+    found = fit(motion, base.model, [order[i] for i in moved], x, steps)
+    return Try(found, added, strength(motion, found.predictions, base.predictions))
+
+
+def pruned(motion: Motion, best: Fit) -> Fit:
+    """Without effects that no longer earn their place."""
+    if len(best.effects) < 2:
+        return best
+    for left_out in best.effects[:-1]:
+        kept = [e for e in best.effects if e is not left_out]
+        x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
+        without = fit(motion, best.model, kept, x)
+        if without.held_out - best.held_out < GAIN:
+            return pruned(motion, without)
+    return best

@@ -1,0 +1,50 @@
+"""diagnosis.json and extended-model.toml."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.diagnose.choose_motion import rival_tries
+from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.diagnose.experiment import next_experiment
+from serpenoid.diagnose.report import write_pages
+from serpenoid.files import provenance, write_json
+from serpenoid.gaits.table import write_table
+from serpenoid.measure.campaign import CampaignFile
+from serpenoid.model_file import write_model_file
+
+
+def write(folder: Path, file: CampaignFile, d: Diagnosis, figures: bool = True) -> dict[str, Any]:
+    """Write everything; returns the record."""
+    data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
+    comment = f"what the diagnosis of {file.name} found: {d.verdict}"
+    write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
+    data["next_experiment"] = _next_experiment(folder, d)
+    write_json(folder / "diagnosis.json", data)
+    if figures:
+        write_pages(folder, data)
+    return data
+
+
+def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
+    """Where two explanations of the motion remain: the gait that tells them apart, written as a joint table."""
+    found = d.motion.selection
+    others = [t.fit.model for t in rival_tries(found)]
+    if not others:
+        return None
+    recordings = [t.recording for t in found.motion.tracks]
+    shortest = min(r.schedule.cycle_duration_s for r in recordings)
+    heading = float(np.median([t.poses[0, 2] for t in found.motion.tracks if t.recording.gait == recordings[0].gait]))
+    best = next_experiment(
+        [found.best.model, *others[:2]], found.motion.noise, [shortest, 1.7 * shortest, 2.8 * shortest], heading
+    )
+    if best is None:
+        return None
+    write_table(folder / "next-experiment.csv", best.table)
+    return {
+        "joint_table": "next-experiment.csv", "cycle_duration_s": best.cycle_duration_s,
+        "predictions_apart_sd": best.separation,
+    }  # fmt: skip

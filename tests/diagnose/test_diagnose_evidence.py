@@ -1,0 +1,45 @@
+"""Sums of squares gait by gait against ordinary least squares."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from serpenoid.diagnose.evidence import Evidence
+
+
+@pytest.fixture
+def problem() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(3)
+    x = rng.normal(size=(60, 4))
+    return x @ [1.0, 0.0, -2.0, 0.0] + 0.1 * rng.normal(size=60), x, np.repeat([0, 1, 2], 20)
+
+
+def test_a_subset_of_columns_is_solved_as_least_squares_does(problem: tuple) -> None:
+    r, x, labels = problem
+    values, covariance = Evidence.of(r, x, labels).solve([0, 2])
+    expected = np.linalg.lstsq(x[:, [0, 2]], r, rcond=None)[0]
+    assert values == pytest.approx(expected, rel=1e-7)  # the ridge is 1e-9
+    assert covariance == pytest.approx(np.linalg.inv(x[:, [0, 2]].T @ x[:, [0, 2]]), rel=1e-7)
+
+
+def test_held_out_chi_squared_is_that_of_explicit_leave_one_gait_out(problem: tuple) -> None:
+    r, x, labels = problem
+    total = 0.0
+    for gait in range(3):
+        keep = labels != gait
+        theta = np.linalg.lstsq(x[keep][:, [0, 1]], r[keep], rcond=None)[0]
+        total += ((r[~keep] - x[~keep][:, [0, 1]] @ theta) ** 2).sum()
+    assert Evidence.of(r, x, labels).held_out([0, 1]) == pytest.approx(total, rel=1e-6)
+
+
+def test_a_useless_column_does_not_help_to_predict(problem: tuple) -> None:
+    e = Evidence.of(*problem)
+    assert e.held_out([0, 2]) < e.held_out([0])
+    assert e.held_out([0, 2, 3]) > e.chi2([0, 2, 3])
+
+
+def test_a_column_that_says_nothing_stays_at_zero() -> None:
+    x = np.column_stack([np.ones(6), np.zeros(6)])
+    values, _ = Evidence.of(np.ones(6), x, np.arange(6) // 3).solve([0, 1])
+    assert values == pytest.approx([1.0, 0.0], abs=1e-8)
