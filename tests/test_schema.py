@@ -64,6 +64,17 @@ def test_all_faults_are_named_at_once(tmp_path: Path) -> None:
     assert len(str(caught.value).splitlines()) == 2
 
 
+def test_a_list_whose_entries_are_faulty_is_not_called_empty_as_well(tmp_path: Path) -> None:
+    class Listing(schema.Record):
+        entry: tuple[Inner, ...] = Field(min_length=1)
+
+    with pytest.raises(InputError) as caught:
+        schema.load(Listing, written(tmp_path, "[[entry]]\nnumber = 1\nnumbr = 1\n"))
+    assert len(str(caught.value).splitlines()) == 1
+    with pytest.raises(InputError, match="at least 1 item"):
+        schema.load(Listing, written(tmp_path, "entry = []\n"))
+
+
 def test_files_that_are_none_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"nowhere\.toml: no such file"):
         schema.load(Outer, tmp_path / "nowhere.toml")

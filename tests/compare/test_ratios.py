@@ -64,6 +64,11 @@ def test_wrongly_ordered_pairs_are_named():
     assert wrong_pairs(np.array([3.0, 2.0, 1.0]), np.array([2.0, 3.0, 1.0])) == ((0, 1),)
 
 
+def test_two_gaits_have_no_rank_correlation_and_it_is_shown_as_a_dash():
+    assert ratio_statistics("X/Y", np.array([1.0, 2.0]), np.array([1.0, 1.5])).rank_text == "-"
+    assert ratio_statistics("X/Y", np.array([1.0, 2.0, 3.0]), np.array([1.0, 1.5, 2.0])).rank_text == "1.000"
+
+
 def test_a_gait_that_does_not_move_is_refused():
     with pytest.raises(InputError, match="must be positive.*leave it out"):
         ratio_statistics("X/Y", np.array([1.0, 0.0]), np.array([1.0, 1.0]))

@@ -123,6 +123,16 @@ def test_unlabelled_fragments_find_their_vertices():
     np.testing.assert_array_equal(found.vertices[31:69, 4], vertices[31:69, 4])
 
 
+def test_a_misspelt_marker_is_refused_and_not_taken_for_hidden():
+    body, _, _, vertices = _motion()
+    names = [f"Snake:joint_{k}" for k in range(12)]
+    tracks = _tracks(vertices, [*names[:3], "Snake:jiont_3", *names[4:]])
+    with pytest.raises(InputError, match="names `Snake:joint_3`, not in this file.*Did you mean `Snake:jiont_3`"):
+        label_vertices(tracks, tuple(names), body.edges, 12, False)
+    without = _tracks(np.delete(vertices, 3, axis=1), [*names[:3], *names[4:]])  # lost, and nothing there instead
+    assert np.isnan(label_vertices(without, tuple(names), body.edges, 12, False).vertices[:, 3]).all()
+
+
 def test_a_chain_without_any_name_is_recognised_by_its_edges():
     edges = np.array([0.1, 0.2, 0.3, 0.4])
     body = Body(vertices=5, edge_lengths=tuple(edges))

@@ -146,6 +146,19 @@ def test_cable_that_stays_out_leaves_the_servos_stopped_by_their_watchdogs_and_s
     assert summary["torque_off"] is False
 
 
+def test_servo_that_never_answered_is_no_emergency_as_nothing_was_switched_on(tmp_path):
+    another = tmp_path / "another.toml"
+    another.write_text(ROBOT_FILE.read_text().replace("id = 10\n", "id = 42\n"))
+    with emulator(tmp_path) as rig:
+        words = play_words(write_gait(tmp_path), rig.port, tmp_path / "log")
+        done = serpenoid(*words, "--robot", another)
+        assert done.returncode == 1
+        assert "nothing was switched on; servos 42 did not answer" in done.stderr
+        assert "CUT THE BATTERY" not in done.stderr
+        assert not any(rig.torques)
+    assert json.loads((tmp_path / "log" / "play.json").read_text())["torque_off"] is False
+
+
 def test_servo_that_hears_nothing_is_stopped_by_its_watchdog_and_the_others_are_off(tmp_path):
     with emulator(tmp_path, "deaf:4@0.6") as rig:
         done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))

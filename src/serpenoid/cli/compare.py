@@ -1,7 +1,7 @@
 """Lay measured, simulated and resimulated motion over each other: Exp, Sim, Resim.
 
     serpenoid compare recordings/2024-09-foam --anisotropy-ratio 0.1865
-    serpenoid compare problems/campaigns/fish.toml
+    serpenoid compare problems/campaigns/lamprey.toml
 
 Exp is what the cameras saw, Sim the commanded shapes simulated, Resim the measured shapes simulated. Exp - Sim splits
 into an actuation part (Resim - Sim) and a motion part (Exp - Resim) that add up to it. With no anisotropy ratio on the
@@ -65,7 +65,8 @@ def _model(args: argparse.Namespace, campaign: Campaign) -> tuple[Model, str]:
     if not segments:
         return start, "nothing to fit it to"
     found = estimate(start, segments, ("anisotropy_ratio",))
-    return changed(start, found.names, found.values), f"fitted to all trials jointly, SD {found.sd[0]:.2g}"
+    how_sure = f"SD {found.sd[0]:.2g} by camera noise alone, {found.robust_sd[0]:.2g} robust"
+    return changed(start, found.names, found.values), f"fitted to all trials jointly, {how_sure}"
 
 
 def lines(study: Study, origin: str) -> list[str]:
@@ -81,7 +82,7 @@ def lines(study: Study, origin: str) -> list[str]:
     for s in study.ratios:
         found.append(
             f"{s.pair:<12} mean {s.mean:.4f} STD {s.std:.4f} | bias {s.bias:.3f} s {s.s:.4f} "
-            f"rank {s.rank_correlation:.3f} wrong pairs {len(s.wrong_pairs)}/{s.pair_count}"
+            f"rank {s.rank_text} wrong pairs {len(s.wrong_pairs)}/{s.pair_count}"
         )
     for point in study.costs:
         c = "" if point.dissipation_coefficient is None else f" at c = {point.dissipation_coefficient:g}"

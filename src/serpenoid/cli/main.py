@@ -75,7 +75,7 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     except InputError as error:
         return _complain(str(error), 2)
     except (KeyboardInterrupt, StopRequested) as error:
-        return _complain(f"stopped. {error}", 130)
+        return _complain(f"stopped. {error}".rstrip(), 130)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 1

@@ -1,7 +1,7 @@
 """Read a campaign of recordings and say what is in it, what is missing, and how good it is.
 
     serpenoid measure recordings/2024-09-foam
-    serpenoid measure problems/campaigns/fish.toml --json
+    serpenoid measure problems/campaigns/lamprey.toml --json
 
 A campaign is a folder with campaign.toml and, per trial, a motion file (Motive CSV, C3D, SLEAP, plain CSV), a servo log
 and a power log; any of them may be missing (docs/campaign-format.md). A broken file is named with row and column, and

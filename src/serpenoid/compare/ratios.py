@@ -38,6 +38,11 @@ class RatioStatistics:
     wrong_pairs: tuple[tuple[int, int], ...]  # i does better than j in X and worse in Y
 
     @property
+    def rank_text(self) -> str:
+        """A dash where there are too few different gaits to rank."""
+        return f"{self.rank_correlation:.3f}" if np.isfinite(self.rank_correlation) else "-"
+
+    @property
     def pair_count(self) -> int:
         gaits = len(self.quotients)
         return gaits * (gaits - 1) // 2

@@ -39,13 +39,21 @@ def figure(path: Path, text: str) -> str:
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """A table; numbers are shortened to four significant digits and aligned right."""
-    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
+    """A table; numbers are shortened to four significant digits and aligned right, the heads of their columns too."""
+    numbers = [any(isinstance(row[column], int | float) for row in rows) for column in range(len(header))]
+    head = "".join(_head(cell, number) for cell, number in zip(header, numbers, strict=True))
     lines = ["<tr>" + "".join(_cell(cell) for cell in row) + "</tr>" for row in rows]
     return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
 
 
+def _head(text: str, number: bool) -> str:
+    kind = ' class="number"' if number else ""
+    return f"<th{kind}>{html.escape(text)}</th>"
+
+
 def _cell(value: Any) -> str:
+    if isinstance(value, int):
+        return f'<td class="number">{value}</td>'
     if isinstance(value, float):
         return f'<td class="number">{value:.4g}</td>' if np.isfinite(value) else "<td></td>"
     return f"<td>{html.escape(str(value))}</td>"

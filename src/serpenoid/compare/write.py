@@ -139,7 +139,7 @@ def _errors(study: Study) -> str:
 
 
 def _ratios(study: Study) -> str:
-    header = ["pair", "mean", "STD", "bias", "", "", "s", "", "", "rank correlation", "wrong pairs"]
+    header = ["pair", "mean", "STD", "bias", "from", "to", "s", "from", "to", "rank correlation", "wrong pairs"]
     rows = [
         [s.pair, s.mean, s.std, s.bias, *s.bias_interval, s.s, *s.s_interval, s.rank_correlation,
          f"{len(s.wrong_pairs)} of {s.pair_count}"] for s in study.ratios

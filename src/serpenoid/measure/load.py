@@ -130,8 +130,10 @@ def _scale(tracks: Tracks, vertices: Floats, body: Body, lengths_given: bool) ->
     """File units per body length; a length unit that cannot be right is refused."""
     if not lengths_given:
         return body.total_length_m
-    measured = np.nanmedian(np.linalg.norm(np.diff(vertices, axis=1), axis=2), axis=0)
-    ratio = float(np.nanmedian(measured / body.edges_m))
+    distances = np.linalg.norm(np.diff(vertices, axis=1), axis=2)
+    ever = np.isfinite(distances).any(axis=0)  # an end of the others is hidden throughout
+    measured = np.nanmedian(distances[:, ever], axis=0)
+    ratio = float(np.nanmedian(measured / body.edges_m[ever])) if ever.any() else np.nan
     if not np.isfinite(ratio):
         raise InputError(f"{tracks.source}: no two neighbouring markers are ever seen together.")
     if not tracks.scale_known:

@@ -6,6 +6,7 @@ edge lengths and whose path it continues; what matches nothing is left out and r
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,14 +43,28 @@ def label_vertices(
         raise InputError(
             f"{tracks.source}: none of the campaign's `markers` is in it; it has {', '.join(tracks.names[:8])}."
         )
+    others = tuple(n for m, n in enumerate(tracks.names) if n not in named and not tracks.unlabelled[m])
+    _refuse_misspelt(tracks, named, others)
     free = [m for m, name in enumerate(tracks.names) if name not in named and tracks.unlabelled[m]]
     free = [m for m in free if tracks.seen[:, m].any()]
-    others = tuple(n for m, n in enumerate(tracks.names) if n not in named and not tracks.unlabelled[m])
     if not free:
         return Labelled(vertices, (), others)
     if edges is None:
         raise InputError(f"{tracks.source}: unlabelled markers need `edge_lengths` in [body] to be told apart.")
     return _place_fragments(tracks, vertices, free, edges, others)
+
+
+def _refuse_misspelt(tracks: Tracks, named: tuple[str, ...], others: tuple[str, ...]) -> None:
+    """A name that is not in the file beside markers that nobody names: one vertex would count as always hidden."""
+    missing = [name for name in named if name not in tracks.names]
+    if not missing or not others:
+        return
+    close = difflib.get_close_matches(missing[0], others, n=1)
+    hint = f" Did you mean `{close[0]}`?" if close else ""
+    raise InputError(
+        f"{tracks.source}: `markers` in [motion] names {', '.join(f'`{name}`' for name in missing)}, not in this file, "
+        f"which has {', '.join(f'`{name}`' for name in others[:8])} for no vertex.{hint}"
+    )
 
 
 def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:

@@ -127,7 +127,7 @@ def ratio_caption(s: RatioStatistics) -> str:
         f"mean {s.mean:.4f}, STD {s.std:.4f}\n"
         f"bias {s.bias:.3f} [{low:.3f}, {high:.3f}]\n"
         f"s {s.s:.4f} [{s_low:.4f}, {s_high:.4f}]\n"
-        f"rank correlation {s.rank_correlation:.3f}, {len(s.wrong_pairs)} of {s.pair_count} pairs wrong"
+        f"rank correlation {s.rank_text}, {len(s.wrong_pairs)} of {s.pair_count} pairs wrong"
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from serpenoid.measure.trial import Trial
 from serpenoid.plot.body import draw_body
@@ -60,6 +61,7 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
         np.where(seen, 0.12, 0.75), aspect="auto", origin="lower", extent=extent, cmap="Greys", vmin=0, vmax=1,
         interpolation="nearest",
     )  # fmt: skip
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     for vertex in (0, len(shares) - 1):
         label = "tail" if vertex == 0 else "head"
         ax.text(

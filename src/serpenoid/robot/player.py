@@ -37,6 +37,7 @@ class Player:
         self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
         self._gave_up = False
         self.given_up_readings = 0
+        self.switched_on = False  # from just before the first torque_enable = 1
         self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
 
     def run(self) -> None:
@@ -61,6 +62,7 @@ class Player:
         """Goal = where it stands, so that nothing jumps; then profile, torque, watchdog."""
         states = self._bus.read_states(self._ids)
         set_profile(self._bus, self._plan, self._plan.approach_velocity())
+        self.switched_on = True
         for servo_id in self._ids:
             self._stop.check()
             self._bus.write(servo_id, "goal_position", states[servo_id].position)

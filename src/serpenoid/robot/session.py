@@ -73,7 +73,7 @@ def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Pro
             outcome.status, outcome.reason = "stopped", f"stopped by the user {request}".rstrip()
         finally:
             stop.disarm()
-            outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress)
+            outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress, player.switched_on)
         outcome.timing = player.timing.sentence()
         outcome.numbers = player.timing.summary() | {
             "given_up_readings": player.given_up_readings,
@@ -92,7 +92,7 @@ def _named(fault: RobotFault, plan: Plan) -> str:
     return str(fault).replace(f"servo {servo_id}", plan.robot.joint_label(plan.robot.ids.index(servo_id)), 1)
 
 
-def switch_off(bus: Bus, port: str, plan: Plan, progress: Progress) -> tuple[bool, str]:
+def switch_off(bus: Bus, port: str, plan: Plan, progress: Progress, switched_on: bool) -> tuple[bool, str]:
     """Torque off, over a port that is opened again if need be: (all confirmed, sentence)."""
     ids = plan.robot.ids
     try:
@@ -101,6 +101,8 @@ def switch_off(bus: Bus, port: str, plan: Plan, progress: Progress) -> tuple[boo
         silent = _switch_off_again(bus, port, plan, progress)
     if not silent:
         return True, "torque is off on every servo, each confirmed it"
+    if not switched_on:  # and no watchdog was armed
+        return False, f"nothing was switched on; servos {', '.join(map(str, silent))} did not answer: look at them"
     holds = f"their bus watchdogs stop them within {plan.watchdog_s:.2f} s, but they may hold. CUT THE BATTERY"
     return False, f"servos {', '.join(map(str, silent))} did not confirm torque off: {holds}"
 
