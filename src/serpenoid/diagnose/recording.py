@@ -19,7 +19,7 @@ from serpenoid.diagnose.clocks import Clock, align, start_on_log
 from serpenoid.diagnose.geometry import marker_angles
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file, read_motion, read_table
-from serpenoid.measure.load import _label
+from serpenoid.measure.load import label_markers
 from serpenoid.measure.logs import ServoLog, read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
 
@@ -111,7 +111,7 @@ def read_recording(file: CampaignFile, entry: TrialEntry, folder: Path) -> Recor
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     schedule = Schedule(table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
-    markers = _label(tracks, file.motion_of(entry), file.body.edges_m, file.body.vertices).vertices
+    markers = label_markers(tracks, file.motion_of(entry), file.body.edges_m, file.body.vertices).vertices
     angles = marker_angles(file.body, markers)
     clock = align(tracks.time_s, angles, log)
     start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log)

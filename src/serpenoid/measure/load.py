@@ -81,7 +81,7 @@ def load_trial(file: CampaignFile, entry: TrialEntry, folder: Path, body: Body) 
     metres = body.total_length_m if file.lengths_given else None
     if tracks is not None:
         keys = file.motion_of(entry)
-        labelled = _label(tracks, keys, body.edges_m if tracks.scale_known else None, body.vertices)
+        labelled = label_markers(tracks, keys, body.edges_m if tracks.scale_known else None, body.vertices)
         scale = _scale(tracks, labelled.vertices, body, file.lengths_given)
         metres = body.total_length_m if tracks.scale_known and keys.length_unit != "bl" else None
         extras = (labelled.relabelled, labelled.unused)
@@ -105,7 +105,8 @@ def _schedule(entry: TrialEntry, table: Floats | None) -> Schedule | None:
     return Schedule(table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
 
 
-def _label(tracks: Tracks, keys: MotionKeys, edges: Floats | None, count: int) -> Labelled:
+def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, count: int) -> Labelled:
+    """Tracks as vertices 0 .. N - 1 (N = `count`), by marker names and edge lengths (N - 1,), if known."""
     markers = None if keys.format == "tidy" else keys.markers  # tidy columns are vertices already
     return label_vertices(tracks, markers, edges, count, keys.first_point == "head")
 
@@ -116,7 +117,7 @@ def _estimate_lengths(file: CampaignFile, folder: Path) -> Body:
     for entry in file.trial:
         tracks = read_motion(file, entry, folder)
         if tracks is not None:
-            labelled = _label(tracks, file.motion_of(entry), None, file.body.vertices)
+            labelled = label_markers(tracks, file.motion_of(entry), None, file.body.vertices)
             distances.append(np.linalg.norm(np.diff(labelled.vertices, axis=1), axis=2))
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")

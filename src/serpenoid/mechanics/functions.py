@@ -124,7 +124,7 @@ def step(structure: Structure) -> ca.Function:
     guess, parameters = ca.MX.sym("guess"), ca.MX.sym("parameters", 2 * structure.vertices)
     m = step_moments(structure)(before, after, parameters)
     phi = planar.root_finder()(guess, m)
-    b, residual, curvature, value = _reduced()(phi, m)
+    b, residual, curvature, value = reduced_step()(phi, m)
     outputs = [ca.vertcat(b, phi), residual, curvature, value]
     names = (["before", "after", "guess", "parameters"], ["pose", "residual", "curvature", "energy"])
     return ca.Function("step", [before, after, guess, parameters], outputs, *names)
@@ -133,7 +133,9 @@ def step(structure: Structure) -> ca.Function:
 STEP_INPUTS = ["before", "after", "pose", "parameters"]
 
 
-def _reduced() -> ca.Function:
+@lru_cache(maxsize=1)
+def reduced_step() -> ca.Function:
+    """(turn, moments) -> translation (2), dE/d turn, its slope, energy; the translation is eliminated."""
     phi, m = ca.SX.sym("phi"), ca.SX.sym("m", planar.MOMENTS)
     b = planar.translation_at(phi, m)
     slope = planar.turning_moment(phi, m)

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from serpenoid.body import Floats
-from serpenoid.mechanics import functions, planar
+from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
@@ -91,7 +91,7 @@ def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats
     moments = functions.step_moments(model.structure)(before[:, part], after[:, part], model.parameters)
     if not np.isfinite(moments.full()).all():
         return None
-    reduced = _reduced()
+    reduced = functions.reduced_step()
     turns = np.linspace(-np.pi, np.pi, SAMPLES + 1)
     slope = reduced.map(turns.size)(turns[None, :], ca.repmat(moments, 1, turns.size))[1].full()[0]
     minima = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0))
@@ -99,7 +99,7 @@ def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats
     if not roots:
         return None
     phi = min(roots, key=abs)
-    b, residual, energy = reduced(phi, moments)
+    b, residual, _, energy = reduced(phi, moments)
     return np.array([*b.full()[:, 0], phi]), abs(float(residual)), float(energy)
 
 
@@ -128,11 +128,3 @@ def _cycles(structure: Structure, steps: int, count: int) -> ca.Function:
     after = ca.horzcat(before[:, m:], before[:, :m])
     cycle = ca.Function("cycle", [angles, parameters], _mapped(step, steps)(before, after, 0, parameters))
     return cycle.map("cycles", "serial", count, [1], [])
-
-
-@lru_cache(maxsize=1)
-def _reduced() -> ca.Function:
-    phi, m = ca.SX.sym("phi"), ca.SX.sym("m", planar.MOMENTS)
-    b = planar.translation_at(phi, m)
-    outputs = [b, planar.turning_moment(phi, m), planar.energy_from_moments(phi, b, m)]
-    return ca.Function("reduced", [phi, m], outputs, functions.CSE)
