@@ -76,8 +76,8 @@ Separation = Callable[[int, Name], float]
 class Judgement:
     """outcome and the separations that were needed.
 
-    Outcomes: right, wrong, missed (nothing named), unscored; with nothing to be found: right (said "nothing"), false alarm
-    (something named), false doubt (nothing named, yet not "nothing"), right name below the floor.
+    Outcomes: right, wrong, missed (nothing named), unscored; with nothing to be found: right (said "nothing"), false
+    alarm (something named), false doubt (nothing named, yet not "nothing"), right name below the floor.
     """
 
     outcome: str
