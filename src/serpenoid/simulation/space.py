@@ -108,7 +108,7 @@ class _Step:
         """Near the minimum the energy's last digits say nothing: Newton steps as long as they flatten the slope."""
         for _ in range(POLISHING_STEPS):
             here = self.rotation, self.shift
-            self._move(-np.linalg.lstsq(curvature, slope, rcond=1e-14)[0])
+            self._move(np.asarray(-np.linalg.lstsq(curvature, slope, rcond=1e-14)[0], dtype=float))
             there = self._expansion()
             if np.abs(there[1]).max() >= np.abs(slope).max() or np.linalg.eigvalsh(there[2])[0] < -TOLERANCE:
                 self.rotation, self.shift = here
