@@ -32,7 +32,7 @@ from blind.catalogue import CATALOGUE, Effect
 from blind.folder import seal, write
 from blind.gaits import random_table
 from blind.handful import HANDFUL
-from blind.score import Answer, Name, answer, coverage, judge
+from blind.score import Answer, Name, answer, errors, judge
 from blind.separation import separation
 from blind.strength import floor, strength
 from blind.summary import summarise
@@ -108,12 +108,13 @@ def score(c: Campaign, diagnosis: dict[str, Any]) -> dict[str, Any]:
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}
     strengths = [strength(c, e, f) for e in c.effects]
     verdict = judge(said, c.effects, strengths, lambda i, n: separation(c, c.effects[i], n.name, n.place, f))
-    covered = coverage(diagnosis, c.effects)
+    missed = errors(diagnosis, c.effects)
     return row | {
         "strengths": strengths,
         "outcome": verdict.outcome,
         "separations": verdict.separations,
-        "covered": covered,
+        "covered": {name: abs(error) <= 1 for name, error in missed.items()},
+        "errors_over_half_width": missed,
     }
 
 

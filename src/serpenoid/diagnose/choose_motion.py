@@ -11,7 +11,7 @@ from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
-from serpenoid.diagnose.noise import path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
@@ -23,6 +23,8 @@ from serpenoid.model import Model
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
+CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
+FLOOR_UNCERTAIN = 0.06  # standard deviation of the logarithm of a floor that is itself estimated from repeats
 SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
@@ -76,7 +78,9 @@ def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
         predictions = found.faint[-1].fit.predictions
         after_m = min(after_m, total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)]))
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
-    return pattern(motion, predictions, after_m / found.floor_m, differences)
+    draws = np.log(path_draws(motion, predictions) / found.floor_m)
+    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))
+    return pattern(motion, predictions, after_m / found.floor_m, chance, differences)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:

@@ -19,7 +19,7 @@ LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames
 CREEP = np.array(
     [4e-5, 4e-5, 1.5e-4]
 )  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
-DRAWS = 24
+DRAWS = 48
 
 
 def residuals(tracks: Sequence[Track], predictions: Sequence[Prediction]) -> list[Floats]:
@@ -67,17 +67,22 @@ def _sd(values: Floats) -> Floats:
 
 def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
     """F [m]: the path RMS that window noise adds up to."""
+    return total(path_draws(motion, predictions))
+
+
+def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
+    """Path RMS over all trials [m] as chance makes it, (DRAWS,)."""
     rng = np.random.default_rng(0)
-    squares = []
-    for track, p in zip(motion.tracks, predictions, strict=True):
+    squares = np.empty((len(motion.tracks), DRAWS))
+    for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
         noise = motion.noise.of(track).copy()
         noise[~track.playing] = LEAST
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]
-        for _ in range(DRAWS):
+        for n in range(DRAWS):
             path = travel(steps + rng.normal(size=noise.shape) * noise, np.zeros(3))[:, :2]
-            squares.append(_mean_in_time(track, ((path - true) ** 2).sum(axis=1)))
-    return float(np.sqrt(np.mean(squares)))
+            squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
+    return np.asarray(np.sqrt(squares.mean(axis=0)))
 
 
 def _mean_in_time(track: Track, values: Floats) -> float:
@@ -121,7 +126,7 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
     return found
 
 
-def total(values: Sequence[float]) -> float:
+def total(values: Sequence[float] | Floats) -> float:
     """RMS over trials."""
     return float(np.sqrt(np.mean(np.square(values))))
 

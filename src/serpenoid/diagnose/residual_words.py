@@ -16,7 +16,6 @@ from serpenoid.diagnose.noise import pairs, residuals
 from serpenoid.diagnose.windows import Prediction
 
 RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
-PATH = 1.35  # floors
 TAIL = 6.0  # standard deviations: a push in one trial
 DIRECTIONS = ("forward", "to the left", "in turning left")
 
@@ -35,8 +34,10 @@ def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
     return float(top.sum() / bottom.sum()), top / bottom
 
 
-def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, differences: Floats) -> tuple[str, ...]:
-    """Sentences about what is left, or none."""
+def pattern(
+    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
+) -> tuple[str, ...]:
+    """Sentences about what is left, or none. path: its RMS in floors; chance: what it may be without a cause."""
     left = residuals(motion.tracks, predictions)
     ratio, by = repeatable(motion, left)
     words = []
@@ -45,7 +46,7 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, diff
         words.append(f"what is left repeats: {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _when(motion, left, worst)
         words += _where(motion, left)
-    if path > PATH:
+    if path > chance:
         words.append(f"paths stray {path:.1f} floors from the measured ones")
     if len(differences):
         size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
