@@ -29,7 +29,8 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose, write, report."""
     from serpenoid.diagnose.diagnose import diagnose
     from serpenoid.diagnose.recording import read_recordings
-    from serpenoid.diagnose.start import baseline, lines
+    from serpenoid.diagnose.start import baseline
+    from serpenoid.diagnose.words import lines
     from serpenoid.diagnose.write import write
     from serpenoid.measure.campaign import load_campaign_file
 

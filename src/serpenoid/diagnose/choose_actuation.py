@@ -12,7 +12,7 @@ from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 
 AT_MOST = 3
-VISIBLE = 1.6  # floors
+VISIBLE, SUSPECT = 1.6, 1.0  # floors: what is named, and what is told of
 SHARE = 0.3  # of the excess of chi squared that one more effect must take away
 RIVAL = 14.0
 SETTLED = 1.6  # RMS of the worst joint, in noise
@@ -24,14 +24,19 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
     data = plays(recordings)
     chosen: list[ActiveEffect] = []
     rivals: list[ActiveEffect] = []
+    faint: tuple[Named, ...] = ()
     for _ in range(AT_MOST):
         now = channels(data, chosen)
-        if np.sqrt(max(now.max() ** 2 - 1, 0)) < VISIBLE:
+        seen = np.sqrt(max(now.max() ** 2 - 1, 0))
+        if seen < SUSPECT:
             break
         tries = sorted(attempts(data, chosen), key=lambda a: a.chi2.sum())
         best = tries[0]
         excess = ((now**2 - 1) * len(data.readings)).sum()
         if (now**2).sum() * len(data.readings) - best.chi2.sum() < SHARE * excess:
+            break
+        if seen < VISIBLE:
+            faint = (_named(data, [*chosen, best.effect], best.effect),)
             break
         rivals += [t.effect for t in tries[1:] if _rivals(t, best)]
         chosen = _refined(data, [*chosen, best.effect])
@@ -41,7 +46,7 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
     if left[worst] > SETTLED:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
     named = tuple(_named(data, chosen, e) for e in chosen)
-    return Rung("actuation", named, tuple(rivals), (), float(left[worst]), words)
+    return Rung("actuation", named, tuple(rivals), faint, float(left[worst]), words)
 
 
 def _rivals(a: Attempt, best: Attempt) -> bool:

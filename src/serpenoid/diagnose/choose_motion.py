@@ -54,16 +54,22 @@ def finding(found: Selection) -> MotionFinding:
     after = total([path_rms(t, p) for t, p in zip(motion.tracks, best.predictions, strict=True)])
     named = [named_of(found, best, e) for e in best.effects]
     jumps = find_jumps(motion, best.predictions, floor)
-    faint = [t.added for t in found.faint]
+    faint = [faint_of(t, floor) for t in found.faint]
     if jumps is not None and jumps.strength >= 1.6:
         named.append(jumps)
         after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
     elif jumps is not None:
-        faint.append(jumps.effect)
+        faint.append(jumps)
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, best.predictions))
     words = pattern(motion, best.predictions, after / floor, differences)
     rung = Rung("motion", tuple(named), rivals(found), tuple(faint), after / floor, words)
     return MotionFinding(rung, found, before, after)
+
+
+def faint_of(t: Try, floor_m: float) -> Named:
+    """What held-out gaits are better predicted with, though its trace in the path is too faint to name it."""
+    fitted = next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place))
+    return Named(fitted, {}, t.strength_m / floor_m)
 
 
 def rivals(found: Selection) -> tuple[ActiveEffect, ...]:

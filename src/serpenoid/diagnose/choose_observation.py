@@ -61,7 +61,7 @@ def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observati
     )
     visible = {(n.effect.name, n.effect.place) for n in shown}
     others = tuple(ActiveEffect.neutral(*k) for k, of in rivals if of in visible and k not in visible)
-    return Rung("observation", tuple(shown), others, tuple(n.effect for n in faint), left, words), now
+    return Rung("observation", tuple(shown), others, tuple(faint), left, words), now
 
 
 def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key], Observation, list] | None:

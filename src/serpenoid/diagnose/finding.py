@@ -44,7 +44,7 @@ class Rung:
     name: str
     named: tuple[Named, ...] = ()
     rivals: tuple[ActiveEffect, ...] = ()
-    faint: tuple[ActiveEffect, ...] = ()
+    faint: tuple[Named, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())
 
