@@ -62,13 +62,16 @@ class Windows:
         own = turn(-self.tangent, self.at_vertices(residual))
         return np.asarray(np.sqrt((own[self.playing] ** 2).mean(axis=0)))
 
-    def noise_along_body(self) -> Floats:
-        """What the windows' noise is in `along_body` (N, 2)."""
+    def noise_at_vertices(self) -> Floats:
+        """SD of residual velocities along the body and across it (W, N, 2) that the windows' noise makes."""
         c, s = np.cos(self.tangent)[..., None], np.sin(self.tangent)[..., None]
         x, y = self.points[..., :1], self.points[..., 1:]
         rows = np.concatenate([c, s, s * x - c * y], axis=-1), np.concatenate([-s, c, c * x + s * y], axis=-1)
-        variance = [((r * self.noise[:, None]) ** 2).sum(axis=-1)[self.playing].mean(axis=0) for r in rows]
-        return np.sqrt(np.stack(variance, axis=-1))
+        return np.sqrt(np.stack([((r * self.noise[:, None]) ** 2).sum(axis=-1) for r in rows], axis=-1))
+
+    def noise_along_body(self) -> Floats:
+        """What chance alone makes of `along_body` (N, 2)."""
+        return np.asarray(np.sqrt((self.noise_at_vertices()[self.playing] ** 2).mean(axis=0)))
 
 
 def windows(motion: Motion, before: Sequence[Prediction], after: Sequence[Prediction]) -> Windows:
@@ -145,18 +148,20 @@ def by_time(w: Windows) -> list[Bin]:
 
 @dataclass(frozen=True)
 class Cell:
-    """Vertices on a square of the floor: its middle [m], how many, mean (2,) and RMS of residual velocity [m/s]."""
+    """Vertices on a square of the floor: its middle [m], how many; residual velocity [m/s]: mean (2,), RMS, noise."""
 
     x: float
     y: float
     count: int
     mean: Floats
     rms: float
+    noise: float
 
 
 def on_floor(w: Windows, residual: Floats) -> list[Cell]:
     """Residual velocities along the floor's axes, of the vertices on each square that enough of them visited."""
     moved = turn(w.frame[:, None, 2], w.at_vertices(residual)).reshape(-1, 2)
+    chance = (w.noise_at_vertices() ** 2).sum(axis=2).ravel()
     cells = np.floor(w.vertices.reshape(-1, 2) / CELL_M).astype(int)
     found = []
     for cell in np.unique(cells, axis=0):
@@ -164,7 +169,8 @@ def on_floor(w: Windows, residual: Floats) -> list[Cell]:
         if mine.sum() >= LEAST_VISITS:
             x, y = (cell + 0.5) * CELL_M
             rms = float(np.sqrt((moved[mine] ** 2).sum(axis=1).mean()))
-            found.append(Cell(float(x), float(y), int(mine.sum()), moved[mine].mean(axis=0), rms))
+            noise = float(np.sqrt(chance[mine].mean()))
+            found.append(Cell(float(x), float(y), int(mine.sum()), moved[mine].mean(axis=0), rms, noise))
     return found
 
 
@@ -193,4 +199,4 @@ def _record(b: Bin, name: str) -> dict[str, Any]:
 
 
 def _square(c: Cell) -> dict[str, Any]:
-    return {"x": c.x, "y": c.y, "vertices": c.count, "mean": c.mean.tolist(), "rms": c.rms}
+    return {"x": c.x, "y": c.y, "vertices": c.count, "mean": c.mean.tolist(), "rms": c.rms, "noise": c.noise}

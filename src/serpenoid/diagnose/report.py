@@ -7,6 +7,7 @@ drawn are left out.
 from __future__ import annotations
 
 import html
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,16 +27,18 @@ CAPTIONS = {
     "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
     "along-body": "Left and middle: the residual motion as each vertex makes it. Right: how much better held-out gaits "
     "would be predicted with a load or a worn wheel at that vertex, to first order (0: not at all).",
-    "on-floor": "Residual velocity of the vertices where they stood on the floor: colour RMS, arrows mean; each panel has "
-    "a scale of its own.",
-    "ranking": "Candidates beside eps alone; dark: named. Wrong candidates can gain much by standing in for the right "
-    "one, so the best are fitted in full and compared again.",
+    "on-floor": "Residual velocity of the vertices where they stood on the floor. Colour: RMS over what chance makes "
+    "of it (1: chance alone). Arrows: mean. Each panel has a scale of its own.",
+    "ranking": "Candidates on the rung of motion, beside eps alone; dark: named, dashed: what is needed. Wrong "
+    "candidates can gain much by standing in for the right one, so the best are fitted in full and compared again.",
+    "next-experiment": "Its joint angles.",
 }
 GAINS = {
     "path_rms_m": ("path RMS", "m"), "displacement_error_m": ("displacement error, RMS", "m"),
     "heading_error_rad": ("heading error, RMS", "rad"), "s": ("s (spread of ln ratio of displacements)", "1"),
     "log_likelihood": ("log-likelihood per trial", "1"),
 }  # fmt: skip
+WORSE = 1.02  # a path RMS that does not come closer
 Section = tuple[str, str]
 
 
@@ -48,7 +51,7 @@ def write_pages(folder: Path, record: Record) -> None:
         ("Residual maps: shape", _figures(folder, "joints", "markers")),
         ("Residual maps: motion", _figures(folder, "residuals", "residuals-left", "along-body", "on-floor")),
         ("Alternatives", _alternatives(record)),
-        ("Next experiment", _experiment(record)),
+        ("Next experiment", _experiment(record) + _figures(folder, "next-experiment")),
     ]
     shown_sections = [(heading, content) for heading, content in sections if content]
     write_report(folder / "report.html", f"{record['campaign']}: {record['verdict']}", lead(record), shown_sections, [])
@@ -64,6 +67,7 @@ def lead(record: Record) -> list[str]:
             f"{title(e)}: {numbers}. Its trace is {e['strength_floors']:.1f} times the noise floor. "
             f"How it looks: {kind.looks_like}. What to do: {kind.what_to_do}."
         )
+    found += [f"{text.capitalize()}: gaits not fitted are predicted better with it." for text in faint(record)]
     others = [title(e) for e in record["alternatives"]]
     if others:
         found.append(f"The data cannot tell this from: {', '.join(others)}.")
@@ -72,11 +76,18 @@ def lead(record: Record) -> list[str]:
         f"Path RMS on gaits that were not fitted: {shown(rms['before'], 'm')} before, {shown(rms['after'], 'm')} "
         f"after; repeats alone would leave about {shown(record['noise_floor_m'], 'm')}."
     )
-    return (
-        found
-        + [f"{text.capitalize()}." for text in faint(record)]
-        + [f"Left: {t}." for t in record["residual_pattern"]]
-    )
+    if record["effects"] and rms["after"] > WORSE * rms["before"]:
+        found.append("With the extension these paths are no closer: do not rely on the name without further trials.")
+    return found + left_over(record["residual_pattern"])
+
+
+def left_over(sentences: Sequence[str]) -> list[str]:
+    """A sentence for every rung, of `rung: what is left there`."""
+    rungs: dict[str, list[str]] = {}
+    for text in sentences:
+        rung, _, what = text.partition(": ")
+        rungs.setdefault(rung, []).append(what)
+    return [f"Not accounted for on the rung of {rung}: {'; '.join(what)}." for rung, what in rungs.items()]
 
 
 def _figures(folder: Path, *names: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from serpenoid import schema
+from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -16,7 +18,22 @@ def baseline(path: str | Path | None, file: CampaignFile) -> Model:
     """The campaign's body in the medium of a problem or model file (else of the campaign, else a first guess)."""
     medium = file.medium or Medium(anisotropy_ratio=FIRST_GUESS)
     if path is not None:
-        data = schema.read_toml(path).get("medium")
-        if data is not None:
-            medium = schema.validate(Medium, data, str(path))
+        data = schema.read_toml(path)
+        _check_body(data.get("body"), file, path)
+        if "medium" in data:
+            medium = schema.validate(Medium, data["medium"], str(path))
+    if medium.dissipation != "vertex":
+        raise InputError(
+            f'{path or file.source}: a diagnosis needs [medium] dissipation = "vertex": effects have their places there.'
+        )
     return Model(file.body, medium)
+
+
+def _check_body(body: Any, file: CampaignFile, path: str | Path) -> None:
+    """InputError where a file describes another robot than the campaign's."""
+    vertices = body.get("vertices") if isinstance(body, dict) else None
+    if vertices not in (None, file.body.vertices):
+        raise InputError(
+            f"{path}: a body of {vertices} vertices, but {file.source} records one of {file.body.vertices}. "
+            "Give the problem file of the robot that was recorded."
+        )

@@ -14,7 +14,7 @@ MEANINGS = {
     "nothing": "nothing beyond chance: the model predicts these motions as well as a repetition does",
     "explained": "what the model got wrong has a name, and nothing beyond chance is left",
     "partly explained": "what is named below is part of the cause; more is left than chance explains",
-    "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it",
+    "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
 }
 
 

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel
 from serpenoid.diagnose.maps import windows
+from serpenoid.diagnose.select import GAIN
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.figures import save
+from serpenoid.plot.joints import joint_angles, joint_bar
 from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal
 
 if TYPE_CHECKING:
@@ -26,8 +29,8 @@ PARTS = {"actuation": "joints", "observation": "markers"}
 LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
 
 
-def draw_all(folder: Path, d: Diagnosis) -> list[str]:
-    """Every figure that there is something to draw for; returns the names without ending."""
+def draw_all(folder: Path, d: Diagnosis, experiment: Floats | None = None) -> list[str]:
+    """Every figure that there is something to draw for, and the next experiment's joint table (T, m); their names."""
     w = windows(d.motion.selection.motion, d.motion.selection.null.predictions, d.motion.selection.best.predictions)
     extended = bool(d.motion.selection.best.effects)
     jobs: dict[str, Callable[[], Figure]] = {
@@ -41,6 +44,8 @@ def draw_all(folder: Path, d: Diagnosis) -> list[str]:
     if extended:
         jobs["residuals-left"] = lambda: diagnosis_maps.left_figure(w)
     jobs |= {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in d.ladder if s.error.name in PARTS}
+    if experiment is not None:
+        jobs["next-experiment"] = lambda: table_figure(experiment)
     for name, job in jobs.items():
         save(job(), folder, name)
     return list(jobs)
@@ -76,6 +81,7 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
     dress(ax, "", "x [mm]", "y [mm]")
     ax.set_title(f"{setting[0]}, {setting[1]:.3g} s", fontsize=SMALL, loc="left", color=INK)
     fill_equal(ax)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
     return ax
 
 
@@ -83,6 +89,15 @@ def _draw(ax: Axes, path: Floats, colour: str, width: float) -> None:
     points = 1e3 * path[:, :2]
     ax.plot(*points.T, color=colour, lw=width)
     ax.plot(*points[-1], "o", color=colour, ms=3)
+
+
+def table_figure(table: Floats) -> Figure:
+    """Joint angles of a table (T, m) over the cycle."""
+    fig = figure(7.4, 2.9)
+    ax = fig.add_subplot()
+    joint_angles(table, ax, title="")
+    joint_bar(ax, table.shape[1])
+    return fig
 
 
 def ranking_figure(d: Diagnosis) -> Figure:
@@ -96,5 +111,7 @@ def ranking_figure(d: Diagnosis) -> Figure:
     ax.invert_yaxis()
     dress(ax, "", "chi squared that a fit to the other gaits gains, to first order", "")
     ax.ticklabel_format(axis="x", style="plain")
+    ax.set_xlim(0, 1.05 * max([GAIN, *(s for *_, s in best)]))
+    ax.axvline(GAIN, color=INK, lw=1.0, ls="--")
     ax.grid(visible=False, axis="y")
     return fig

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.maps import CELL_M, Bin, Cell, Windows, by_phase, by_speed, by_time, on_floor
+from serpenoid.diagnose.select import GAIN
 from serpenoid.plot.style import (
     BLUE,
     FAINT,
@@ -28,6 +29,7 @@ from serpenoid.plot.style import (
 )
 
 HEAT = colormaps["YlOrRd"]
+PALE = 4.0  # times chance: the darkest colour at least
 DIRECTIONS = (("forward", "mm/s", 1e3), ("to the left", "mm/s", 1e3), ("turning left", "°/s", 180 / np.pi))
 AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
     ("phase", "phase [cycles], 1 = pause", by_phase),
@@ -88,7 +90,7 @@ def body_figure(w: Windows, extended: bool, scores: Scores) -> Figure:
     axes = fig.subplots(1, 3)
     for ax, component, name in ((axes[0], 1, "across the body"), (axes[1], 0, "along the body")):
         vertex_speeds(w, extended, component, name, ax)
-    axes[0].legend(frameon=False, fontsize=SMALL)
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False, fontsize=SMALL)
     vertex_scores(scores, axes[2])
     return fig
 
@@ -108,12 +110,15 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
 
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
     """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
+    largest = GAIN
     for name, colour, mark in (("load", GREEN, "s"), ("worn_wheel", PURPLE, "^")):
         mine = sorted((p, max(s, 0.0)) for n, p, s in scores if n == name and p is not None)
         if mine:
-            ax.plot(*np.array(mine).T, "-", marker=mark, color=colour, ms=4, label=name)
-            ax.set_xticks([p for p, _ in mine][::2])
-    ax.set_ylim(bottom=0)
+            places, gains = zip(*mine, strict=True)
+            ax.plot(places, gains, "-", marker=mark, color=colour, ms=4, label=name)
+            ax.set_xticks(places[::2])
+            largest = max(largest, *gains)
+    ax.set_ylim(0, 1.1 * largest)
     ax.legend(frameon=False, fontsize=SMALL)
     return dress(ax, "Gain of an effect there", "vertex (0 = tail)", "chi squared on held-out gaits")
 
@@ -128,19 +133,19 @@ def floor_figure(w: Windows, extended: bool) -> Figure:
 
 
 def squares(cells: Sequence[Cell], name: str, ax: Axes) -> Axes:
-    """Colour: RMS; arrow: mean. Both in mm/s."""
+    """Colour: RMS over what chance makes of it; arrow: mean [mm/s]."""
     place, mean = np.array([(c.x, c.y) for c in cells]), 1e3 * np.array([c.mean for c in cells])
-    rms = 1e3 * np.array([c.rms for c in cells])
+    over = np.array([c.rms / c.noise for c in cells])
     half = CELL_M / 2
     corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
-    largest = float(rms.max())
+    largest = max(PALE, float(over.max()))
     ax.add_collection(
-        PolyCollection(place[:, None] + corners, facecolors=HEAT(rms / largest), edgecolors="white", lw=0.5)
+        PolyCollection(place[:, None] + corners, facecolors=HEAT(over / largest), edgecolors="white", lw=0.5)
     )
     key = float(f"{np.hypot(*mean.T).max():.1g}")
     q = ax.quiver(*place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=key / (1.6 * half), width=0.004)
     ax.quiverkey(q, 0.75, 1.04, key, f"mean: {key:g} mm/s", labelpos="E", fontproperties={"size": SMALL})
-    colour_bar(ax, HEAT, 0, largest, "RMS [mm/s]", shrink=0.8)
+    colour_bar(ax, HEAT, 0, largest, "RMS over chance", shrink=0.8)
     dress(ax, name, "x [m]", "y [m]", grid=False)
     fill_equal(ax)
     return ax
