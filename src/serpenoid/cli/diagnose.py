@@ -12,8 +12,8 @@ verdict           nothing left      something left
   effects named   explained         partly explained
   none named      nothing           unexplained
 
-An effect's strength is its trace in floors; below 1.6 it is too faint to name. `or ...` are effects that the data cannot
-tell from the one above; `next-experiment.csv` is the gait that would.
+An effect's strength is its trace in floors; below 1.6 it is too faint to name. `or ...` are effects that the data
+cannot tell from the one above; `next-experiment.csv` is the gait that would.
 
 Writes report.html (begin there; it needs no other file), diagnosis.json, extended-model.toml, figures as PNG and SVG.
 Exit code 0 whatever the verdict, 2 where the campaign or the model cannot be read.

@@ -23,8 +23,9 @@ def baseline(path: str | Path | None, file: CampaignFile) -> Model:
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
     if medium.dissipation != "vertex":
+        where = path or f"campaign `{file.name}`"
         raise InputError(
-            f'{path or file.source}: a diagnosis needs [medium] dissipation = "vertex": effects have their places there.'
+            f'{where}: a diagnosis needs [medium] dissipation = "vertex", where effects have their places.'
         )
     return Model(file.body, medium)
 
@@ -34,6 +35,6 @@ def _check_body(body: Any, file: CampaignFile, path: str | Path) -> None:
     vertices = body.get("vertices") if isinstance(body, dict) else None
     if vertices not in (None, file.body.vertices):
         raise InputError(
-            f"{path}: a body of {vertices} vertices, but {file.source} records one of {file.body.vertices}. "
+            f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of {file.body.vertices}. "
             "Give the problem file of the robot that was recorded."
         )
