@@ -9,14 +9,13 @@ from typing import Any
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
-from serpenoid.diagnose.finding import Named, Rung
+from serpenoid.diagnose.finding import Named, Rival, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
 from serpenoid.diagnose.ladder import Step, climb
 from serpenoid.diagnose.maps import residual_maps
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.windows import Prediction
-from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
 
@@ -43,9 +42,9 @@ class Diagnosis:
         return tuple(n for rung in self.rungs for n in rung.named)
 
     @property
-    def rivals(self) -> tuple[ActiveEffect, ...]:
+    def rivals(self) -> tuple[Rival, ...]:
         """What cannot be told apart from them."""
-        return tuple(e for rung in self.rungs for e in rung.rivals)
+        return tuple(r for rung in self.rungs for r in rung.rivals)
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -94,10 +93,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
     return {
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
-        "alternatives": [
-            {"name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters)}
-            for e in d.rivals
-        ],
+        "alternatives": [r.record() for r in d.rivals],
         "below_the_floor": [n.record() for rung in d.rungs for n in rung.faint],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,

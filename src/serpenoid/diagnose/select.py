@@ -36,7 +36,6 @@ GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing st
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
-RIVAL = 14.0  # chi squared: what is no worse than this cannot be excluded
 
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
@@ -53,16 +52,14 @@ class Try:
 
 @dataclass(frozen=True)
 class Selection:
-    """null: eps alone; best: what was chosen; tries: every full fit, last level; faint: gains below the floor."""
+    """null: eps alone; best: what was chosen; faint: gains below the floor."""
 
     motion: Motion
     null: Fit
     best: Fit
     floor_m: float
-    tries: tuple[Try, ...]
     faint: tuple[Try, ...]
     scores: tuple[tuple[str, int | None, float], ...]
-    reach: float = np.inf  # chi squared of the choice, on the mesh of the tries
 
 
 def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion, Fit]:
@@ -78,7 +75,6 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
     motion, null = calibrated(motion, None, model)
     best = null
     faint: list[Try] = []
-    kept: list[Try] = []
     scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
         floor = path_floor(motion, best.predictions)
@@ -100,15 +96,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
         motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better)
-        kept = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
-    return Selection(
-        motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2
-    )
-
-
-def again(motion: Motion, t: Try) -> Try:
-    """The same fit under a new noise."""
-    return replace(t, fit=fit(motion, t.fit.model, list(t.fit.effects), t.fit.coordinates, steps=2))
+    return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
 
 
 def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:

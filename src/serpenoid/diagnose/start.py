@@ -35,6 +35,6 @@ def _check_body(body: Any, file: CampaignFile, path: str | Path) -> None:
     vertices = body.get("vertices") if isinstance(body, dict) else None
     if vertices not in (None, file.body.vertices):
         raise InputError(
-            f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of {file.body.vertices}. "
-            "Give the problem file of the robot that was recorded."
+            f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "
+            f"{file.body.vertices}. Give the problem file of the robot that was recorded."
         )
