@@ -3,17 +3,32 @@
     serpenoid diagnose recordings/2024-09-foam --model problems/snake10.toml --out results/foam
     serpenoid solve problems/snake10.toml --model results/foam/extended-model.toml
 
-Three rungs: command against shape (actuation), shape against markers (observation), shape against motion (medium).
-Verdicts: nothing | explained | partly explained | unexplained. What the data cannot separate is reported as a group.
-Writes diagnosis.json, extended-model.toml, figures and report.html.
+Climbs three rungs: command against shape (actuation: servos), shape against markers (observation: cameras, clocks),
+shape against motion (medium: wheels and floor). On each, the error stands beside its noise floor, which repeated trials
+tell: record every setting twice. Effects (see `serpenoid effects`) are chosen by how well they predict gaits they were
+not fitted to, so record six gaits or more, one of them tail first, at several cycle durations and headings.
+
+verdict           nothing left      something left
+  effects named   explained         partly explained
+  none named      nothing           unexplained
+
+An effect's strength is its trace in floors; below 1.6 it is too faint to name. `or ...` are effects that the data
+cannot tell from the one above; `next-experiment.csv` is the gait that would.
+
+Writes report.html (begin there; it needs no other file), diagnosis.json, extended-model.toml, figures as PNG and SVG.
+Exit code 0 whatever the verdict, 2 where the campaign or the model cannot be read.
 """
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import campaigns, options
+
+if TYPE_CHECKING:
+    from serpenoid.diagnose.diagnose import Diagnosis
 
 STAGES = 10
 
@@ -21,7 +36,11 @@ STAGES = 10
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `diagnose`."""
     campaigns.add_campaign(parser)
-    parser.add_argument("--model", metavar="FILE", help="problem or model file with the baseline medium")
+    parser.add_argument(
+        "--model",
+        metavar="FILE",
+        help="problem or model file whose [medium] is the baseline; eps is calibrated (default: the campaign's)",
+    )
     options.add_output(parser)
 
 
@@ -29,22 +48,33 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose, write, report."""
     from serpenoid.diagnose.diagnose import diagnose
     from serpenoid.diagnose.recording import read_recordings
-    from serpenoid.diagnose.start import baseline, lines
+    from serpenoid.diagnose.start import baseline
+    from serpenoid.diagnose.words import lines
     from serpenoid.diagnose.write import write
     from serpenoid.measure.campaign import load_campaign_file
 
     file, _ = load_campaign_file(args.campaign)
+    model = baseline(args.model, file)
+    folder = options.output_folder(args, Path("results") / Path(args.campaign).resolve().name / "diagnosis")
     count = len(file.trial)
     with options.progress_bar(args, "diagnosing", count + STAGES) as advance:
         file, recordings = read_recordings(args.campaign, lambda done, total, name: advance(done, name))
         at = iter(range(count, count + STAGES + 1))
-        found = diagnose(recordings, baseline(args.model, file), lambda text: advance(next(at, count + STAGES), text))
-        folder = options.output_folder(args, Path("results") / Path(args.campaign).resolve().name / "diagnosis")
+        found = diagnose(recordings, model, lambda text: advance(next(at, count + STAGES), text))
+        record = write(folder, file, found)
         if not args.no_figures:
-            from serpenoid.plot.diagnosis import draw_all
-
-            draw_all(folder, found)
-        record = write(folder, file, found, figures=not args.no_figures)
+            advance(count + STAGES, "figures")
+            _pictures(folder, found, record)
         advance(count + STAGES)
     options.report(args, record, [*lines(record), f"written to {folder}"])
     return 0
+
+
+def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:
+    from serpenoid.diagnose.report import write_pages
+    from serpenoid.gaits.table import read_table
+    from serpenoid.plot.diagnosis import draw_all
+
+    proposed = record["next_experiment"]
+    draw_all(folder, found, read_table(folder / proposed["joint_table"]) if proposed else None)
+    write_pages(folder, record)

@@ -12,7 +12,7 @@ from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 
 AT_MOST = 3
-VISIBLE = 1.6  # floors
+VISIBLE, SUSPECT = 1.6, 1.0  # floors: what is named, and what is told of
 SHARE = 0.3  # of the excess of chi squared that one more effect must take away
 SETTLED = 1.6  # RMS of the worst joint, in noise
 T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
@@ -22,10 +22,12 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
     """Forward selection on the worst joints' misfit."""
     data = plays(recordings)
     chosen: list[ActiveEffect] = []
+    faint: tuple[Named, ...] = ()
     singles: list[Attempt] = []
     for _ in range(AT_MOST):
         now = channels(data, chosen)
-        if np.sqrt(max(now.max() ** 2 - 1, 0)) < VISIBLE:
+        seen = np.sqrt(max(now.max() ** 2 - 1, 0))
+        if seen < SUSPECT:
             break
         tries = sorted(attempts(data, chosen), key=lambda a: a.chi2.sum())
         singles = singles or tries
@@ -33,14 +35,17 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
         excess = ((now**2 - 1) * len(data.readings)).sum()
         if (now**2).sum() * len(data.readings) - best.chi2.sum() < SHARE * excess:
             break
+        if seen < VISIBLE:
+            faint = (_named(data, [*chosen, best.effect], best.effect),)
+            break
         chosen = _refined(data, [*chosen, best.effect])
-    left = channels(data, chosen)
+    left = channels(data, [*chosen, *(n.effect for n in faint)])
     worst = int(left.argmax())
     words: tuple[str, ...] = ()
     if left[worst] > SETTLED:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
     named = tuple(_named(data, chosen, e) for e in chosen)
-    return Rung("actuation", named, tuple(_rivals(data, chosen, singles)), (), float(left[worst]), words)
+    return Rung("actuation", named, tuple(_rivals(data, chosen, singles)), faint, float(left[worst]), words)
 
 
 def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:

@@ -15,7 +15,7 @@ from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, 
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import Selection, select
+from serpenoid.diagnose.select import Selection, Try, select
 from serpenoid.diagnose.windows import make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -60,15 +60,21 @@ def finding(found: Selection) -> MotionFinding:
     named = [named_of(found, base, e) for e, base in zip(best.effects, bases, strict=True)]
     swaps = groups(found, bases)
     jumps = find_jumps(motion, best.predictions, floor)
-    faint = [t.added for t in found.faint]
+    faint = [faint_of(t, floor) for t in found.faint]
     if jumps is not None and jumps.strength >= 1.6:
         named.append(jumps)
         after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
     elif jumps is not None:
-        faint.append(jumps.effect)
+        faint.append(jumps)
     words = _left_over(found, after)
     rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
     return MotionFinding(rung, found, swaps, before, after)
+
+
+def faint_of(t: Try, floor_m: float) -> Named:
+    """What held-out gaits are better predicted with, though its trace in the path is too faint to name it."""
+    fitted = next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place))
+    return Named(fitted, {}, t.strength_m / floor_m)
 
 
 def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:

@@ -61,7 +61,7 @@ def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observati
     )
     visible = [k for k in chosen if k in {(n.effect.name, n.effect.place) for n in shown}]
     rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k))
-    return Rung("observation", tuple(shown), rivals, tuple(n.effect for n in faint), left, words), now
+    return Rung("observation", tuple(shown), rivals, tuple(faint), left, words), now
 
 
 def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key], Observation] | None:

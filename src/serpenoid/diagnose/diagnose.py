@@ -11,19 +11,30 @@ from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.finding import Named, Rival, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
+from serpenoid.diagnose.ladder import Step, climb
+from serpenoid.diagnose.maps import residual_maps
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.windows import Prediction
 from serpenoid.model import Model
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after."""
+    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
+
+    held_out: every trial predicted by a fit to the other gaits, baseline and extended; seen: what the markers' errors
+    were found to be.
+    """
 
     verdict: str
     rungs: tuple[Rung, ...]
     motion: MotionFinding
     before: Scores
     after: Scores
+    held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
+    seen: Observation
+    ladder: tuple[Step, ...]
 
     @property
     def named(self) -> tuple[Named, ...]:
@@ -61,9 +72,10 @@ def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str],
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
-    before = scores(found.motion, held_out(found.motion, found.null))
-    after = scores(found.motion, held_out(found.motion, found.best), jumps)
-    return Diagnosis(verdict(rungs), rungs, motion, before, after)
+    predicted = tuple(held_out(found.motion, found.null)), tuple(held_out(found.motion, found.best))
+    before, after = scores(found.motion, predicted[0]), scores(found.motion, predicted[1], jumps)
+    ladder = climb(recordings, rungs, seen, motion)
+    return Diagnosis(verdict(rungs), rungs, motion, before, after, predicted, seen, ladder)
 
 
 def verdict(rungs: Sequence[Rung]) -> str:
@@ -82,7 +94,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
         "alternatives": [r.record() for r in d.rivals],
-        "below_the_floor": [{"name": e.name, "place": e.place} for rung in d.rungs for e in rung.faint],
+        "below_the_floor": [n.record() for rung in d.rungs for n in rung.faint],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
         },
@@ -90,6 +102,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "noise_floor_m": found.floor_m,
         "left": {rung.name: rung.left for rung in d.rungs},
         "residual_pattern": list(d.words),
+        "ladder": [step.record() for step in d.ladder],
+        "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,
         "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],
     }  # fmt: skip

@@ -80,7 +80,7 @@ class Rung:
     name: str
     named: tuple[Named, ...] = ()
     rivals: tuple[Rival, ...] = ()
-    faint: tuple[ActiveEffect, ...] = ()
+    faint: tuple[Named, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,7 +44,7 @@ def held_out(motion: Motion, fit: Fit) -> list[Prediction]:
     return [p for p in found if p is not None]
 
 
-def scores(motion: Motion, predictions: list[Prediction], mend: bool = False) -> Scores:
+def scores(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> Scores:
     """Per trial."""
     rows = []
     for track, p, left in zip(motion.tracks, predictions, residuals(motion.tracks, predictions), strict=True):

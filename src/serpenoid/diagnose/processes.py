@@ -1,9 +1,13 @@
-"""The same function on many inputs, on as many cores as there are; results in order."""
+"""The same function on many inputs, on as many cores as there are; results in order.
+
+Ctrl-C reaches every process of a terminal: workers leave it to the first one, which ends them.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -19,7 +23,12 @@ def in_processes(tasks: Sequence[Task]) -> list[Any]:
         return [function(*arguments) for function, arguments in tasks]
     global _tasks
     _tasks = list(tasks)
-    with multiprocessing.get_context("fork").Pool(cores) as pool:
+    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # what is blocked here stays so in the workers
+    try:
+        pool = multiprocessing.get_context("fork").Pool(cores)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, heard)
+    with pool:
         return pool.map(_run, range(len(tasks)), chunksize=1)
 
 

@@ -17,7 +17,13 @@ from serpenoid.diagnose.windows import Prediction
 
 RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
 TAIL = 6.0  # standard deviations: a push in one trial
-DIRECTIONS = ("forward", "to the left", "in turning left")
+DIRECTIONS = ("forward or backward", "sideways", "in turning")
+SIGNS = (
+    ("moves farther forward", "moves less far forward"),
+    ("moves farther to the left", "moves farther to the right"),
+    ("turns more to the left", "turns more to the right"),
+)
+ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
 
 
 def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
@@ -65,10 +71,12 @@ def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
             groups.setdefault(name, []).append(white[i])
     sizes = {k: np.sqrt(np.nanmean(np.square(v))) for k, v in groups.items() if np.isfinite(v).any()}
     worst = max(sizes, key=lambda k: sizes[k])
-    mean = float(np.nanmean(np.array(groups[worst])[:, component]))
-    sign = "more" if mean > 0 else "less"
+    own = np.array(groups[worst])[:, component]
+    mean, rms = float(np.nanmean(own)), float(np.sqrt(np.nanmean(own**2)))
+    sign = f"there the body {SIGNS[component][mean < 0]} than modelled"
     return [
-        f"largest in {worst} ({sizes[worst]:.1f} SD; there the body moves {sign} {DIRECTIONS[component]} than modelled)"
+        f"largest in {worst} ({sizes[worst]:.1f} SD; "
+        + (f"{sign})" if abs(mean) > ONE_SIGN * rms else "to one side in some gaits, to the other in others)")
     ]
 
 

@@ -9,22 +9,19 @@ import numpy as np
 
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.experiment import next_experiment
-from serpenoid.diagnose.report import write_pages
 from serpenoid.files import provenance, write_json
 from serpenoid.gaits.table import write_table
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
 
 
-def write(folder: Path, file: CampaignFile, d: Diagnosis, figures: bool = True) -> dict[str, Any]:
-    """Write everything; returns the record."""
+def write(folder: Path, file: CampaignFile, d: Diagnosis) -> dict[str, Any]:
+    """Write everything but the figures and the report that shows them; returns the record."""
     data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
     comment = f"what the diagnosis of {file.name} found: {d.verdict}"
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
     data["next_experiment"] = _next_experiment(folder, d)
     write_json(folder / "diagnosis.json", data)
-    if figures:
-        write_pages(folder, data)
     return data
 
 

@@ -1,0 +1,51 @@
+"""The ladder as a whole: from the command straight to the path, as a simulation without any recording would have it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.choose_motion import MotionFinding
+from serpenoid.diagnose.geometry import relative, shapes
+from serpenoid.diagnose.medium import drift_columns
+from serpenoid.diagnose.noise import path_rms, total
+from serpenoid.diagnose.observation import Observation
+from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.windows import Prediction, Track, make_tracks, predicted_path
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+from serpenoid.simulation.servos import realise
+
+
+def whole_errors(
+    recordings: Sequence[Recording], seen: Observation, motion: MotionFinding, actuators: Sequence[ActiveEffect]
+) -> tuple[float, float]:
+    """Path RMS [m] of the commanded shapes' motion: baseline against raw data, everything named against mended data."""
+    found = motion.selection
+    tracks = found.motion.tracks
+    neutral = Observation.neutral(recordings[0].body)
+    raw = make_tracks(recordings, neutral, found.null.model) if _corrects(seen) else tracks
+    model = found.best.model
+    extended = Model(model.body, model.medium, (*model.effects, *actuators))
+    drift = found.best.drift
+    velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
+    jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
+    before = [path_rms(t, from_command(found.null.model, t)) for t in raw]
+    after = [path_rms(t, from_command(extended, t, velocity), jumps) for t in tracks]
+    return total(before), total(after)
+
+
+def from_command(model: Model, track: Track, drift: Floats | tuple[float, float] = (0.0, 0.0)) -> Prediction:
+    """Window displacements of a trial as commanded: set-points, servos, motion from the first measured pose."""
+    # set-points are laid on the recording's mesh, so its error is the one that `offset` takes out
+    commanded = track.recording.schedule.commanded(track.time)
+    vertices = shapes(model.body, realise(model, commanded, track.time).angles)
+    path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
+    moved = relative(path[:-1], path[1:]) + track.offset + drift_columns(track) @ np.asarray(drift)
+    return Prediction(np.asarray(moved), np.zeros((*moved.shape, 0)), ())
+
+
+def _corrects(seen: Observation) -> bool:
+    return bool(np.any(seen.zeros) or np.any(seen.markers) or seen.scale)
