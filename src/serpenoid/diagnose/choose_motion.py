@@ -71,10 +71,19 @@ def finding(found: Selection) -> MotionFinding:
         after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
     elif jumps is not None:
         faint.append(jumps.effect)
-    _, differences = window_noise(motion.tracks, residuals(motion.tracks, best.predictions))
-    words = pattern(motion, best.predictions, after / floor, differences)
+    words = _left_over(found, after)
     rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
     return MotionFinding(rung, found, swaps, before, after)
+
+
+def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
+    """What neither the effects named nor one too faint to be named account for."""
+    motion, predictions = found.motion, found.best.predictions
+    if found.faint:
+        predictions = found.faint[-1].fit.predictions
+        after_m = min(after_m, total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)]))
+    _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
+    return pattern(motion, predictions, after_m / found.floor_m, differences)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
