@@ -3,7 +3,8 @@
     python -m blind.study --kind one --count 200 --out results/blind/ --model problems/snake10.toml
 
 Each trial: make a campaign, run the diagnosis in its own process, only then open the seal and score. Results: one JSON
-per trial in OUT/KIND/, a summary in OUT/KIND.json. A trial whose JSON exists is not run again.
+per trial in OUT/KIND/, a summary in OUT/KIND.json, all kinds in OUT/summary.md. A trial whose JSON exists is not run
+again. `followup` plays the experiment proposed in the same world and diagnoses again; some trials yield no group.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from blind.folder import seal, write
 from blind.follow_up import follow_up
 from blind.handful import HANDFUL
 from blind.near import draw_near, short
+from blind.pages import TITLES, write_page
 from blind.score import Name, answer, coverage, judge
 from blind.separation import separation
 from blind.strength import floor, strength
@@ -161,6 +163,8 @@ def run(study: Study, count: int, jobs: int) -> dict[str, Any]:
     command = f"python -m blind.study --kind {study.kind} --count {count} --model {study.model} --key {study.key}"
     summary = {"command": command} | summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
     _atomic(study.out / f"{study.kind}.json", summary)
+    if study.kind in TITLES:
+        write_page(study.out)
     return summary
 
 
