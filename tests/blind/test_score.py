@@ -164,7 +164,7 @@ def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path
 @pytest.mark.parametrize("index", range(1, len(HANDFUL)))
 def test_the_handful_is_strong(index: int) -> None:
     study = Study("handful", Path("unused"), "unused")
-    c = make(int(study.digest("seed", index)[:15], 16), study.hidden(index))
+    c = study.campaign(index, "handful")
     assert strength(c, c.effects[0], floor(c)) >= 6
 
 
@@ -173,7 +173,7 @@ import json, pathlib, shutil, sys
 campaign, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[sys.argv.index("--out") + 1])
 out.mkdir(parents=True)
 shutil.copy(campaign / "gaits" / "gait02.csv", out / "next.csv")
-again = (campaign / "gaits" / "gait07.csv").exists()
+again = (campaign / "gaits" / "gait03.csv").exists()
 diagnosis = {"verdict": "explained", "effects": [{"name": "slope"}], "alternatives": [] if again else [{"name": "toe"}]}
 diagnosis["next_experiment"] = {"joint_table": "next.csv", "cycle_duration_s": 4.0}
 (out / "diagnosis.json").write_text(json.dumps(diagnosis))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from blind.campaign import make
+from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, held_out_labels
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.finding import BAND, Rung, excludable
 from serpenoid.diagnose.groups import without
@@ -25,7 +27,7 @@ SLOPE = Effect("slope", None, {"pull_x": 0.002, "pull_y": 0.0008})
 
 def recorded(folder: Path, seed: int, *effects: Effect) -> tuple[Recording, ...]:
     """A short campaign of two gaits."""
-    write(make(seed, effects, settings_used=2), folder)
+    write(make(seed, effects, combinations=COMBINATIONS[:2]), folder)
     return read_recordings(folder)[1]
 
 
@@ -86,3 +88,14 @@ def test_where_the_best_fit_leaves_more_than_chance_a_difference_counts_for_less
     least = 100 * left_per_residual
     assert excludable(least + 2 * BAND, least, 100) is excluded
     assert not excludable(np.nextafter(least, 0), least, 100)
+
+
+def _repeat(gait: str, duration: float) -> Recording:
+    return cast(Recording, SimpleNamespace(gait=gait, setting=(gait, duration)))
+
+
+def test_gaits_are_held_out_together_and_without_a_second_gait_settings_or_trials() -> None:
+    a, slow, b = _repeat("a", 2.0), _repeat("a", 4.0), _repeat("b", 2.0)
+    assert held_out_labels([a, slow, b, a]) == (0, 0, 1, 0)
+    assert held_out_labels([a, a, slow]) == (0, 0, 1)
+    assert held_out_labels([a, a]) == (0, 1)

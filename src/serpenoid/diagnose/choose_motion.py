@@ -43,12 +43,19 @@ def choose_motion(
     recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
-    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
-    labels = tuple(gaits[r.gait] for r in recordings)
+    labels = held_out_labels(recordings)
     for _ in range(2):
         motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
     return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
+
+
+def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
+    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
+    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return tuple(numbers[name] for name in names)
 
 
 def finding(found: Selection) -> MotionFinding:
