@@ -11,9 +11,15 @@ Writes diagnosis.json, extended-model.toml, figures and report.html.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
+
+if TYPE_CHECKING:
+    from serpenoid.diagnose.diagnose import Diagnosis
+    from serpenoid.measure.campaign import CampaignFile
 
 STAGES = 10
 
@@ -27,18 +33,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose, write, report."""
-    from serpenoid.diagnose.diagnose import diagnose
-    from serpenoid.diagnose.recording import read_recordings
-    from serpenoid.diagnose.start import baseline, lines
+    from serpenoid.diagnose.start import lines
     from serpenoid.diagnose.write import write
     from serpenoid.measure.campaign import load_campaign_file
 
     file, _ = load_campaign_file(args.campaign)
     count = len(file.trial)
     with options.progress_bar(args, "diagnosing", count + STAGES) as advance:
-        file, recordings = read_recordings(args.campaign, lambda done, total, name: advance(done, name))
         at = iter(range(count, count + STAGES + 1))
-        found = diagnose(recordings, baseline(args.model, file), lambda text: advance(next(at, count + STAGES), text))
+        found = _diagnosed(args, file, advance, lambda text: advance(next(at, count + STAGES), text))
         folder = options.output_folder(args, Path("results") / Path(args.campaign).resolve().name / "diagnosis")
         if not args.no_figures:
             from serpenoid.plot.diagnosis import draw_all
@@ -48,3 +51,23 @@ def run(args: argparse.Namespace) -> int:
         advance(count + STAGES)
     options.report(args, record, [*lines(record), f"written to {folder}"])
     return 0
+
+
+def _diagnosed(
+    args: argparse.Namespace, file: CampaignFile, advance: Callable[..., None], say: Callable[[str], None]
+) -> Diagnosis:
+    """By all three rungs, or by the motion alone where points are all that was recorded."""
+    from serpenoid.diagnose.diagnose import diagnose, diagnose_tracked
+    from serpenoid.diagnose.recording import read_recordings
+    from serpenoid.diagnose.start import baseline
+    from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
+    from serpenoid.measure.load import load_campaign
+
+    def reading(done: int, total: int, name: str) -> None:
+        advance(done, name)
+
+    if is_tracked_only(file):
+        tracked = tracked_recordings(load_campaign(args.campaign, reading))
+        return diagnose_tracked(tracked, baseline(args.model, file, tracked[0].body), say)
+    file, recordings = read_recordings(args.campaign, reading)
+    return diagnose(recordings, baseline(args.model, file, file.body), say)

@@ -15,7 +15,7 @@ from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
 from serpenoid.diagnose.select import RIVAL, Selection, Try, select
-from serpenoid.diagnose.windows import make_tracks
+from serpenoid.diagnose.windows import Track, make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -41,10 +41,17 @@ def choose_motion(
     """Calibrate eps, select effects, say what is left."""
     gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
     labels = tuple(gaits[r.gait] for r in recordings)
+    return choose_on_tracks(lambda about: make_tracks(recordings, seen, about), labels, model, say)
+
+
+def choose_on_tracks(
+    track: Callable[[Model], tuple[Track, ...]], labels: tuple[int, ...], model: Model, say: Callable[[str], None]
+) -> MotionFinding:
+    """The same on what `track` makes about a model; labels: what is held out together."""
     for _ in range(2):
-        motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
+        motion = Motion(track(model), GUESS, labels)
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
+    return finding(select(motion, model, track, say))
 
 
 def finding(found: Selection) -> MotionFinding:

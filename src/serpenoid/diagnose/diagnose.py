@@ -6,12 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, choose_on_tracks
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.finding import Named, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
 from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.tracked import TrackedRecording, labels_of, tracker
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -57,7 +60,22 @@ def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str],
     say("shape against markers")
     observation, seen = choose_observation(recordings)
     say("shape against motion")
-    motion = choose_motion(recordings, seen, model, say)
+    return concluded(actuation, observation, choose_motion(recordings, seen, model, say), say)
+
+
+def diagnose_tracked(
+    recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]
+) -> Diagnosis:
+    """The same where there are tracked points alone: the rung of motion, and why the others are skipped."""
+    actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
+    observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
+    say("shape against motion")
+    track = tracker(recordings)
+    return concluded(actuation, observation, choose_on_tracks(track, labels_of(track(model)), model, say), say)
+
+
+def concluded(actuation: Rung, observation: Rung, motion: MotionFinding, say: Callable[[str], None]) -> Diagnosis:
+    """The verdict of three rungs, and the gain."""
     rungs = (actuation, observation, motion.rung)
     say("gain on held-out gaits")
     found = motion.selection
@@ -92,7 +110,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
         },
         "gain": gain_record(d.before, d.after),
         "noise_floor_m": found.floor_m,
-        "left": {rung.name: rung.left for rung in d.rungs},
+        "left": {rung.name: None if rung.skipped else rung.left for rung in d.rungs},
+        "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
         "residual_pattern": list(d.words),
         "next_experiment": None,
         "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],

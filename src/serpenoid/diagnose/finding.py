@@ -38,7 +38,8 @@ class Named:
 class Rung:
     """What one rung says: effects named, rivals that cannot be excluded, effects too faint to name, what is left.
 
-    left: remaining misfit in floors (1 = chance alone); words: its pattern, empty where there is none.
+    left: remaining misfit in floors (1 = chance alone); words: its pattern, empty where there is none. skipped: why
+    the recordings say nothing on this rung, empty where they do.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Rung:
     faint: tuple[ActiveEffect, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())
+    skipped: str = ""
 
     @property
     def settled(self) -> bool:

@@ -17,7 +17,6 @@ from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import catalogue, find
-from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS, Column
 
@@ -35,6 +34,8 @@ class Noise:
 
     def of(self, track: Track) -> Floats:
         """(B - 1, 3)."""
+        if track.noise is not None:
+            return track.noise
         return np.where(track.playing[:, None], self.playing, self.pause)
 
 
@@ -74,7 +75,7 @@ class Fit:
 
 def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tuple[Model, ActiveEffect | None]:
     """Model (and drift) of eps and coordinates x (1 + P)."""
-    eps = float(np.clip(x[0], LEAST_EPS, MOST_EPS))
+    eps = float(np.clip(x[0], *model.medium.limits(LEAST_EPS, MOST_EPS)))
     found, drift, at = [], None, 1
     for e in effects:
         size = len(e.effect.parameters)
@@ -90,7 +91,7 @@ def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tup
             found.append(new)
     # a neutral value would drop the effect from the model, and with it the derivative
     kept = [_awake(e) for e in found]
-    return Model(model.body, Medium(anisotropy_ratio=eps), tuple(kept)), drift
+    return Model(model.body, model.medium.with_ratio(eps), tuple(kept)), drift
 
 
 def _awake(effect: ActiveEffect) -> ActiveEffect:
@@ -140,7 +141,15 @@ def linearised(
         labels.append(np.full(len(rows[-1]), label))
         predictions.append(p)
     joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
-    return joined, tuple(predictions), tuple(names)
+    return held_at_bound(model, joined), tuple(predictions), tuple(names)
+
+
+def held_at_bound(model: Model, evidence: Evidence) -> Evidence:
+    """Evidence (eps first) that says nothing about eps where it sits at a bound and the data push it outwards."""
+    low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
+    eps, push = model.medium.anisotropy_ratio, float(evidence.vector[:, 0].sum())
+    pressed = (eps <= low and push < 0) or (eps >= high and push > 0)
+    return evidence.without(0) if pressed else evidence
 
 
 def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
@@ -167,7 +176,7 @@ def _difference(model: Model, track: Track, column: Column, base: Floats) -> Flo
     """Derivative by a forward difference, where earlier steps matter."""
     if column.effect is None:
         step = 1e-4 * model.medium.anisotropy_ratio
-        medium = Medium(anisotropy_ratio=model.medium.anisotropy_ratio + step)
+        medium = model.medium.with_ratio(model.medium.anisotropy_ratio + step)
         return (coasting(Model(model.body, medium, model.effects), track) - base) / step
     effects, step = [], 1.0
     for e in model.effects:
@@ -221,12 +230,17 @@ def _values(model: Model, drift: ActiveEffect | None) -> Floats:
 
 
 def candidates_of(model: Model) -> list[ActiveEffect]:
-    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted."""
-    found = []
+    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted.
+
+    Nor, where the medium bounds the anisotropy ratio, those that would scale it behind the bounds' back.
+    """
+    found, bounded = [], model.medium.anisotropy_ratio_bounds is not None
     for kind in catalogue().values():
         if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):
             continue
         if any(p.neutral is None for p in kind.parameters) or not kind.applies_to("diagnose"):
+            continue
+        if bounded and isinstance(kind, MediumEffect) and kind.scales_ratio:
             continue
         places = range(model.body.vertices) if kind.place == "vertex" else [None]
         present = {(e.name, e.place) for e in model.effects}

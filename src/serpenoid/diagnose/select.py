@@ -20,6 +20,7 @@ from serpenoid.diagnose.medium import (
     drift_columns,
     fit,
     fit_guided,
+    held_at_bound,
     linearised,
     patch_grid,
 )
@@ -35,6 +36,7 @@ PER_NAME = 4
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
+SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 RIVAL = 14.0  # chi squared: what is no worse than this cannot be excluded
 
@@ -155,7 +157,7 @@ def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Ev
         rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
         columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
         labels.append(np.full(len(rows[-1]), label))
-    return Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    return held_at_bound(base.model, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels)))
 
 
 def shortlist(
@@ -196,8 +198,13 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
     sizes = [len(e.effect.parameters) for e in order]
     starts = np.cumsum([1, *sizes])
-    x = np.concatenate([x[:1], *(x[starts[i] : starts[i] + sizes[i]] for i in moved)])
-    found = fit(motion, base.model, [order[i] for i in moved], x, steps)
+    neutral = np.concatenate([base.coordinates, added.coordinates[:-1]])
+    for share in SHARES:
+        start = neutral + share * (x - neutral)
+        start = np.concatenate([start[:1], *(start[starts[i] : starts[i] + sizes[i]] for i in moved)])
+        found = fit(motion, base.model, [order[i] for i in moved], start, steps)
+        if found.evidence.count.sum() >= base.evidence.count.sum():
+            break
     return Try(found, added, strength(motion, found.predictions, base.predictions))
 
 

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from serpenoid.body import Floats
+from serpenoid.body import Body, Floats
 from serpenoid.diagnose.geometry import filled, register, relative, shapes, travel, turn
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
@@ -34,6 +35,28 @@ HALF_AVERAGE_S = 0.045  # poses at a boundary: frames within this distance
 LEAST_FRAMES = 4
 
 
+class Recorded(Protocol):
+    """What is asked of a track's recording; those with equal settings are repeats."""
+
+    @property
+    def gait(self) -> str: ...
+
+    @property
+    def body(self) -> Body: ...
+
+    @property
+    def setting(self) -> tuple[str, float]: ...
+
+
+@dataclass(frozen=True)
+class Lead:
+    """Rows just before a track's first: time (K,), vertices (K, N, 2), measured poses (K, 3)."""
+
+    time: Floats
+    vertices: Floats
+    poses: Floats
+
+
 @dataclass(frozen=True)
 class Track:
     """One trial on its (coarser) time mesh; offset (B - 1, 3): what a mesh without error would add
@@ -44,7 +67,7 @@ class Track:
     (F, 3): measured.
     """
 
-    recording: Recording
+    recording: Recorded
     time: Floats
     vertices: Floats
     boundaries: np.ndarray
@@ -57,6 +80,21 @@ class Track:
     frame_poses: Floats
     gap_windows: np.ndarray  # (B - 1,) a gap of all markers lies inside
     offset: Floats
+    lead: Lead | None = None  # how the body was moving before; None: it was at rest
+    noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
+
+    @property
+    def led(self) -> tuple[Floats, Floats, Floats, int]:
+        """Time, vertices and poses with the lead before them, and the number of rows that this is."""
+        if self.lead is None:
+            return self.time, self.vertices, self.poses, 0
+        pairs = zip(
+            (self.lead.time, self.lead.vertices, self.lead.poses),
+            (self.time, self.vertices, self.poses),
+            strict=True,
+        )
+        time, vertices, poses = (np.concatenate(pair) for pair in pairs)
+        return time, vertices, poses, len(self.lead.time)
 
     @property
     def duration(self) -> Floats:
@@ -170,11 +208,12 @@ def _spline(r: Recording, time: Floats, path: Floats) -> Floats:
 
 
 def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) -> Floats:
-    """Poses (R, 3) [m, rad] of a model from a start pose, free running."""
+    """Poses [m, rad] of a model, free running, from a start pose (3,), or after first poses (K + 1, 3), the last first."""
     scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     chains = body_frame(model, vertices / model.body.total_length_m)
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
-    return travel(steps.relative * scale, start)
+    known = np.atleast_2d(start)
+    return travel(steps.relative[len(known) - 1 :] * scale, known[-1])
 
 
 @dataclass(frozen=True)
@@ -190,14 +229,16 @@ def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ())
     """What a model makes of a trial's shapes, window by window, and its derivatives."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, candidates)
-    p = _windowed(track, found.relative * scale, found.jacobian * scale[:, None], found.columns)
+    time, vertices, poses, lead = track.led
+    found = step_sensitivities(model, vertices / length, time, poses / scale, candidates)
+    p = _windowed(track, found.relative[lead:] * scale, found.jacobian[lead:] * scale[:, None], found.columns)
     return replace(p, displacement=p.displacement + track.offset)
 
 
 def coasting(model: Model, track: Track) -> Floats:
     """Window displacements (B - 1, 3) of a model whose earlier steps matter: the whole trial, free running."""
-    path = predicted_path(model, track.vertices, track.time, track.poses[0])
+    time, vertices, poses, lead = track.led
+    path = predicted_path(model, vertices, time, poses[: lead + 1])
     return np.asarray(relative(path[track.boundaries[:-1]], path[track.boundaries[1:]]) + track.offset)
 
 

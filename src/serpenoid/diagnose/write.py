@@ -10,6 +10,7 @@ import numpy as np
 from serpenoid.diagnose.choose_motion import rival_tries
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.experiment import next_experiment
+from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.report import write_pages
 from serpenoid.files import provenance, write_json
 from serpenoid.gaits.table import write_table
@@ -33,9 +34,9 @@ def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
     """Where two explanations of the motion remain: the gait that tells them apart, written as a joint table."""
     found = d.motion.selection
     others = [t.fit.model for t in rival_tries(found)]
-    if not others:
+    recordings = [t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)]
+    if not others or not recordings:  # animals play no tables
         return None
-    recordings = [t.recording for t in found.motion.tracks]
     shortest = min(r.schedule.cycle_duration_s for r in recordings)
     heading = float(np.median([t.poses[0, 2] for t in found.motion.tracks if t.recording.gait == recordings[0].gait]))
     best = next_experiment(
