@@ -12,8 +12,8 @@ from serpenoid.schema import Record
 class Medium(Record):
     """Anisotropic local dissipation, D = w (I + (eps - 1) T T^t), at the vertices (the paper's) or at edge midpoints.
 
-    A fitted `anisotropy_ratio` holds for one of the two only. `anisotropy_ratio_bounds` is what physics allows: a slender
-    body in water has a drag ratio K = 1/eps of at most 2, so [0.5, 1]. Fits and diagnoses stay inside, effects included.
+    A fitted `anisotropy_ratio` holds for one of the two only. `anisotropy_ratio_bounds` is what physics allows: a
+    slender body in water has a drag ratio K = 1/eps of at most 2, so [0.5, 1]. Fits and diagnoses stay inside.
     """
 
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]

@@ -45,13 +45,17 @@ def choose_motion(
 
 
 def choose_on_tracks(
-    track: Callable[[Model], tuple[Track, ...]], labels: tuple[int, ...], model: Model, say: Callable[[str], None]
+    track: Callable[[Model], tuple[Track, ...]],
+    labels: tuple[int, ...],
+    model: Model,
+    say: Callable[[str], None],
+    worth: float = 0.0,
 ) -> MotionFinding:
-    """The same on what `track` makes about a model; labels: what is held out together."""
+    """The same on what `track` makes about a model; labels: what is held out together; worth: see `select`."""
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels)
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return finding(select(motion, model, track, say))
+    return finding(select(motion, model, track, say, worth))
 
 
 def finding(found: Selection) -> MotionFinding:

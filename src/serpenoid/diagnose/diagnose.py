@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, choose_on_tracks
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
+from serpenoid.diagnose.choose_tracked import choose_tracked
 from serpenoid.diagnose.finding import Named, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
 from serpenoid.diagnose.recording import Recording
-from serpenoid.diagnose.tracked import TrackedRecording, labels_of, tracker
+from serpenoid.diagnose.tracked import TrackedRecording
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -63,15 +64,12 @@ def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str],
     return concluded(actuation, observation, choose_motion(recordings, seen, model, say), say)
 
 
-def diagnose_tracked(
-    recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]
-) -> Diagnosis:
+def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> Diagnosis:
     """The same where there are tracked points alone: the rung of motion, and why the others are skipped."""
     actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
     say("shape against motion")
-    track = tracker(recordings)
-    return concluded(actuation, observation, choose_on_tracks(track, labels_of(track(model)), model, say), say)
+    return concluded(actuation, observation, choose_tracked(recordings, model, say), say)
 
 
 def concluded(actuation: Rung, observation: Rung, motion: MotionFinding, say: Callable[[str], None]) -> Diagnosis:

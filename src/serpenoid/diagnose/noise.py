@@ -145,7 +145,7 @@ def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Predi
 
 
 def _registered(path: Floats, target: Floats, gyration: float) -> Floats:
-    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included (radius of gyration [m])."""
+    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included."""
 
     def points(pose: Floats) -> Floats:
         arm = gyration * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.diagnose.bounds import held_at_bounds
 from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.medium import (
     STEPS,
@@ -20,11 +21,10 @@ from serpenoid.diagnose.medium import (
     drift_columns,
     fit,
     fit_guided,
-    held_at_bound,
     linearised,
-    patch_grid,
 )
 from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.patches import patch_grid
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.windows import Track, patch_columns, predict
 from serpenoid.effects.active import ActiveEffect
@@ -75,8 +75,11 @@ def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion
     return motion, fit(motion, base.model, list(base.effects), base.coordinates)
 
 
-def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Selection:
-    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
+def select(motion: Motion, model: object, retrack: Retrack, say: Progress, worth: float = 0.0) -> Selection:
+    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error.
+
+    worth: share of what is left above chance that an effect must take away, however significant it is.
+    """
     motion, null = calibrated(motion, None, model)
     best = null
     faint: list[Try] = []
@@ -91,7 +94,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
             r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
         ]
         tries = attempts(motion, best, promising)
-        good = [t for t in tries if best.held_out - t.fit.held_out > GAIN]
+        good = [t for t in tries if best.held_out - t.fit.held_out > needed(best, worth)]
         if not good:
             break
         first = min(good, key=lambda t: t.fit.held_out)
@@ -101,7 +104,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
         motion = replace(motion, tracks=retrack(first.fit.model))
         motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
         null = fit(motion, null.model, [], null.coordinates)
-        best = pruned(motion, better)
+        best = pruned(motion, better, worth)
         kept = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
     return Selection(
         motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2
@@ -157,7 +160,9 @@ def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Ev
         rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
         columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
         labels.append(np.full(len(rows[-1]), label))
-    return held_at_bound(base.model, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels)))
+    return held_at_bounds(
+        base.model, base.effects, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    )
 
 
 def shortlist(
@@ -208,14 +213,19 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     return Try(found, added, strength(motion, found.predictions, base.predictions))
 
 
-def pruned(motion: Motion, best: Fit) -> Fit:
+def needed(base: Fit, worth: float) -> float:
+    """Chi squared on held-out gaits that one more effect must gain."""
+    return max(GAIN, worth * (base.held_out - float(base.evidence.count.sum())))
+
+
+def pruned(motion: Motion, best: Fit, worth: float = 0.0) -> Fit:
     """Without effects that no longer earn their place."""
     if len(best.effects) < 2:
         return best
-    for left_out in best.effects[:-1]:
+    for left_out in best.effects:
         kept = [e for e in best.effects if e is not left_out]
         x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
         without = fit(motion, best.model, kept, x)
-        if without.held_out - best.held_out < GAIN:
-            return pruned(motion, without)
+        if without.held_out - best.held_out < needed(without, worth):
+            return pruned(motion, without, worth)
     return best

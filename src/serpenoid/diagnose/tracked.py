@@ -76,11 +76,6 @@ def tracker(recordings: Sequence[TrackedRecording]) -> Callable[[Model], tuple[T
     return lambda model: tuple(t for r in recordings for t in _parts(r, pieces, model))
 
 
-def labels_of(tracks: Sequence[Track]) -> tuple[int, ...]:
-    """Every part is predicted by a fit to the others."""
-    return tuple(range(len(tracks)))
-
-
 def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track]:
     states = recording.smoothed.states
     frame = float(np.median(np.diff(states.time)))
@@ -108,7 +103,7 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
 
 def _part(recording: TrackedRecording, states: States, start: float, windows: int, step: float) -> Track:
     """Windows from a moment on; `time` runs on from one part to the next."""
-    rows = start + step * np.arange(-LEAD, windows * STEPS_PER_WINDOW + 1)
+    rows: Floats = start + step * np.arange(-LEAD, windows * STEPS_PER_WINDOW + 1, dtype=float)
     vertices, poses = states.vertices_at(rows), states.poses_at(rows)
     bounds = STEPS_PER_WINDOW * np.arange(windows + 1)
     time, own = rows[LEAD:], poses[LEAD:]

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from serpenoid.body import Body, Floats
+from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import filled, register, relative, shapes, travel, turn
+from serpenoid.diagnose.lead import Lead, Recorded, led
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
@@ -33,28 +33,6 @@ STEPS_PER_PAUSE = 16
 COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
 HALF_AVERAGE_S = 0.045  # poses at a boundary: frames within this distance
 LEAST_FRAMES = 4
-
-
-class Recorded(Protocol):
-    """What is asked of a track's recording; those with equal settings are repeats."""
-
-    @property
-    def gait(self) -> str: ...
-
-    @property
-    def body(self) -> Body: ...
-
-    @property
-    def setting(self) -> tuple[str, float]: ...
-
-
-@dataclass(frozen=True)
-class Lead:
-    """Rows just before a track's first: time (K,), vertices (K, N, 2), measured poses (K, 3)."""
-
-    time: Floats
-    vertices: Floats
-    poses: Floats
 
 
 @dataclass(frozen=True)
@@ -82,19 +60,6 @@ class Track:
     offset: Floats
     lead: Lead | None = None  # how the body was moving before; None: it was at rest
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
-
-    @property
-    def led(self) -> tuple[Floats, Floats, Floats, int]:
-        """Time, vertices and poses with the lead before them, and the number of rows that this is."""
-        if self.lead is None:
-            return self.time, self.vertices, self.poses, 0
-        pairs = zip(
-            (self.lead.time, self.lead.vertices, self.lead.poses),
-            (self.time, self.vertices, self.poses),
-            strict=True,
-        )
-        time, vertices, poses = (np.concatenate(pair) for pair in pairs)
-        return time, vertices, poses, len(self.lead.time)
 
     @property
     def duration(self) -> Floats:
@@ -208,7 +173,7 @@ def _spline(r: Recording, time: Floats, path: Floats) -> Floats:
 
 
 def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) -> Floats:
-    """Poses [m, rad] of a model, free running, from a start pose (3,), or after first poses (K + 1, 3), the last first."""
+    """Poses [m, rad] of a model, free running from a pose (3,), or from the last of its first poses (K + 1, 3)."""
     scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     chains = body_frame(model, vertices / model.body.total_length_m)
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
@@ -229,7 +194,7 @@ def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ())
     """What a model makes of a trial's shapes, window by window, and its derivatives."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    time, vertices, poses, lead = track.led
+    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
     found = step_sensitivities(model, vertices / length, time, poses / scale, candidates)
     p = _windowed(track, found.relative[lead:] * scale, found.jacobian[lead:] * scale[:, None], found.columns)
     return replace(p, displacement=p.displacement + track.offset)
@@ -237,7 +202,7 @@ def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ())
 
 def coasting(model: Model, track: Track) -> Floats:
     """Window displacements (B - 1, 3) of a model whose earlier steps matter: the whole trial, free running."""
-    time, vertices, poses, lead = track.led
+    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
     path = predicted_path(model, vertices, time, poses[: lead + 1])
     return np.asarray(relative(path[track.boundaries[:-1]], path[track.boundaries[1:]]) + track.offset)
 
