@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
 from serpenoid.diagnose.select import RIVAL, Selection, Try, select
+from serpenoid.diagnose.untestable import beyond_bounds
 from serpenoid.diagnose.windows import Track, make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -49,13 +50,19 @@ def choose_on_tracks(
     labels: tuple[int, ...],
     model: Model,
     say: Callable[[str], None],
+    untestable: Mapping[str, str] | None = None,
     worth: float = 0.0,
 ) -> MotionFinding:
-    """The same on what `track` makes about a model; labels: what is held out together; worth: see `select`."""
+    """The same on what `track` makes about a model; labels: what is held out together; worth: see `select`.
+
+    untestable: effects that are no candidates, and why.
+    """
+    barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(track(model), GUESS, labels)
+        motion = Motion(track(model), GUESS, labels, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return finding(select(motion, model, track, say, worth))
+    found = finding(select(motion, model, track, say, worth))
+    return replace(found, rung=replace(found.rung, untestable=barred))
 
 
 def finding(found: Selection) -> MotionFinding:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_on_tracks, finding
 from serpenoid.diagnose.select import Selection
 from serpenoid.diagnose.tracked import TrackedRecording, tracker
+from serpenoid.diagnose.untestable import fixed_to_the_room
 from serpenoid.model import Model
 
 WORTH = 0.2  # of what is left above chance: each effect
@@ -22,14 +23,16 @@ MAJOR = 0.5  # of what eps alone leaves above chance: all of them together
 def choose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> MotionFinding:
     """Calibrate eps, select effects, name them if they are worth it, say what is left."""
     track = tracker(recordings)
-    found = choose_on_tracks(track, tuple(range(len(track(model)))), model, say, WORTH)
+    tracks = track(model)
+    labels = tuple(range(len(tracks)))
+    found = choose_on_tracks(track, labels, model, say, fixed_to_the_room(tracks), WORTH)
     chosen, share = found.selection.best.effects, explained_share(found.selection)
     if not chosen or found.rung.settled or share >= MAJOR:
         return found
     bare = finding(replace(found.selection, best=found.selection.null, tries=(), faint=()))
     names = " and ".join(e.name for e in chosen)
     words = (*bare.rung.words, f"{names} would take away {share:.0%} of it: too little to be the cause")
-    return replace(bare, rung=replace(bare.rung, words=words))
+    return replace(bare, rung=replace(bare.rung, words=words, untestable=found.rung.untestable))
 
 
 def explained_share(found: Selection) -> float:

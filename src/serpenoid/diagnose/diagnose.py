@@ -110,6 +110,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "noise_floor_m": found.floor_m,
         "left": {rung.name: None if rung.skipped else rung.left for rung in d.rungs},
         "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
+        "untestable": {name: why for rung in d.rungs for name, why in rung.untestable.items()},
         "residual_pattern": list(d.words),
         "next_experiment": None,
         "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],

@@ -41,11 +41,12 @@ class Noise:
 
 @dataclass(frozen=True)
 class Motion:
-    """The tracks and their noise; labels: gait numbers, one per track."""
+    """The tracks and their noise; labels: gait numbers, one per track; untestable: effects that are no candidates."""
 
     tracks: tuple[Track, ...]
     noise: Noise
     labels: tuple[int, ...]
+    untestable: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -223,17 +224,12 @@ def _values(model: Model, drift: ActiveEffect | None) -> Floats:
 
 
 def candidates_of(model: Model) -> list[ActiveEffect]:
-    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted.
-
-    Nor, where the medium bounds the anisotropy ratio, those that would scale it behind the bounds' back.
-    """
-    found, bounded = [], model.medium.anisotropy_ratio_bounds is not None
+    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted."""
+    found = []
     for kind in catalogue().values():
         if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):
             continue
         if any(p.neutral is None for p in kind.parameters) or not kind.applies_to("diagnose"):
-            continue
-        if bounded and isinstance(kind, MediumEffect) and kind.scales_ratio:
             continue
         places = range(model.body.vertices) if kind.place == "vertex" else [None]
         present = {(e.name, e.place) for e in model.effects}

@@ -120,6 +120,7 @@ def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarr
     """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
     drift = {e.name for e in base.effects}
     singles = [c for c in candidates_of(base.model) if c.name not in drift or c.place is not None]
+    singles = [c for c in singles if c.name not in motion.untestable]
     evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
     own = list(range(len(base.coordinates)))
     before, at, result = evidence.held_out(own), len(own), []
@@ -130,7 +131,7 @@ def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarr
         values, _ = evidence.solve(index)
         x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
         result.append((c, before - evidence.held_out(index), x))
-    if "friction_patch" not in drift:
+    if "friction_patch" not in drift | motion.untestable:
         result += _patches(motion, base, before, own)
     return sorted(result, key=lambda r: -r[1])
 

@@ -67,7 +67,8 @@ def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
 
 
 def _in_body_lengths(body: Body) -> Body:
-    return body.model_copy(update={"edge_lengths": tuple(body.edges.tolist()), "length_m": None})
+    data = body.model_dump() | {"edge_lengths": tuple(body.edges.tolist()), "length_m": None}
+    return Body.model_validate(data)
 
 
 def tracker(recordings: Sequence[TrackedRecording]) -> Callable[[Model], tuple[Track, ...]]:
