@@ -74,7 +74,11 @@ Separation = Callable[[int, Name], float]
 
 @dataclass(frozen=True)
 class Judgement:
-    """outcome: right, wrong, missed (nothing named), false alarm, unscored; the separations that were needed."""
+    """outcome and the separations that were needed.
+
+    Outcomes: right, wrong, missed (nothing named), unscored; with nothing to be found: right (said "nothing"), false
+    alarm (something named), false doubt (nothing named, yet not "nothing"), right name below the floor.
+    """
 
     outcome: str
     separations: dict[str, float]
@@ -84,10 +88,10 @@ def judge(said: Answer, truth: Sequence[Effect], strengths: Sequence[float], sep
     """For catalogue effects; with no hidden effect, naming anything is a false alarm."""
     hidden = [Name(e.name, e.place) for e in truth]
     must = [h for h, s in zip(hidden, strengths, strict=True) if s >= REQUIRED]
-    silent = said.verdict == "nothing" or not said.chosen
+    silent = not said.chosen
     if not hidden or all(s < UNSEEN for s in strengths):
         if silent:
-            return Judgement("right", {})
+            return Judgement("right" if said.verdict == "nothing" else "false doubt", {})
         named_truth = bool(hidden) and set(said.chosen) <= set(hidden)
         return Judgement("right name below the floor" if named_truth else "false alarm", {})
     needed: dict[str, float] = {}

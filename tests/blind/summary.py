@@ -86,6 +86,6 @@ def summarise(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
         "seconds_median": float(np.median(seconds)) if seconds else None,
         "seconds_longest": max(seconds, default=None),
         "confusion": confusion(_pairs(rows)),
-        "misses": [r for r in rows if r["outcome"] in ("wrong", "missed", "false alarm", "failed")],
+        "misses": [r for r in rows if r["outcome"] in ("wrong", "missed", "false alarm", "false doubt", "failed")],
     }
     return summary | ({"after_experiment": _follow_up(rows)} if kind == "followup" else {})

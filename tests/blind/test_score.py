@@ -97,6 +97,7 @@ def test_judgement_of_nothing_and_of_two() -> None:
         return 9.0
 
     assert judge(answer(_said("nothing")), [], [], far).outcome == "right"
+    assert judge(answer(_said("unexplained")), [], [], far).outcome == "false doubt"
     assert judge(answer(_said("explained", {"name": "toe"})), [], [], far).outcome == "false alarm"
     both = _said("explained", {"name": "slope"}, {"name": "zero_offset", "place": "joint_1"})
     assert judge(answer(both), [SLOPE, ZERO], [5, 5], far).outcome == "right"

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.diagnose.actuation import Attempt, Plays, attempts, channels, fit_everywhere, plays
-from serpenoid.diagnose.finding import Named, Rung, interval
+from serpenoid.diagnose.finding import Named, Rival, Rung, excludable, interval
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 
 AT_MOST = 3
 VISIBLE = 1.6  # floors
 SHARE = 0.3  # of the excess of chi squared that one more effect must take away
-RIVAL = 14.0
 SETTLED = 1.6  # RMS of the worst joint, in noise
 T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
 
@@ -23,17 +22,17 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
     """Forward selection on the worst joints' misfit."""
     data = plays(recordings)
     chosen: list[ActiveEffect] = []
-    rivals: list[ActiveEffect] = []
+    singles: list[Attempt] = []
     for _ in range(AT_MOST):
         now = channels(data, chosen)
         if np.sqrt(max(now.max() ** 2 - 1, 0)) < VISIBLE:
             break
         tries = sorted(attempts(data, chosen), key=lambda a: a.chi2.sum())
+        singles = singles or tries
         best = tries[0]
         excess = ((now**2 - 1) * len(data.readings)).sum()
         if (now**2).sum() * len(data.readings) - best.chi2.sum() < SHARE * excess:
             break
-        rivals += [t.effect for t in tries[1:] if _rivals(t, best)]
         chosen = _refined(data, [*chosen, best.effect])
     left = channels(data, chosen)
     worst = int(left.argmax())
@@ -41,12 +40,24 @@ def choose_actuation(recordings: Sequence[Recording]) -> Rung:
     if left[worst] > SETTLED:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
     named = tuple(_named(data, chosen, e) for e in chosen)
-    return Rung("actuation", named, tuple(rivals), (), float(left[worst]), words)
+    return Rung("actuation", named, tuple(_rivals(data, chosen, singles)), (), float(left[worst]), words)
 
 
-def _rivals(a: Attempt, best: Attempt) -> bool:
-    same = (a.effect.name, a.effect.place) == (best.effect.name, best.effect.place)
-    return not same and bool(a.chi2.sum() - best.chi2.sum() < RIVAL)
+def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:
+    """What else could stand in the place of each chosen effect, the others kept; S_ab: the worst joint's RMS."""
+    here = data.realised(chosen)
+    least, keys = float((((data.readings - here) / data.noise) ** 2).sum()), {(e.name, e.place) for e in chosen}
+    found = []
+    for effect in chosen:
+        kept = [e for e in chosen if e is not effect]
+        for t in attempts(data, kept) if kept else singles:
+            same = (t.effect.name, t.effect.place) in keys
+            if same or excludable(float(t.chi2.sum()), least, data.readings.size):
+                continue
+            apart = data.realised([*kept, t.effect]) - here
+            rival = Rival(t.effect, effect, float(np.sqrt((apart**2).mean(axis=0)).max() / data.noise))
+            found += [] if rival.separable else [rival]
+    return found
 
 
 def _refined(data: Plays, chosen: list[ActiveEffect]) -> list[ActiveEffect]:

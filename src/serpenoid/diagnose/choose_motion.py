@@ -8,13 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.finding import Named, Rung, interval
+from serpenoid.diagnose.groups import Swap, groups, without
+from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
 from serpenoid.diagnose.noise import path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import RIVAL, Selection, Try, select
+from serpenoid.diagnose.select import FIRST_ORDER, Selection, select
 from serpenoid.diagnose.untestable import beyond_bounds
 from serpenoid.diagnose.windows import Track, make_tracks
 from serpenoid.effects.active import ActiveEffect
@@ -32,6 +34,7 @@ class MotionFinding:
 
     rung: Rung
     selection: Selection
+    swaps: tuple[Swap, ...]
     before_m: float
     after_m: float
 
@@ -51,9 +54,9 @@ def choose_on_tracks(
     model: Model,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
-    worth: float = 0.0,
+    rule: Rule = FIRST_ORDER,
 ) -> MotionFinding:
-    """The same on what `track` makes about a model; labels: what is held out together; worth: see `select`.
+    """The same on what `track` makes about a model; labels: what is held out together; rule: how to choose.
 
     untestable: effects that are no candidates, and why.
     """
@@ -61,7 +64,7 @@ def choose_on_tracks(
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    found = finding(select(motion, model, track, say, worth))
+    found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))
 
 
@@ -70,7 +73,9 @@ def finding(found: Selection) -> MotionFinding:
     motion, best, floor = found.motion, found.best, found.floor_m
     before = total([path_rms(t, p) for t, p in zip(motion.tracks, found.null.predictions, strict=True)])
     after = total([path_rms(t, p) for t, p in zip(motion.tracks, best.predictions, strict=True)])
-    named = [named_of(found, best, e) for e in best.effects]
+    bases = [without(found, e) for e in best.effects]
+    named = [named_of(found, base, e) for e, base in zip(best.effects, bases, strict=True)]
+    swaps = groups(found, bases)
     jumps = find_jumps(motion, best.predictions, floor)
     faint = [t.added for t in found.faint]
     if jumps is not None and jumps.strength >= 1.6:
@@ -78,34 +83,24 @@ def finding(found: Selection) -> MotionFinding:
         after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
     elif jumps is not None:
         faint.append(jumps.effect)
-    _, differences = window_noise(motion.tracks, residuals(motion.tracks, best.predictions))
-    words = pattern(motion, best.predictions, after / floor, differences)
-    rung = Rung("motion", tuple(named), rivals(found), tuple(faint), after / floor, words)
-    return MotionFinding(rung, found, before, after)
+    words = _left_over(found, after)
+    rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
+    return MotionFinding(rung, found, swaps, before, after)
 
 
-def rivals(found: Selection) -> tuple[ActiveEffect, ...]:
-    """Other effects in the place of one of the chosen that the data cannot exclude."""
-    others = []
-    for t in rival_tries(found):
-        others.append(next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place)))
-    return tuple({(e.name, e.place): e for e in others}.values())
+def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
+    """What neither the effects named nor one too faint to be named account for."""
+    motion, predictions = found.motion, found.best.predictions
+    if found.faint:
+        predictions = found.faint[-1].fit.predictions
+        after_m = min(after_m, total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)]))
+    _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
+    return pattern(motion, predictions, after_m / found.floor_m, differences)
 
 
-def rival_tries(found: Selection) -> list[Try]:
-    """Their fits; of one name and place only the best."""
-    chosen = {(e.name, e.place) for e in found.best.effects}
-    best: dict[tuple[str, int | None], Try] = {}
-    for t in found.tries:
-        key = (t.added.name, t.added.place)
-        same_size = len(t.fit.effects) == len(found.best.effects)
-        if chosen and key not in chosen and same_size and t.fit.chi2 - found.reach < RIVAL:
-            best[key] = min(best.get(key, t), t, key=lambda x: x.fit.chi2)
-    return list(best.values())
-
-
-def named_of(found: Selection, best: Fit, effect: ActiveEffect) -> Named:
-    """Intervals from the curvature, strength from what the path loses without the effect."""
+def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
+    """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
+    best = found.best
     _, covariance = best.evidence.solve(range(len(best.coordinates)))
     spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     at = 1
@@ -123,12 +118,7 @@ def named_of(found: Selection, best: Fit, effect: ActiveEffect) -> Named:
         value = effect.parameters[p.name]
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
             bound.append(p.name)
-    kept = [e for e in best.effects if e is not effect]
-    others = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
-    without = fit(found.motion, best.model, kept, others) if kept else found.null
-    return Named(
-        effect, ends, strength(found.motion, best.predictions, without.predictions) / found.floor_m, tuple(bound)
-    )
+    return Named(effect, ends, strength(found.motion, best.predictions, base.predictions) / found.floor_m, tuple(bound))
 
 
 def _clipped(value: float, low: float, high: float) -> float:

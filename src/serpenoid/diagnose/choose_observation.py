@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.finding import Named, Rung, interval
+from serpenoid.diagnose.finding import Named, Rival, Rung, excludable, interval
 from serpenoid.diagnose.observation import (
     ANGLE_FLOOR,
     Observation,
     Sample,
+    apart,
     columns_of,
     evidence,
     sample,
@@ -21,9 +22,9 @@ from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 
 AT_MOST = 3
+FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
 VISIBLE = 1.6  # floors
-RIVAL = 14.0
 SETTLED = 1.35  # chi squared per marker coordinate
 Key = tuple[str, int | None]
 
@@ -39,13 +40,12 @@ def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observati
     """The rung's finding, and the observation model to be taken out of the data (faint effects included)."""
     data = sample(recordings)
     chosen: list[Key] = []
-    now, rivals = Observation.neutral(data.body), []
+    now = Observation.neutral(data.body)
     for _ in range(AT_MOST):
         found = _next(data, now, chosen)
         if found is None:
             break
-        chosen, now, close = found
-        rivals += close
+        chosen, now = found
     shown: list[Named] = []
     faint: list[Named] = []
     for key in chosen:
@@ -59,13 +59,13 @@ def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observati
     words = (
         () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
     )
-    visible = {(n.effect.name, n.effect.place) for n in shown}
-    others = tuple(ActiveEffect.neutral(*k) for k, of in rivals if of in visible and k not in visible)
-    return Rung("observation", tuple(shown), others, tuple(n.effect for n in faint), left, words), now
+    visible = [k for k in chosen if k in {(n.effect.name, n.effect.place) for n in shown}]
+    rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k))
+    return Rung("observation", tuple(shown), rivals, tuple(n.effect for n in faint), left, words), now
 
 
-def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key], Observation, list] | None:
-    """One more effect, or None; with it the rivals that do as well."""
+def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key], Observation] | None:
+    """One more effect, or None: of those that do as well, the one with fewest numbers."""
     body = data.body
     own = [c for k in chosen for c in columns_of(body, *k)]
     sums = evidence(data, now)
@@ -85,9 +85,31 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
             fitted = solved(data, now, [*chosen, key])
             tries.append((evidence(data, fitted).constant.sum(), len(columns_of(body, *key)), key, fitted))
     least = min(t[0] for t in tries)
-    close = sorted((t for t in tries if t[0] - least < RIVAL), key=lambda t: (t[1], t[0]))
-    key, fitted = close[0][2], close[0][3]
-    return [*chosen, key], fitted, [(t[2], key) for t in close[1:]]
+    close = [t for t in tries if not excludable(t[0], least, sums.count.sum())]
+    _, _, key, fitted = min(close, key=lambda t: (t[1], t[0]))
+    return [*chosen, key], fitted
+
+
+def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -> list[Rival]:
+    """What else could stand in the place of one chosen effect, the others kept: scored linearly, then fitted."""
+    body = data.body
+    kept = [k for k in chosen if k != key]
+    base = solved(data, cleared(body, now, key), kept) if kept else Observation.neutral(body)
+    sums, after = evidence(data, base), evidence(data, now)
+    least, count = float(after.constant.sum()), float(after.count.sum())
+    slack = FIRST_ORDER * (float(sums.constant.sum()) - least)
+    found = []
+    for other in all_keys(body):
+        columns = [c for k in (*kept, other) for c in columns_of(body, *k)]
+        if other in chosen or excludable(sums.chi2(columns), least, count, slack):
+            continue
+        fitted = solved(data, base, [*kept, other])
+        effect = ActiveEffect.neutral(*other).with_coordinates(values_of(body, fitted, other))
+        mine = ActiveEffect.neutral(*key).with_coordinates(values_of(body, now, key))
+        rival = Rival(effect, mine, apart(data, now, fitted))
+        if not rival.separable and not excludable(float(evidence(data, fitted).constant.sum()), least, count):
+            found.append(rival)
+    return found
 
 
 def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
@@ -97,6 +119,13 @@ def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4)
         step, _ = evidence(data, now).solve(columns)
         for column, amount in zip(columns, step, strict=True):
             now = now.with_column(column, float(amount))
+    return now
+
+
+def cleared(body: Body, now: Observation, key: Key) -> Observation:
+    """An observation model without one of its effects."""
+    for column, value in zip(columns_of(body, *key), values_of(body, now, key), strict=True):
+        now = now.with_column(column, -value)
     return now
 
 

@@ -12,11 +12,11 @@ from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.choose_tracked import choose_tracked
-from serpenoid.diagnose.finding import Named, Rung
+from serpenoid.diagnose.finding import Named, Rival, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
+from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.tracked import TrackedRecording
-from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
 
@@ -36,9 +36,9 @@ class Diagnosis:
         return tuple(n for rung in self.rungs for n in rung.named)
 
     @property
-    def rivals(self) -> tuple[ActiveEffect, ...]:
+    def rivals(self) -> tuple[Rival, ...]:
         """What cannot be told apart from them."""
-        return tuple(e for rung in self.rungs for e in rung.rivals)
+        return tuple(r for rung in self.rungs for r in rung.rivals)
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -69,17 +69,23 @@ def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: 
     actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
     say("shape against motion")
-    return concluded(actuation, observation, choose_tracked(recordings, model, say), say)
+    return concluded(actuation, observation, choose_tracked(recordings, model, say), say, fitted_again)
 
 
-def concluded(actuation: Rung, observation: Rung, motion: MotionFinding, say: Callable[[str], None]) -> Diagnosis:
+def concluded(
+    actuation: Rung,
+    observation: Rung,
+    motion: MotionFinding,
+    say: Callable[[str], None],
+    leave_out: LeaveOut = first_order,
+) -> Diagnosis:
     """The verdict of three rungs, and the gain."""
     rungs = (actuation, observation, motion.rung)
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
-    before = scores(found.motion, held_out(found.motion, found.null))
-    after = scores(found.motion, held_out(found.motion, found.best), jumps)
+    before = scores(found.motion, held_out(found.motion, found.null, leave_out))
+    after = scores(found.motion, held_out(found.motion, found.best, leave_out), jumps)
     return Diagnosis(verdict(rungs), rungs, motion, before, after)
 
 
@@ -98,10 +104,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
     return {
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
-        "alternatives": [
-            {"name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters)}
-            for e in d.rivals
-        ],
+        "alternatives": [r.record() for r in d.rivals],
         "below_the_floor": [{"name": e.name, "place": e.place} for rung in d.rungs for e in rung.faint],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,

@@ -1,4 +1,4 @@
-"""One named effect with what is known of its size; what a rung of the ladder found."""
+"""One named effect with what is known of its size; its rivals; what a rung of the ladder found."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from serpenoid.effects.active import ActiveEffect
+
+SEPARABLE = 3.0  # floors
+BAND = 25.0  # chi squared: as much as an effect must gain to be named, a rival must lose to be excluded
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,39 @@ class Named:
 
 
 @dataclass(frozen=True)
+class Rival:
+    """An effect that could stand in the place of a chosen one.
+
+    separation: S_ab in floors, the RMS between what the two predict on the rung's own scale.
+    """
+
+    effect: ActiveEffect
+    instead_of: ActiveEffect
+    separation: float
+
+    @property
+    def separable(self) -> bool:
+        """Whether the two differ visibly: then they form no group, whatever their chi squared."""
+        return self.separation >= SEPARABLE
+
+    def record(self) -> dict[str, Any]:
+        """As it stands in diagnosis.json."""
+        e, other = self.effect, self.instead_of
+        return {
+            "name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters),
+            "instead_of": {"name": other.name, "place": other.place}, "separation_floors": self.separation,
+        }  # fmt: skip
+
+
+def excludable(chi2: float, least: float, count: float, slack: float = 0.0) -> bool:
+    """Whether the data exclude a fit: chi squared above the least of `count` residuals by more than chance explains.
+
+    Where even the best fit leaves more than chance, differences count for as much less.
+    """
+    return chi2 - least > BAND * max(1.0, least / count) + slack
+
+
+@dataclass(frozen=True)
 class Rung:
     """What one rung says: effects named, rivals that cannot be excluded, effects too faint to name, what is left.
 
@@ -44,7 +80,7 @@ class Rung:
 
     name: str
     named: tuple[Named, ...] = ()
-    rivals: tuple[ActiveEffect, ...] = ()
+    rivals: tuple[Rival, ...] = ()
     faint: tuple[ActiveEffect, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())

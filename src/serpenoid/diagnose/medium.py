@@ -19,7 +19,6 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
-from serpenoid.simulation.sensitivity import EPS, Column
 
 STEPS = 8
 CONVERGED = 0.02  # chi squared
@@ -148,40 +147,7 @@ def linearised(
 
 def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
     inside = [c for c in candidates if isinstance(c.effect, MediumEffect)]
-    if not model.knows("history"):
-        return predict(model, track, inside)
-    base = coasting(model, track)
-    columns = [EPS, *(Column(e.name, e.place, p.name) for e in model.effects for p in e.effect.parameters)]
-    jacobian = [_difference(model, track, c, base) for c in columns]
-    if inside:
-        plain = Model(model.body, model.medium, tuple(e for e in model.effects if not _remembers(e)))
-        p = predict(plain, track, inside)
-        added = [i for i, c in enumerate(p.columns) if c not in columns]
-        columns += [p.columns[i] for i in added]
-        jacobian += [p.jacobian[..., i] for i in added]
-    return Prediction(base, np.stack(jacobian, axis=-1), tuple(columns))
-
-
-def _remembers(effect: ActiveEffect) -> bool:
-    return isinstance(effect.effect, MediumEffect) and "history" in effect.effect.knows
-
-
-def _difference(model: Model, track: Track, column: Column, base: Floats) -> Floats:
-    """Derivative by a forward difference, where earlier steps matter."""
-    if column.effect is None:
-        step = 1e-4 * model.medium.anisotropy_ratio
-        medium = model.medium.with_ratio(model.medium.anisotropy_ratio + step)
-        return (coasting(Model(model.body, medium, model.effects), track) - base) / step
-    effects, step = [], 1.0
-    for e in model.effects:
-        if (e.name, e.place) == (column.effect, column.place):
-            index = [p.name for p in e.effect.parameters].index(column.parameter)
-            p, x = e.effect.parameters[index], list(e.coordinates)
-            step = 1e-3 * max(abs(x[index]), 0.01 * abs(p.coordinate(p.typical)))
-            x[index] += step
-            e = e.with_coordinates(x)
-        effects.append(e)
-    return (coasting(Model(model.body, model.medium, tuple(effects)), track) - base) / step
+    return (coasting if model.knows("history") else predict)(model, track, inside)
 
 
 def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats, steps: int = STEPS) -> Fit:

@@ -144,10 +144,18 @@ def _rigid(points: Floats, seen: np.ndarray) -> Floats:
 
 def signature(data: Sample, effect: Observation) -> Floats:
     """RMS of what an observation model changes: marker angles over readings and link lengths, in floors (2 m + 1,)."""
+    return np.sqrt((_shown(data, effect) ** 2).mean(axis=0))
+
+
+def apart(data: Sample, one: Observation, other: Observation) -> float:
+    """How far two observation models' data differ: the worst joint's or link's RMS, in floors."""
+    return float(np.sqrt(((_shown(data, one) - _shown(data, other)) ** 2).mean(axis=0)).max())
+
+
+def _shown(data: Sample, effect: Observation) -> Floats:
+    """Marker angles minus readings, and link lengths minus known ones, in floors (F, 2 m + 1)."""
     body = data.body
-    true = effect.angles(data.readings)
-    seen = effect.seen(body, true)
+    seen = effect.seen(body, effect.angles(data.readings))
     angle = marker_angles(body, seen) - data.readings
     length = np.linalg.norm(np.diff(seen, axis=1), axis=2) - body.edges_m
-    parts = [angle / ANGLE_FLOOR, length / LINK_FLOOR]
-    return np.sqrt(np.concatenate([(p**2).mean(axis=0) for p in parts]))
+    return np.concatenate([angle / ANGLE_FLOOR, length / LINK_FLOOR], axis=1)

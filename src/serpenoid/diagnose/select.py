@@ -13,6 +13,7 @@ import numpy as np
 
 from serpenoid.diagnose.bounds import held_at_bounds
 from serpenoid.diagnose.evidence import Evidence
+from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.medium import (
     STEPS,
     Fit,
@@ -38,8 +39,8 @@ SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
-RIVAL = 14.0  # chi squared: what is no worse than this cannot be excluded
 
+FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
 
@@ -55,16 +56,14 @@ class Try:
 
 @dataclass(frozen=True)
 class Selection:
-    """null: eps alone; best: what was chosen; tries: every full fit, last level; faint: gains below the floor."""
+    """null: eps alone; best: what was chosen; faint: gains below the floor."""
 
     motion: Motion
     null: Fit
     best: Fit
     floor_m: float
-    tries: tuple[Try, ...]
     faint: tuple[Try, ...]
     scores: tuple[tuple[str, int | None, float], ...]
-    reach: float = np.inf  # chi squared of the choice, on the mesh of the tries
 
 
 def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion, Fit]:
@@ -75,15 +74,11 @@ def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion
     return motion, fit(motion, base.model, list(base.effects), base.coordinates)
 
 
-def select(motion: Motion, model: object, retrack: Retrack, say: Progress, worth: float = 0.0) -> Selection:
-    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error.
-
-    worth: share of what is left above chance that an effect must take away, however significant it is.
-    """
+def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
+    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, None, model)
     best = null
     faint: list[Try] = []
-    kept: list[Try] = []
     scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
         floor = path_floor(motion, best.predictions)
@@ -94,26 +89,22 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, worth
             r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
         ]
         tries = attempts(motion, best, promising)
-        good = [t for t in tries if best.held_out - t.fit.held_out > needed(best, worth)]
-        if not good:
+        before = rule.held_out(motion, best)
+        least, first = min(
+            ((rule.held_out(motion, t.fit), t) for t in tries), key=lambda x: x[0], default=(np.inf, None)
+        )
+        if first is None or before - least <= rule.needed(best, before, GAIN):
             break
-        first = min(good, key=lambda t: t.fit.held_out)
         if first.strength_m < VISIBLE * floor:
             faint.append(first)
             break
         motion = replace(motion, tracks=retrack(first.fit.model))
         motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
         null = fit(motion, null.model, [], null.coordinates)
-        best = pruned(motion, better, worth)
-        kept = [again(motion, t) for t in tries if t.fit.chi2 - first.fit.chi2 < 5 * RIVAL + 0.1 * first.fit.chi2]
-    return Selection(
-        motion, null, best, path_floor(motion, best.predictions), tuple(kept), tuple(faint), scores, best.chi2
-    )
-
-
-def again(motion: Motion, t: Try) -> Try:
-    """The same fit under a new noise."""
-    return replace(t, fit=fit(motion, t.fit.model, list(t.fit.effects), t.fit.coordinates, steps=2))
+        best = pruned(motion, better, rule)
+        if not any((e.name, e.place) == (first.added.name, first.added.place) for e in best.effects):
+            break
+    return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
 
 
 def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:
@@ -214,19 +205,16 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     return Try(found, added, strength(motion, found.predictions, base.predictions))
 
 
-def needed(base: Fit, worth: float) -> float:
-    """Chi squared on held-out gaits that one more effect must gain."""
-    return max(GAIN, worth * (base.held_out - float(base.evidence.count.sum())))
-
-
-def pruned(motion: Motion, best: Fit, worth: float = 0.0) -> Fit:
+def pruned(motion: Motion, best: Fit, rule: Rule) -> Fit:
     """Without effects that no longer earn their place."""
     if len(best.effects) < 2:
         return best
+    score = rule.held_out(motion, best)
     for left_out in best.effects:
         kept = [e for e in best.effects if e is not left_out]
         x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
         without = fit(motion, best.model, kept, x)
-        if without.held_out - best.held_out < needed(without, worth):
-            return pruned(motion, without, worth)
+        before = rule.held_out(motion, without)
+        if before - score < rule.needed(without, before, GAIN):
+            return pruned(motion, without, rule)
     return best

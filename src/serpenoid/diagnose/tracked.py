@@ -120,5 +120,5 @@ def _part(recording: TrackedRecording, states: States, start: float, windows: in
 
 def _missed(model: Model, track: Track) -> Floats:
     """Measured minus predicted displacement of the windows (B - 1, 3)."""
-    predicted = coasting(model, track) if model.knows("history") else predict(model, track).displacement
+    predicted = (coasting if model.knows("history") else predict)(model, track).displacement
     return np.asarray(relative(track.measured[:-1], track.measured[1:]) - predicted)

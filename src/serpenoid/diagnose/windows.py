@@ -23,6 +23,7 @@ from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
+from serpenoid.simulation.path import path_sensitivities
 from serpenoid.simulation.poses import body_frame
 from serpenoid.simulation.sensitivity import Column, step_sensitivities
 from serpenoid.simulation.steps import elements_of_vertices
@@ -200,11 +201,26 @@ def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ())
     return replace(p, displacement=p.displacement + track.offset)
 
 
-def coasting(model: Model, track: Track) -> Floats:
-    """Window displacements (B - 1, 3) of a model whose earlier steps matter: the whole trial, free running."""
+def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()) -> Prediction:
+    """The same for a model whose earlier steps matter: the whole trial, free running."""
+    length = model.body.total_length_m
+    scale = np.array([length, length, 1.0])
     time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
-    path = predicted_path(model, vertices, time, poses[: lead + 1])
-    return np.asarray(relative(path[track.boundaries[:-1]], path[track.boundaries[1:]]) + track.offset)
+    found = path_sensitivities(model, vertices / length, time, poses[: lead + 1] / scale, candidates)
+    at = track.boundaries + lead
+    path, by = found.trajectory.poses[at] * scale, found.jacobian[at] * scale[:, None]
+    moved, change = relative(path[:-1], path[1:]), by[1:] - by[:-1]
+    c, s = np.cos(path[:-1, 2])[:, None], np.sin(path[:-1, 2])[:, None]
+    turned = by[:-1, 2]  # turning the frame that it is seen from
+    jacobian = np.stack(
+        [
+            c * change[:, 0] + s * change[:, 1] + moved[:, 1, None] * turned,
+            c * change[:, 1] - s * change[:, 0] - moved[:, 0, None] * turned,
+            change[:, 2],
+        ],
+        axis=1,
+    )
+    return Prediction(moved + track.offset, jacobian, found.columns)
 
 
 def _windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ...]) -> Prediction:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from serpenoid.diagnose.choose_motion import rival_tries
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.experiment import next_experiment
 from serpenoid.diagnose.recording import Recording
@@ -33,7 +32,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, figures: bool = True) 
 def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
     """Where two explanations of the motion remain: the gait that tells them apart, written as a joint table."""
     found = d.motion.selection
-    others = [t.fit.model for t in rival_tries(found)]
+    others = [s.fit.model for s in d.motion.swaps]
     recordings = [t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)]
     if not others or not recordings:  # animals play no tables
         return None

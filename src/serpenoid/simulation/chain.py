@@ -61,15 +61,14 @@ def solve_chain(model: Model, before: Floats, after: Floats, times: Floats, star
 def difference_weights(times: Floats) -> Floats:
     """Coefficients (S, 3) of momentum in the middle of each step and of the two before it, for its rate there [1/s].
 
-    BDF2 on uneven times: second order, and momenta that relax within a step are damped. Before the first step the
-    body is at rest at times[0].
+    Momentum at a step's end is extrapolated from the middles of it and of the step before; its change over a step is
+    the impulse. On even steps this is BDF2; on uneven ones no impulse is lost where force jumps and the step changes at
+    once, as at a pause. Second order, and momenta that relax within a step are damped. At rest at times[0].
     """
-    middle = np.concatenate([[-np.inf, times[0]], (times[1:] + times[:-1]) / 2])
-    a, b = middle[2:] - middle[1:-1], middle[2:] - middle[:-2]
-    far = np.isinf(b)
-    b = np.where(far, 1.0, b)
-    weights = np.column_stack([1 / a + 1 / b, -b / (a * (b - a + far)), a / (b * (b - a + far))])
-    return np.where(far[:, None], np.column_stack([1 / a, -1 / a, 0 * a]), weights)
+    step = np.diff(times)
+    beyond = step / np.concatenate([step[:1], step[1:] + step[:-1]])  # half a step over the distance of the middles
+    earlier = np.concatenate([[0.0], beyond[:-1]])
+    return np.column_stack([1 + beyond, -(1 + beyond + earlier), earlier]) / step[:, None]
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from serpenoid.status import Status
 SPRING = 1e-9  # keeps Newton's matrix regular: as stiff as the roll of a chain that is straight to 1e-5 body lengths
 TOLERANCE = 1e-12
 DESCENT_STEPS = 200
+POLISHING_STEPS = 5
 LONGEST_TURN = 0.5  # rad, in one step of the descent
 
 
@@ -100,6 +101,18 @@ class _Step:
                 (self.rotation, self.shift), pose = here, pose / 2
             else:
                 break  # no lower in floating point
+            value, slope, curvature = there
+        return self._polished(value, slope, curvature)
+
+    def _polished(self, value: float, slope: Floats, curvature: Floats) -> tuple[float, Floats]:
+        """Near the minimum the energy's last digits say nothing: Newton steps as long as they flatten the slope."""
+        for _ in range(POLISHING_STEPS):
+            here = self.rotation, self.shift
+            self._move(np.asarray(-np.linalg.lstsq(curvature, slope, rcond=1e-14)[0], dtype=float))
+            there = self._expansion()
+            if np.abs(there[1]).max() >= np.abs(slope).max() or np.linalg.eigvalsh(there[2])[0] < -TOLERANCE:
+                self.rotation, self.shift = here
+                break
             value, slope, curvature = there
         return value, slope
 

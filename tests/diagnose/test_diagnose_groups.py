@@ -1,0 +1,88 @@
+"""Groups: what the data cannot exclude is reported beside the choice, what they can is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.campaign import make
+from blind.catalogue import Effect
+from blind.folder import write
+from serpenoid.diagnose.choose_actuation import choose_actuation
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_observation import choose_observation
+from serpenoid.diagnose.finding import BAND, Rung, excludable
+from serpenoid.diagnose.groups import without
+from serpenoid.diagnose.recording import Recording, read_recordings
+from serpenoid.diagnose.start import baseline
+
+GRADIENT = Effect("friction_gradient", None, {"gradient_x": 0.5, "gradient_y": 0.3})
+TOE = Effect("toe", None, {"angle": 0.05})
+SLOPE = Effect("slope", None, {"pull_x": 0.002, "pull_y": 0.0008})
+
+
+def recorded(folder: Path, seed: int, *effects: Effect) -> tuple[Recording, ...]:
+    """A short campaign of two gaits."""
+    write(make(seed, effects, settings_used=2), folder)
+    return read_recordings(folder)[1]
+
+
+def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
+    recordings = recorded(folder, seed, *effects)
+    _, seen = choose_observation(recordings)
+    file, _ = read_recordings(folder)
+    return choose_motion(recordings, seen, baseline(None, file), lambda text: None)
+
+
+def members(rung: Rung) -> set[tuple[str, int | None]]:
+    chosen = {(n.effect.name, n.effect.place) for n in rung.named}
+    return chosen | {(r.effect.name, r.effect.place) for r in rung.rivals}
+
+
+def test_a_joint_without_gain_and_one_stuck_at_zero_are_one_group(tmp_path: Path) -> None:
+    rung = choose_actuation(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0})))
+    assert members(rung) == {("gain_loss", 4), ("stuck_joint", 4)}
+    assert all(r.separation < 0.1 for r in rung.rivals)
+
+
+def test_a_stuck_joint_off_zero_has_no_rival(tmp_path: Path) -> None:
+    rung = choose_actuation(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1})))
+    assert members(rung) == {("stuck_joint", 7)}
+
+
+def test_the_first_joints_zero_and_the_tail_markers_side_are_one_group(tmp_path: Path) -> None:
+    rung, _ = choose_observation(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
+    assert members(rung) == {("zero_offset", 1), ("marker_offset", 0)}
+
+
+def test_a_zero_in_mid_body_has_no_rival(tmp_path: Path) -> None:
+    rung, _ = choose_observation(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
+    assert members(rung) == {("zero_offset", 6)}
+
+
+def test_gradient_and_wide_patch_are_one_group(tmp_path: Path) -> None:
+    found = motion(tmp_path, 972, GRADIENT)
+    assert {("friction_gradient", None), ("friction_patch", None)} <= members(found.rung)
+    assert all(s.rival.separation < 3 for s in found.swaps)
+    assert [s.fit.chi2 for s in found.swaps] == sorted(s.fit.chi2 for s in found.swaps)
+
+
+def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(tmp_path: Path) -> None:
+    found = motion(tmp_path, 950, SLOPE, TOE)
+    assert members(found.rung) == {("slope", None), ("toe", None)}
+    best = found.selection.best
+    for effect in best.effects:
+        left = without(found.selection, effect)
+        assert {e.name for e in left.effects} == {e.name for e in best.effects} - {effect.name}
+        assert excludable(left.chi2, best.chi2, float(best.evidence.count.sum()))
+
+
+@pytest.mark.parametrize(("left_per_residual", "excluded"), [(0.5, True), (1.0, True), (4.0, False)])
+def test_where_the_best_fit_leaves_more_than_chance_a_difference_counts_for_less(
+    left_per_residual: float, excluded: bool
+) -> None:
+    least = 100 * left_per_residual
+    assert excludable(least + 2 * BAND, least, 100) is excluded
+    assert not excludable(np.nextafter(least, 0), least, 100)
