@@ -1,4 +1,4 @@
-"""Recordings of swimmers: points and nothing else. Generated ones first, so that the lamprey's is a finding, no rule."""
+"""Recordings of swimmers, points alone: generated ones first, so that what the lamprey shows is a finding, no rule."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def names(record: dict[str, Any]) -> set[str]:
     return {e["name"] for e in [*record["effects"], *record["alternatives"]]}
 
 
-@pytest.mark.parametrize("seed", [31, 32])
+@pytest.mark.parametrize("seed", [31, pytest.param(32, marks=pytest.mark.slow)])
 def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) -> None:
     eps = float(np.random.default_rng(seed).uniform(0.55, 0.9))
     found = diagnosed(write(Swimmer(Ground(eps), seed), tmp_path / "swim"), tmp_path / "out", "--no-figures")
@@ -43,7 +43,7 @@ def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) 
     assert found["anisotropy_ratio"]["after"] == pytest.approx(eps, rel=0.01)  # 0.3 % from smoothed shapes
 
 
-@pytest.mark.parametrize("seed", [41, 42])
+@pytest.mark.parametrize("seed", [41, pytest.param(42, marks=pytest.mark.slow)])
 def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     eps, tau = float(rng.uniform(0.5, 0.85)), float(np.exp(rng.uniform(np.log(0.15), np.log(0.8))))

@@ -36,6 +36,10 @@ def lines(record: dict[str, Any]) -> list[str]:
     for e in record["alternatives"]:
         where = "" if e["place"] is None else f" at {e['place']}"
         found.append(f"  or {e['name']}{where}")
+    found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
+    for why in dict.fromkeys(record["untestable"].values()):
+        names = ", ".join(name for name, reason in record["untestable"].items() if reason == why)
+        found.append(f"not tested        {names}: {why}")
     rms = record["gain"]["path_rms_m"]
     found.append(f"path RMS          {1e3 * rms['before']:.2f} -> {1e3 * rms['after']:.2f} mm on held-out gaits")
     found.append(f"noise floor       {1e3 * record['noise_floor_m']:.2f} mm")
