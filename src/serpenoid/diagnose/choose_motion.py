@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
+from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
 from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import Selection, Try, select
-from serpenoid.diagnose.windows import make_tracks
+from serpenoid.diagnose.select import FIRST_ORDER, Selection, Try, select
+from serpenoid.diagnose.untestable import beyond_bounds
+from serpenoid.diagnose.windows import Track, make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -44,10 +46,27 @@ def choose_motion(
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
     labels = held_out_labels(recordings)
+    return choose_on_tracks(lambda about: make_tracks(recordings, seen, about), labels, model, say)
+
+
+def choose_on_tracks(
+    track: Callable[[Model], tuple[Track, ...]],
+    labels: tuple[int, ...],
+    model: Model,
+    say: Callable[[str], None],
+    untestable: Mapping[str, str] | None = None,
+    rule: Rule = FIRST_ORDER,
+) -> MotionFinding:
+    """The same on what `track` makes about a model; labels: what is held out together; rule: how to choose.
+
+    untestable: effects that are no candidates, and why.
+    """
+    barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
+        motion = Motion(track(model), GUESS, labels, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
+    found = finding(select(motion, model, track, say, rule))
+    return replace(found, rung=replace(found.rung, untestable=barred))
 
 
 def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:

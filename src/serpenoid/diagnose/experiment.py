@@ -63,7 +63,7 @@ class Laboratory:
     @classmethod
     def of(cls, choice: Fit, rivals: Sequence[Fit], motion: Motion) -> Laboratory:
         """A campaign's: durations a little beyond its own, the floor that its centroids have visited."""
-        schedules = [t.recording.schedule for t in motion.tracks]
+        schedules = [t.recording.schedule for t in motion.tracks if isinstance(t.recording, Recording)]
         used = [s.cycle_duration_s for s in schedules]
         place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
         durations = SHORTER * min(used), LONGER * max(used)

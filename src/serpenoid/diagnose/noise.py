@@ -20,6 +20,7 @@ CREEP = np.array(
     [4e-5, 4e-5, 1.5e-4]
 )  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
 DRAWS = 48
+GYRATION = 0.29  # of a straight rod, body lengths
 
 
 def residuals(tracks: Sequence[Track], predictions: Sequence[Prediction]) -> list[Floats]:
@@ -39,7 +40,14 @@ def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
 
 
 def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise, Floats]:
-    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself."""
+    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself.
+
+    Tracks that bring their own noise have no differences.
+    """
+    own = [t.noise for t in tracks if t.noise is not None]
+    if own:
+        typical = np.sqrt((np.concatenate(own) ** 2).mean(axis=0))
+        return Noise(typical, typical), np.empty((0, 3))
     couples = pairs(tracks)
     playing, pause = [], []
     if couples:
@@ -136,15 +144,16 @@ def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Predi
     squares = []
     for track, a, b in zip(motion.tracks, full, without, strict=True):
         one, other = (travel(np.nan_to_num(p.displacement), np.zeros(3)) for p in (a, b))
-        squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one)) ** 2).sum(axis=1)))
+        gyration = GYRATION * track.recording.body.total_length_m
+        squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one, gyration)) ** 2).sum(axis=1)))
     return float(np.sqrt(np.mean(squares)))
 
 
-def _registered(path: Floats, target: Floats) -> Floats:
-    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included (gyration 0.27 m)."""
+def _registered(path: Floats, target: Floats, gyration: float) -> Floats:
+    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included."""
 
     def points(pose: Floats) -> Floats:
-        arm = 0.27 * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
+        arm = gyration * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
         return np.concatenate([pose[:, :2] + arm, pose[:, :2] - arm])
 
     p, q = points(path), points(target)

@@ -27,7 +27,14 @@ ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
 
 
 def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
-    """Ratio over all windows and components, and by component (3,)."""
+    """Ratio over all windows and components, and by component (3,).
+
+    Where tracks bring their own noise nothing is repeated: mean squares in units of that noise.
+    """
+    own = [x / motion.noise.of(t) for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
+    if own:
+        by = np.nanmean(np.concatenate(own) ** 2, axis=0)
+        return float(by.mean()), by
     top, bottom = np.zeros(3), np.zeros(3)
     for a, b in pairs(motion.tracks):
         n = min(len(left[a]), len(left[b]))
@@ -49,7 +56,8 @@ def pattern(
     words = []
     if ratio > RATIO:
         worst = int(by.argmax())
-        words.append(f"what is left repeats: {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
+        verb = "is" if motion.tracks[0].noise is not None else "repeats:"
+        words.append(f"what is left {verb} {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _when(motion, left, worst)
         words += _where(motion, left)
     if path > chance:

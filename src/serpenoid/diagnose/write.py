@@ -7,6 +7,7 @@ from typing import Any
 
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.experiment import Laboratory, next_experiment
+from serpenoid.diagnose.recording import Recording
 from serpenoid.files import provenance, write_json
 from serpenoid.gaits.table import write_table
 from serpenoid.measure.campaign import CampaignFile
@@ -26,9 +27,9 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis) -> dict[str, Any]:
 def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
     """Where two explanations of the motion remain: the trial that tells them apart, its gait as a joint table."""
     swaps = d.motion.swaps
-    if not swaps:
-        return None
     found = d.motion.selection
+    if not swaps or not all(isinstance(t.recording, Recording) for t in found.motion.tracks):  # animals play no tables
+        return None
     best = next_experiment(Laboratory.of(found.best, [s.fit for s in swaps], found.motion))
     if best is None:
         return None
