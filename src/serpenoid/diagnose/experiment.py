@@ -19,6 +19,7 @@ from serpenoid.diagnose.finding import BAND
 from serpenoid.diagnose.geometry import shapes
 from serpenoid.diagnose.medium import Fit, Motion, Noise
 from serpenoid.diagnose.processes import in_processes
+from serpenoid.diagnose.recording import Recording
 from serpenoid.gaits import EllipseGait
 from serpenoid.measure.schedule import Schedule
 from serpenoid.mechanics.tables import joint_table
