@@ -34,11 +34,20 @@ def lines(record: dict[str, Any]) -> list[str]:
             found.append(f"    {name:14}{p['value']:.4g} {p['unit']}   95 % {_end(low)} .. {_end(high)}")
     for e in record["alternatives"]:
         where = "" if e["place"] is None else f" at {e['place']}"
-        found.append(f"  or {e['name']}{where}")
+        found.append(f"  or {e['name']}{where} ({e['separation_floors']:.1f} floors apart)")
     rms = record["gain"]["path_rms_m"]
     found.append(f"path RMS          {1e3 * rms['before']:.2f} -> {1e3 * rms['after']:.2f} mm on held-out gaits")
     found.append(f"noise floor       {1e3 * record['noise_floor_m']:.2f} mm")
-    return found + [f"left              {text}" for text in record["residual_pattern"]]
+    found += [f"left              {text}" for text in record["residual_pattern"]]
+    return found + _next(record["next_experiment"])
+
+
+def _next(e: dict[str, Any] | None) -> list[str]:
+    if e is None:
+        return []
+    p = e["start_pose"]
+    start = f"from x {p['x_m']:.2f} m, y {p['y_m']:.2f} m, heading {p['heading_rad']:.2f} rad"
+    return [f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.2f} s per cycle, {start}"]
 
 
 def _end(value: float | None) -> str:
