@@ -3,7 +3,7 @@
 Full campaigns (eight settings, two trials each) leave hardly a group: motion within a cycle tells effects apart long
 before paths do. So the campaign is one gait, played twice, and what is hidden is weak and has a neighbour that nearly
 coincides with it there once eps is fitted: slope and drift of the camera frame, wear of a wheel at either end and of
-the next one, a gradient of friction and a wide patch. Parameters are drawn until S is between 1.5 and 3.
+the next one, a gradient of friction and a wide patch. Parameters are drawn until S is between 1.5 and 2.8.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from blind.catalogue import CATALOGUE, Effect
 from blind.strength import floor, strength
 
 ONE_GAIT = ((1, 0, 0),)  # gait, heading, duration
-LEAST, MOST = 1.5, 3.0
+LEAST, MOST = 1.5, 2.8
 ENDS = (0, 1, 10, 11)
 WIDE = (0.3, 0.9)  # m, radius of patches
 PAIRS = (("slope", "frame_drift"), ("worn_wheel", "worn_wheel"), ("friction_gradient", "friction_patch"))

@@ -27,7 +27,7 @@ from serpenoid.model import Model
 from serpenoid.self_contact import crosses_itself
 
 ROWS = 50
-SEARCHES, RANDOM, STEPS, SHRINK = 4, 12, 14, 0.88
+SEARCHES, RANDOM, STEPS, SHRINK = 2, 14, 14, 0.88
 WIDTH = np.array([0.15, 0.5, 0.5, 0.5, 0.6, 0.12, 0.25, 0.6, 0.08, 0.08])  # of the first changes, as `_random` orders
 LIMIT_DEG, SPEED_LIMIT_RPM, SHARE = 60.0, 57.0, 0.8  # where the body does not say; share of the speed used
 SHORTER, LONGER = 0.7, 1.5  # cycle durations beyond those of the campaign
