@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.jumps import find_jumps
@@ -16,7 +17,7 @@ from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
 from serpenoid.diagnose.select import Selection, select
-from serpenoid.diagnose.windows import make_tracks
+from serpenoid.diagnose.windows import Track, make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -38,15 +39,20 @@ class MotionFinding:
 
 
 def choose_motion(
-    recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
+    recordings: Sequence[Recording], seen: Observation, baseline: Baseline, say: Callable[[str], None]
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
+
+    def tracks(about: Model) -> tuple[Track, ...]:
+        return baseline.corrected(make_tracks(recordings, seen, about))
+
+    model = baseline.model
     gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
     labels = tuple(gaits[r.gait] for r in recordings)
     for _ in range(2):
-        motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
+        motion = Motion(tracks(model), GUESS, labels, baseline.model.effects)
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
+    return finding(select(motion, model, tracks, say))
 
 
 def finding(found: Selection) -> MotionFinding:

@@ -36,11 +36,10 @@ def all_keys(body: Body) -> list[Key]:
     return [*zero, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
 
 
-def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observation]:
-    """The rung's finding, and the observation model to be taken out of the data (faint effects included)."""
+def choose_observation(recordings: Sequence[Recording], now: Observation) -> tuple[Rung, Observation]:
+    """What is new beside the observation model `now`, and the model to be taken out of the data (faint effects too)."""
     data = sample(recordings)
     chosen: list[Key] = []
-    now = Observation.neutral(data.body)
     for _ in range(AT_MOST):
         found = _next(data, now, chosen)
         if found is None:

@@ -6,20 +6,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.finding import Named, Rival, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.model import Model
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after."""
+    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
+
+    baseline: what was taken for granted; seen: the observation model.
+    """
 
     verdict: str
+    baseline: Baseline
+    seen: Observation
     rungs: tuple[Rung, ...]
     motion: MotionFinding
     before: Scores
@@ -42,28 +49,27 @@ class Diagnosis:
 
     @property
     def model(self) -> Model:
-        """The extended model: what the motion's fit found, and what the upper rungs did."""
+        """The extended model: what was known before, what the motion's fit found, and what the upper rungs did."""
         fitted = self.motion.selection.best.model
-        present = {(e.name, e.place) for e in fitted.effects}
-        others = tuple(n.effect for n in self.named if (n.effect.name, n.effect.place) not in present)
-        return Model(fitted.body, fitted.medium, (*fitted.effects, *others))
+        every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects)
+        return Model(fitted.body, fitted.medium, tuple({(e.name, e.place): e for e in every}.values()))
 
 
-def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str], None]) -> Diagnosis:
-    """From recordings to a verdict. `model` is where the calibration of eps begins."""
+def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[[str], None]) -> Diagnosis:
+    """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
-    actuation = choose_actuation(recordings)
+    actuation = choose_actuation(baseline.plays(recordings))
     say("shape against markers")
-    observation, seen = choose_observation(recordings)
+    observation, seen = choose_observation(recordings, baseline.observation())
     say("shape against motion")
-    motion = choose_motion(recordings, seen, model, say)
+    motion = choose_motion(recordings, seen, baseline, say)
     rungs = (actuation, observation, motion.rung)
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
     before = scores(found.motion, held_out(found.motion, found.null))
     after = scores(found.motion, held_out(found.motion, found.best), jumps)
-    return Diagnosis(verdict(rungs), rungs, motion, before, after)
+    return Diagnosis(verdict(rungs), baseline, seen, rungs, motion, before, after)
 
 
 def verdict(rungs: Sequence[Rung]) -> str:

@@ -35,9 +35,9 @@ def held_out(motion: Motion, fit: Fit) -> list[Prediction]:
     several = len(set(motion.labels)) > 1
     for number, gait in enumerate(sorted(set(motion.labels))):
         step = fit.evidence.solve(columns, without=number)[0] if several else np.zeros(len(fit.coordinates))
-        model, drift = with_values(fit.model, effects, fit.coordinates + step)
+        model, drift = with_values(fit.model, effects, fit.coordinates + step, motion.held)
         index = [i for i, label in enumerate(motion.labels) if label == gait]
-        part = Motion(tuple(motion.tracks[i] for i in index), motion.noise, tuple(0 for _ in index))
+        part = Motion(tuple(motion.tracks[i] for i in index), motion.noise, tuple(0 for _ in index), motion.held)
         for i, p in zip(index, linearised(part, model, effects, drift)[1], strict=True):
             found[i] = p
     return [p for p in found if p is not None]

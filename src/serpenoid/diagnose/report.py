@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.compare.report import figure, table, write_report
+from serpenoid.diagnose.reference import words
 from serpenoid.effects.catalogue import find
 
 TITLES = {
@@ -24,6 +25,8 @@ def write_pages(folder: Path, record: dict[str, Any]) -> None:
         where = "" if e["place"] is None else f" at {kind.place} {e['place']}"
         lead.append(f"{e['name']}{where}: {kind.looks_like}. What to do: {kind.what_to_do}.")
     lead += [f"Not accounted for: {text}." for text in record["residual_pattern"]]
+    if record["reference"]:
+        lead += [f"{text}." for text in words(record["reference"])]
     sections = [("Before and after", _figure(folder, "paths") + _gain(record)), ("Evidence", _parameters(record))]
     sections += [("The ladder", _figure(folder, "ladder")), ("Residuals", _figure(folder, "residuals"))]
     sections += [("Ranking", _figure(folder, "ranking")), ("Alternatives", _alternatives(record))]

@@ -102,7 +102,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
 def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:
     """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
     drift = {e.name for e in base.effects}
-    singles = [c for c in candidates_of(base.model) if c.name not in drift or c.place is not None]
+    singles = [c for c in candidates_of(base) if c.name not in drift or c.place is not None]
     evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
     own = list(range(len(base.coordinates)))
     before, at, result = evidence.held_out(own), len(own), []
@@ -133,9 +133,11 @@ def _patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[t
 
 def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
     rows, columns, labels = [], [], []
+    fitted = {(e.name, e.place) for e in base.effects}
     for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
         own = predict(base.model, track)
-        jacobian = [own.jacobian]
+        mine = [c.effect is None or (c.effect, c.place) in fitted for c in own.columns]
+        jacobian = [own.jacobian[..., mine]]
         if base.drift is not None:
             jacobian.append(drift_columns(track))
         jacobian.append(patch_columns(base.model, track, grid))
@@ -179,8 +181,7 @@ def finished(motion: Motion, base: Fit, t: Try) -> Try:
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
     """Fit the base's effects and one more in full; its strength is what the path loses without it."""
-    effects = [*base.model.effects, *([base.drift] if base.drift else [])]
-    order = [*effects, added]
+    order = [*base.effects, added]
     moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
     sizes = [len(e.effect.parameters) for e in order]
     starts = np.cumsum([1, *sizes])

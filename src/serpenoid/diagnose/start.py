@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid import schema
+from serpenoid.diagnose.reference import words
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -25,7 +26,8 @@ def baseline(path: str | Path | None, file: CampaignFile) -> Model:
 
 def lines(record: dict[str, Any]) -> list[str]:
     """The summary."""
-    found = [f"verdict           {record['verdict']}"]
+    found = [f"reference         {text}" for text in words(record["reference"])] if record["reference"] else []
+    found += [f"verdict           {record['verdict']}"]
     for e in record["effects"]:
         where = "" if e["place"] is None else f" at {e['place']}"
         found.append(f"  {e['name']}{where} ({e['strength_floors']:.1f} floors)")

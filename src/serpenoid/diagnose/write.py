@@ -16,9 +16,12 @@ from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
 
 
-def write(folder: Path, file: CampaignFile, d: Diagnosis, figures: bool = True) -> dict[str, Any]:
-    """Write everything; returns the record."""
+def write(
+    folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, Any] | None = None, figures: bool = True
+) -> dict[str, Any]:
+    """Write everything; returns the record. reference: what the earlier campaign showed."""
     data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
+    data["reference"] = reference
     comment = f"what the diagnosis of {file.name} found: {d.verdict}"
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
     data["next_experiment"] = _next_experiment(folder, d)
