@@ -51,7 +51,7 @@ def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> 
             if same or excludable(float(t.chi2.sum()), least, data.readings.size):
                 continue
             apart = data.realised([*kept, t.effect]) - here
-            rival = Rival(t.effect, effect, float(np.sqrt((apart**2).mean(axis=0)).max() / data.noise))
+            rival = Rival(t.effect, effect, float((np.sqrt((apart**2).mean(axis=0)) / data.noise).max()))
             found += [] if rival.separable else [rival]
     return found
 

@@ -23,7 +23,7 @@ from serpenoid.diagnose.medium import (
     linearised,
     patch_grid,
 )
-from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.noise import path_floor, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.windows import Track, patch_columns, predict
 from serpenoid.effects.active import ActiveEffect
@@ -36,6 +36,7 @@ GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing st
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
+ASTRAY = 5.0  # floors: such a path says little about small traces
 
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
@@ -89,7 +90,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
         if not good:
             break
         first = min(good, key=lambda t: t.fit.held_out)
-        if first.strength_m < VISIBLE * floor:
+        if not stands_out(motion, best, first, floor):
             faint.append(first)
             break
         motion = replace(motion, tracks=retrack(first.fit.model))
@@ -97,6 +98,15 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better)
     return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
+
+
+def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
+    """Whether an effect's trace in the path is above the floor; where paths stray anyway, that in the windows will do."""
+    if t.strength_m >= VISIBLE * floor_m:
+        return True
+    astray = total([path_rms(track, p) for track, p in zip(motion.tracks, base.predictions, strict=True)])
+    in_windows = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
+    return bool(astray > ASTRAY * floor_m and in_windows > VISIBLE**2)
 
 
 def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:
