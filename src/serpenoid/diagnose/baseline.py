@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Floats
 from serpenoid.diagnose.actuation import Plays, plays
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
@@ -29,6 +29,11 @@ class Baseline:
     def known(self) -> tuple[ActiveEffect, ...]:
         """Effects that are no news."""
         return self.model.effects
+
+    @property
+    def unlike(self) -> Floats | float:
+        """The largest difference between two repeats' windows that is no news (3,) [m, m, rad]."""
+        return 0.0
 
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""

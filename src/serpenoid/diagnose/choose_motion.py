@@ -50,7 +50,7 @@ def choose_motion(
     gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
     labels = tuple(gaits[r.gait] for r in recordings)
     for _ in range(2):
-        motion = Motion(tracks(model), GUESS, labels, baseline.model.effects)
+        motion = Motion(tracks(model), GUESS, labels, baseline.model.effects, baseline.unlike)
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
     return finding(select(motion, model, tracks, say))
 

@@ -24,6 +24,7 @@ from serpenoid.effects.active import ActiveEffect
 AT_MOST = 3
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
+SHARE = 0.2  # of what is left above chance: less, and the cause is another
 VISIBLE = 1.6  # floors
 SETTLED = 1.35  # chi squared per marker coordinate
 Key = tuple[str, int | None]
@@ -76,7 +77,7 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
         columns = columns_of(body, *key)
         gains.append((before - sums.held_out([*own, *columns]), key))
     gains.sort(key=lambda g: -g[0])
-    if gains[0][0] < GAIN:
+    if gains[0][0] < max(GAIN, SHARE * (before - SETTLED * sums.count.sum())):
         return None
     tries = []
     for gain, key in gains[:6]:
@@ -93,7 +94,8 @@ def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -
     """What else could stand in the place of one chosen effect, the others kept: scored linearly, then fitted."""
     body = data.body
     kept = [k for k in chosen if k != key]
-    base = solved(data, cleared(body, now, key), kept) if kept else Observation.neutral(body)
+    base = cleared(body, now, key)
+    base = solved(data, base, kept) if kept else base
     sums, after = evidence(data, base), evidence(data, now)
     least, count = float(after.constant.sum()), float(after.count.sum())
     slack = FIRST_ORDER * (float(sums.constant.sum()) - least)

@@ -32,19 +32,27 @@ class Noise:
     playing: Floats
     pause: Floats
 
+    def chance(self, track: Track) -> Floats:
+        """(B - 1, 3), independent from window to window."""
+        return np.where(track.playing[:, None], self.playing, self.pause)
+
     def of(self, track: Track) -> Floats:
         """(B - 1, 3), with what the baseline itself is in doubt about."""
-        return np.hypot(np.where(track.playing[:, None], self.playing, self.pause), track.doubt)
+        return np.hypot(self.chance(track), track.doubt)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The tracks and their noise; labels: gait numbers, one per track; held: known effects, not up for fitting."""
+    """The tracks and their noise; labels: gait numbers, one per track; held: known effects, not up for fitting.
+
+    unlike (3,): the largest difference between two repeats' windows that is no news [m, m, rad].
+    """
 
     tracks: tuple[Track, ...]
     noise: Noise
     labels: tuple[int, ...]
     held: tuple[ActiveEffect, ...] = ()
+    unlike: Floats | float = 0.0
 
 
 @dataclass(frozen=True)

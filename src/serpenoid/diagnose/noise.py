@@ -1,7 +1,7 @@
 """What chance does: differences between repeats, which no law of the robot or the floor can explain.
 
 Window noise: SD of the difference of two repeats' residuals over sqrt 2. Floor F: RMS over a trial's path of the
-distance that this noise, strung together window by window, adds up to.
+distance that this noise, strung together window by window, adds up to; doubt about the baseline repeats in every cycle.
 """
 
 from __future__ import annotations
@@ -70,12 +70,15 @@ def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
     rng = np.random.default_rng(0)
     squares = []
     for track, p in zip(motion.tracks, predictions, strict=True):
-        noise = motion.noise.of(track).copy()
-        noise[~track.playing] = LEAST
+        chance = motion.noise.chance(track)
+        chance[~track.playing] = LEAST
+        window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]
         for _ in range(DRAWS):
-            path = travel(steps + rng.normal(size=noise.shape) * noise, np.zeros(3))[:, :2]
+            doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
+            drawn = rng.normal(size=chance.shape) * chance + doubted
+            path = travel(steps + drawn, np.zeros(3))[:, :2]
             squares.append(_mean_in_time(track, ((path - true) ** 2).sum(axis=1)))
     return float(np.sqrt(np.mean(squares)))
 

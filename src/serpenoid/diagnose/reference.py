@@ -21,7 +21,7 @@ from serpenoid.diagnose.actuation import Plays, plays
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.medium import Motion, linearised
-from serpenoid.diagnose.noise import residuals
+from serpenoid.diagnose.noise import residuals, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.windows import Track
@@ -29,6 +29,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 
 CARRIED, READ = 0.25, 0.5  # shares of the habitual error that a change may change: of motions, of readings
+UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
 Setting = tuple[str, float]
 
 
@@ -48,12 +49,14 @@ class Habit:
 
 @dataclass(frozen=True)
 class Reference(Baseline):
-    """seen: the earlier observation model; usual (3,): RMS error of a window while playing [m, m, rad]; servos: the
-    earlier readings and what explains them; others: effects that were there before, beside the motion's."""
+    """seen: the earlier observation model; usual, largest (3,) [m, m, rad]: RMS error of a window while playing, and the
+    largest difference between two repeats'; servos: the earlier readings and what explains them; others: effects that
+    were there before, beside the motion's."""
 
     seen: Observation
     habits: dict[Setting, Habit]
     usual: Floats
+    largest: Floats
     servos: Plays
     others: tuple[ActiveEffect, ...]
 
@@ -61,6 +64,11 @@ class Reference(Baseline):
     def known(self) -> tuple[ActiveEffect, ...]:
         """All effects that were there before."""
         return (*self.model.effects, *self.others)
+
+    @property
+    def unlike(self) -> Floats:
+        """Repeats differed before, and a change may make them differ more."""
+        return UNLIKE * self.largest
 
     def observation(self) -> Observation:
         """As it was before."""
@@ -113,7 +121,8 @@ def reference_of(d: Diagnosis) -> Reference:
     shown = tuple(e for e in others if isinstance(e.effect, ActuationEffect) and e.effect.shown)
     servos = replace(plays([t.recording for t in motion.tracks]), known=shown)
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
-    return Reference(model, d.seen, _habits(motion, errors), usual, servos, others)
+    largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
+    return Reference(model, d.seen, _habits(motion, errors), usual, largest, servos, others)
 
 
 def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:

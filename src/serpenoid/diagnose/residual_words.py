@@ -51,7 +51,8 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, diff
     if len(differences):
         size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
         robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))
-        if size.max() > TAIL or (robust > 5).sum() >= 3:
+        startling = bool((np.abs(differences) > motion.unlike).any())
+        if startling and (size.max() > TAIL or (robust > 5).sum() >= 3):
             words.append("repeats differ by pushes in single trials that no law of the floor explains")
     return tuple(words)
 

@@ -101,7 +101,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
 
 
 def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
-    """Whether an effect's trace in the path is above the floor; where paths stray anyway, that in the windows will do."""
+    """Whether an effect's trace in the path is above the floor; where paths stray anyway, in the windows will do."""
     if t.strength_m >= VISIBLE * floor_m:
         return True
     astray = total([path_rms(track, p) for track, p in zip(motion.tracks, base.predictions, strict=True)])
@@ -122,7 +122,8 @@ def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarr
         at += size
         values, _ = evidence.solve(index)
         x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
-        result.append((c, before - evidence.held_out(index), x))
+        if c.with_coordinates(x[len(own) :].tolist()).coordinates != c.coordinates:  # else all of it is out of bounds
+            result.append((c, before - evidence.held_out(index), x))
     if "friction_patch" not in drift:
         result += _patches(motion, base, before, own)
     return sorted(result, key=lambda r: -r[1])
