@@ -49,9 +49,11 @@ class Habit:
 
 @dataclass(frozen=True)
 class Reference(Baseline):
-    """seen: the earlier observation model; usual, largest (3,) [m, m, rad]: RMS error of a window while playing, and the
-    largest difference between two repeats'; servos: the earlier readings and what explains them; others: effects that
-    were there before, beside the motion's."""
+    """seen: the earlier observation model; servos: the earlier readings and what explains them; others: effects that
+    were there before, beside the motion's.
+
+    usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
+    """
 
     seen: Observation
     habits: dict[Setting, Habit]

@@ -1,4 +1,4 @@
-"""diagnosis.json and extended-model.toml."""
+"""diagnosis.json, baseline-model.toml and extended-model.toml."""
 
 from __future__ import annotations
 
@@ -24,6 +24,10 @@ def write(
     data["reference"] = reference
     comment = f"what the diagnosis of {file.name} found: {d.verdict}"
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
+    before = d.motion.selection.null.model
+    known = {(e.name, e.place): e for e in (*d.baseline.known, *before.effects)}
+    comment = f"what the diagnosis of {file.name} began with, calibrated"
+    write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), comment=comment)
     data["next_experiment"] = _next_experiment(folder, d)
     write_json(folder / "diagnosis.json", data)
     if figures:
