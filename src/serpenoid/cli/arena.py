@@ -3,8 +3,8 @@
     serpenoid arena run PROTOCOL.toml --out campaigns/mats
     serpenoid arena use results/mats/diagnosis PROTOCOL.toml    # what is the diagnosis worth?
 
-`use` finds the optimal gait under the diagnosis' baseline and under its extended model, and plays both on the protocol's
-robot, with the changes that are in it. Run the same command again to continue after an interruption.
+`use` finds the optimal gait under the diagnosis' baseline and under its extended model, and plays both on the robot of
+the protocol, with the changes that are in it. Run the same command again to continue after an interruption.
 docs/arena.md describes protocol and physics.
 """
 
