@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.held_out import Rule
@@ -42,17 +43,20 @@ class MotionFinding:
 
 
 def choose_motion(
-    recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
+    recordings: Sequence[Recording], seen: Observation, baseline: Baseline, say: Callable[[str], None]
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
-    labels = held_out_labels(recordings)
-    return choose_on_tracks(lambda about: make_tracks(recordings, seen, about), labels, model, say)
+
+    def track(about: Model) -> tuple[Track, ...]:
+        return baseline.corrected(make_tracks(recordings, seen, about))
+
+    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
 
 
 def choose_on_tracks(
     track: Callable[[Model], tuple[Track, ...]],
     labels: tuple[int, ...],
-    model: Model,
+    baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
     rule: Rule = FIRST_ORDER,
@@ -61,9 +65,10 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why.
     """
+    model = baseline.model
     barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(track(model), GUESS, labels, frozenset(barred))
+        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))

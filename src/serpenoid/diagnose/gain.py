@@ -34,7 +34,7 @@ def held_out(motion: Motion, fit: Fit, leave_out: LeaveOut = first_order) -> lis
     found: list[Prediction | None] = [None] * len(motion.tracks)
     effects = list(fit.effects)
     for label in sorted(set(motion.labels)):
-        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label))
+        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label), motion.held)
         index = [i for i, own in enumerate(motion.labels) if own == label]
         for i, p in zip(index, linearised(part(motion, index), model, effects, drift)[1], strict=True):
             found[i] = p

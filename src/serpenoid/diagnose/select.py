@@ -24,7 +24,7 @@ from serpenoid.diagnose.medium import (
     fit_guided,
     linearised,
 )
-from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.noise import path_floor, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.patches import patch_grid
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.windows import Track, patch_columns, predict
@@ -39,6 +39,7 @@ SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
+ASTRAY = 5.0  # floors: such a path says little about small traces
 
 FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
@@ -95,7 +96,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
         )
         if first is None or before - least <= rule.needed(best, before, GAIN):
             break
-        if first.strength_m < VISIBLE * floor:
+        if not stands_out(motion, best, first, floor):
             faint.append(first)
             break
         motion = replace(motion, tracks=retrack(first.fit.model))
@@ -107,10 +108,19 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
     return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
 
 
+def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
+    """Whether an effect's trace in the path is above the floor; where paths stray anyway, in the windows will do."""
+    if t.strength_m >= VISIBLE * floor_m:
+        return True
+    astray = total([path_rms(track, p) for track, p in zip(motion.tracks, base.predictions, strict=True)])
+    in_windows = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
+    return bool(astray > ASTRAY * floor_m and in_windows > VISIBLE**2)
+
+
 def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:
     """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
     drift = {e.name for e in base.effects}
-    singles = [c for c in candidates_of(base.model) if c.name not in drift or c.place is not None]
+    singles = [c for c in candidates_of(base) if c.name not in drift or c.place is not None]
     singles = [c for c in singles if c.name not in motion.untestable]
     evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
     own = list(range(len(base.coordinates)))
@@ -121,7 +131,8 @@ def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarr
         at += size
         values, _ = evidence.solve(index)
         x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
-        result.append((c, before - evidence.held_out(index), x))
+        if c.with_coordinates(x[len(own) :].tolist()).coordinates != c.coordinates:  # else all of it is out of bounds
+            result.append((c, before - evidence.held_out(index), x))
     if "friction_patch" not in drift | motion.untestable:
         result += _patches(motion, base, before, own)
     return sorted(result, key=lambda r: -r[1])
@@ -142,9 +153,11 @@ def _patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[t
 
 def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
     rows, columns, labels = [], [], []
+    fitted = {(e.name, e.place) for e in base.effects}
     for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
         own = predict(base.model, track)
-        jacobian = [own.jacobian]
+        mine = [c.effect is None or (c.effect, c.place) in fitted for c in own.columns]
+        jacobian = [own.jacobian[..., mine]]
         if base.drift is not None:
             jacobian.append(drift_columns(track))
         jacobian.append(patch_columns(base.model, track, grid))
@@ -190,8 +203,7 @@ def finished(motion: Motion, base: Fit, t: Try) -> Try:
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
     """Fit the base's effects and one more in full; its strength is what the path loses without it."""
-    effects = [*base.model.effects, *([base.drift] if base.drift else [])]
-    order = [*effects, added]
+    order = [*base.effects, added]
     moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
     sizes = [len(e.effect.parameters) for e in order]
     starts = np.cumsum([1, *sizes])

@@ -39,7 +39,7 @@ LEAST_FRAMES = 4
 @dataclass(frozen=True)
 class Track:
     """One trial on its (coarser) time mesh; offset (B - 1, 3): what a mesh without error would add
-    to a window's displacement.
+    to a window's displacement; doubt (B - 1, 3): SD of what the baseline is known to get wrong there.
 
     time (R,), vertices (R, N, 2) in the body frame [m]; boundaries (B,): rows; measured (B, 3) poses there [m, rad],
     NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,); frame_time (F,), frame_poses
@@ -61,6 +61,7 @@ class Track:
     offset: Floats
     lead: Lead | None = None  # how the body was moving before; None: it was at rest
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
+    doubt: Floats | float = 0.0
 
     @property
     def duration(self) -> Floats:
