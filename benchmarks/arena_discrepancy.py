@@ -18,13 +18,15 @@ import numpy as np
 from serpenoid.diagnose.choose_motion import GUESS
 from serpenoid.diagnose.diagnose import choose_observation
 from serpenoid.diagnose.geometry import relative, travel, turn
-from serpenoid.diagnose.medium import Motion, fit
+from serpenoid.diagnose.medium import fit
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_rms, residuals, total
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import read_recordings
 from serpenoid.diagnose.select import calibrated
 from serpenoid.diagnose.start import baseline
-from serpenoid.diagnose.windows import Prediction, Track, make_tracks
+from serpenoid.diagnose.tracks import make_tracks
+from serpenoid.diagnose.windows import Prediction, Track
 
 Floats = np.ndarray
 CREEP = 2e-3  # m/s: over which the arena's soft contacts reach their full friction

@@ -12,14 +12,16 @@ from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
+from serpenoid.diagnose.medium import Fit, fit
+from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
 from serpenoid.diagnose.select import FIRST_ORDER, Selection, Try, select
+from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds
-from serpenoid.diagnose.windows import Track, make_tracks
+from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 

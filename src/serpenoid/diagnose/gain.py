@@ -11,7 +11,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import travel
 from serpenoid.diagnose.held_out import LeaveOut, first_order, part
-from serpenoid.diagnose.medium import Fit, Motion, linearised, with_values
+from serpenoid.diagnose.medium import Fit, linearised, with_values
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_rms, residuals
 from serpenoid.diagnose.windows import Prediction
 

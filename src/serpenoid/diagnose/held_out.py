@@ -13,7 +13,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.bounds import overstrained
-from serpenoid.diagnose.medium import Fit, Motion, fit, linearised, with_values
+from serpenoid.diagnose.medium import Fit, fit, linearised, with_values
+from serpenoid.diagnose.motion import Motion
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel, turn
-from serpenoid.diagnose.medium import Motion, Noise
+from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
 LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers

@@ -20,7 +20,8 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.actuation import Plays, plays
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.diagnose import Diagnosis, record
-from serpenoid.diagnose.medium import Motion, linearised
+from serpenoid.diagnose.medium import linearised
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import residuals, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import pairs, residuals
 from serpenoid.diagnose.windows import Prediction
 

@@ -13,7 +13,8 @@ from serpenoid.diagnose.medium import drift_columns
 from serpenoid.diagnose.noise import path_rms, total
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
-from serpenoid.diagnose.windows import Prediction, Track, make_tracks, predicted_path
+from serpenoid.diagnose.tracks import make_tracks
+from serpenoid.diagnose.windows import Prediction, Track, predicted_path
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.schedule import Schedule
 from serpenoid.model import Model
