@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Floats
+from serpenoid.compare.calibrate import calibrate
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
 from serpenoid.gaits.table import write_table
+from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
+from serpenoid.model import Model
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
 from serpenoid.problem import Problem, load
@@ -110,7 +113,18 @@ def purcell() -> None:
     assert simulate(in_step).trajectory.displacement < 1e-12
 
 
+def lamprey_water() -> None:
+    recording = PROBLEMS / "campaigns" / "lamprey.toml"
+    if not (PROBLEMS.parents[1] / "shared" / "data").is_dir():
+        pytest.skip("the recordings of others are not beside the repository")
+    campaign = load_campaign(recording)
+    found = calibrate(campaign, Model(campaign.body, problem("lamprey-water").medium), ("anisotropy_ratio",))
+    assert found.joint.values[0] == 0.5
+    assert found.mean_best_rms == pytest.approx(0.5, rel=1e-3)  # tolerance of its search
+
+
 CHECKS = {
+    "lamprey-water": lamprey_water,
     "reference": reference,
     "reference-optimum": reference_optimum,
     "snake10": snake10,

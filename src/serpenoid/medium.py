@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from serpenoid.schema import Record
 
@@ -12,11 +12,15 @@ from serpenoid.schema import Record
 class Medium(Record):
     """Anisotropic local dissipation, D = w (I + (eps - 1) T T^t), at the vertices (the paper's) or at edge midpoints.
 
-    A fitted `anisotropy_ratio` holds for one of the two only.
+    A fitted `anisotropy_ratio` holds for one of the two only. `anisotropy_ratio_bounds` is what physics allows: a
+    slender body in water has a drag ratio K = 1/eps of at most 2, so [0.5, 1]. Fits and diagnoses stay inside.
     """
 
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
     dissipation: Literal["vertex", "edge"] = Field(default="vertex", description="where the dissipation elements sit")
+    anisotropy_ratio_bounds: tuple[float, float] | None = Field(
+        default=None, description="[lower, upper] of what physics allows, for fits; in water [0.5, 1]"
+    )
 
     @field_validator("anisotropy_ratio")
     @classmethod
@@ -25,3 +29,20 @@ class Medium(Record):
             remedy = "swap tangential and normal coefficients?" if value > 1 else "use a small positive number."
             raise ValueError(f"`anisotropy_ratio` must be in (0, 1]; {remedy}")
         return value
+
+    @model_validator(mode="after")
+    def _within_bounds(self) -> Self:
+        pair = self.anisotropy_ratio_bounds
+        if pair is not None and not 0 < pair[0] < pair[1] <= 1:
+            raise ValueError(f"`anisotropy_ratio_bounds` needs 0 < lower < upper <= 1, got {list(pair)}")
+        if pair is not None and not pair[0] <= self.anisotropy_ratio <= pair[1]:
+            raise ValueError(f"`anisotropy_ratio` must be within `anisotropy_ratio_bounds` {list(pair)}")
+        return self
+
+    def with_ratio(self, anisotropy_ratio: float) -> Medium:
+        """The same medium with another anisotropy ratio (its bounds are for fits to respect)."""
+        return self.model_copy(update={"anisotropy_ratio": float(anisotropy_ratio)})
+
+    def limits(self, least: float, most: float) -> tuple[float, float]:
+        """Bounds of a fit that looks between `least` and `most`: what is stated here goes first."""
+        return self.anisotropy_ratio_bounds or (least, most)

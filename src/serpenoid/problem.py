@@ -132,7 +132,10 @@ class Problem(Record):
     @property
     def hash(self) -> str:
         """Changes with any number in the problem."""
-        return short_hash(self.model_dump(mode="json", exclude=None if self.effects else {"effects"}))
+        data = self.model_dump(mode="json", exclude=None if self.effects else {"effects"})
+        if self.medium.anisotropy_ratio_bounds is None:
+            del data["medium"]["anisotropy_ratio_bounds"]
+        return short_hash(data)
 
 
 def load(

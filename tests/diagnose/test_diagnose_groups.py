@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from blind.campaign import make
+from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, held_out_labels
 from serpenoid.diagnose.choose_observation import choose_observation
+from serpenoid.diagnose.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.finding import BAND, Rung, excludable
 from serpenoid.diagnose.groups import without
 from serpenoid.diagnose.recording import Recording, read_recordings
@@ -25,7 +28,7 @@ SLOPE = Effect("slope", None, {"pull_x": 0.002, "pull_y": 0.0008})
 
 def recorded(folder: Path, seed: int, *effects: Effect) -> tuple[Recording, ...]:
     """A short campaign of two gaits."""
-    write(make(seed, effects, settings_used=2), folder)
+    write(make(seed, effects, combinations=COMBINATIONS[:2]), folder)
     return read_recordings(folder)[1]
 
 
@@ -62,11 +65,32 @@ def test_a_zero_in_mid_body_has_no_rival(tmp_path: Path) -> None:
     assert members(rung) == {("zero_offset", 6)}
 
 
-def test_gradient_and_wide_patch_are_one_group(tmp_path: Path) -> None:
-    found = motion(tmp_path, 972, GRADIENT)
-    assert {("friction_gradient", None), ("friction_patch", None)} <= members(found.rung)
-    assert all(s.rival.separation < 3 for s in found.swaps)
-    assert [s.fit.chi2 for s in found.swaps] == sorted(s.fit.chi2 for s in found.swaps)
+@pytest.fixture(scope="module")
+def undecided(tmp_path_factory: pytest.TempPathFactory) -> MotionFinding:
+    """Where friction varies over the floor."""
+    return motion(tmp_path_factory.mktemp("gradient"), 972, GRADIENT)
+
+
+def test_gradient_and_wide_patch_are_one_group(undecided: MotionFinding) -> None:
+    assert {("friction_gradient", None), ("friction_patch", None)} <= members(undecided.rung)
+    assert all(s.rival.separation < 3 for s in undecided.swaps)
+    assert [s.fit.chi2 for s in undecided.swaps] == sorted(s.fit.chi2 for s in undecided.swaps)
+
+
+def test_an_experiment_for_the_group_stays_near_what_the_campaign_did(undecided: MotionFinding) -> None:
+    found = undecided.selection
+    laboratory = Laboratory.of(found.best, [s.fit for s in undecided.swaps], found.motion)
+    experiment = next_experiment(laboratory)
+    assert experiment is not None
+    assert len(experiment.chi2) == len(undecided.swaps)
+    assert (experiment.chi2 > 0).all()
+    used = [t.recording.schedule for t in found.motion.tracks]
+    durations = [s.cycle_duration_s for s in used]
+    assert 0.7 * min(durations) <= experiment.plan.schedule.cycle_duration_s <= 1.5 * max(durations)
+    assert experiment.plan.schedule.pause_s == used[0].pause_s
+    visited = np.concatenate([t.poses[:, :2] for t in found.motion.tracks])
+    assert (experiment.plan.start[:2] >= visited.min(axis=0)).all()
+    assert (experiment.plan.start[:2] <= visited.max(axis=0)).all()
 
 
 def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(tmp_path: Path) -> None:
@@ -86,3 +110,14 @@ def test_where_the_best_fit_leaves_more_than_chance_a_difference_counts_for_less
     least = 100 * left_per_residual
     assert excludable(least + 2 * BAND, least, 100) is excluded
     assert not excludable(np.nextafter(least, 0), least, 100)
+
+
+def _repeat(gait: str, duration: float) -> Recording:
+    return cast(Recording, SimpleNamespace(gait=gait, setting=(gait, duration)))
+
+
+def test_gaits_are_held_out_together_and_without_a_second_gait_settings_or_trials() -> None:
+    a, slow, b = _repeat("a", 2.0), _repeat("a", 4.0), _repeat("b", 2.0)
+    assert held_out_labels([a, slow, b, a]) == (0, 0, 1, 0)
+    assert held_out_labels([a, a, slow]) == (0, 0, 1)
+    assert held_out_labels([a, a]) == (0, 1)

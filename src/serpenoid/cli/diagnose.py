@@ -22,6 +22,7 @@ Exit code 0 whatever the verdict, 2 where the campaign or the model cannot be re
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ from serpenoid.cli import campaigns, options
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
+    from serpenoid.measure.campaign import CampaignFile
 
 STAGES = 10
 
@@ -46,21 +48,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose, write, report."""
-    from serpenoid.diagnose.diagnose import diagnose
-    from serpenoid.diagnose.recording import read_recordings
-    from serpenoid.diagnose.start import baseline
     from serpenoid.diagnose.words import lines
     from serpenoid.diagnose.write import write
     from serpenoid.measure.campaign import load_campaign_file
 
     file, _ = load_campaign_file(args.campaign)
-    model = baseline(args.model, file)
     folder = options.output_folder(args, Path("results") / Path(args.campaign).resolve().name / "diagnosis")
     count = len(file.trial)
     with options.progress_bar(args, "diagnosing", count + STAGES) as advance:
-        file, recordings = read_recordings(args.campaign, lambda done, total, name: advance(done, name))
         at = iter(range(count, count + STAGES + 1))
-        found = diagnose(recordings, model, lambda text: advance(next(at, count + STAGES), text))
+        found = _diagnosed(args, file, advance, lambda text: advance(next(at, count + STAGES), text))
         record = write(folder, file, found)
         if not args.no_figures:
             advance(count + STAGES, "figures")
@@ -68,6 +65,26 @@ def run(args: argparse.Namespace) -> int:
         advance(count + STAGES)
     options.report(args, record, [*lines(record), f"written to {folder}"])
     return 0
+
+
+def _diagnosed(
+    args: argparse.Namespace, file: CampaignFile, advance: Callable[..., None], say: Callable[[str], None]
+) -> Diagnosis:
+    """By all three rungs, or by the motion alone where points are all that was recorded."""
+    from serpenoid.diagnose.diagnose import diagnose, diagnose_tracked
+    from serpenoid.diagnose.recording import read_recordings
+    from serpenoid.diagnose.start import baseline
+    from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
+    from serpenoid.measure.load import load_campaign
+
+    def reading(done: int, total: int, name: str) -> None:
+        advance(done, name)
+
+    if is_tracked_only(file):
+        tracked = tracked_recordings(load_campaign(args.campaign, reading))
+        return diagnose_tracked(tracked, baseline(args.model, file, tracked[0].body), say)
+    model = baseline(args.model, file, file.body)
+    return diagnose(read_recordings(args.campaign, reading)[1], model, say)
 
 
 def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:

@@ -17,7 +17,7 @@ from scipy.stats import norm, t
 
 from serpenoid.body import Floats
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit
-from serpenoid.compare.parameters import FITTABLE, changed, start_values
+from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.three import simulate_path
 from serpenoid.measure.load import Campaign
@@ -113,7 +113,7 @@ def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]
     return Estimate(
         names, solution.values, sd, np.stack([solution.values - half, solution.values + half], axis=1),
         robust_sd(solution), correlation, solution.noise_scale, autocorrelation(solution.segments),
-        _complaints(solution, sd, correlation), solution,
+        _complaints(solution, model, sd, correlation), solution,
     )  # fmt: skip
 
 
@@ -144,7 +144,7 @@ def profile_likelihood(
     model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], best: Estimate, points: int = 13
 ) -> Floats:
     """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors: (K, 2)."""
-    low, high = FITTABLE[names[0]].low, FITTABLE[names[0]].high
+    low, high = (ends[0] for ends in bounds(names, model))
     grid = best.values[0] + best.sd[0] * np.linspace(-3, 3, points)
     noise = changed(model, names, best.values)  # chi2 values are comparable only under one noise
     least = fit(noise, segments, (), np.empty(0)).chi2
@@ -178,12 +178,13 @@ def best_rms(model: Model, segments: tuple[Segment, ...]) -> tuple[float, float,
     def cost(log_eps: float) -> float:
         return rms_of(changed(model, ("anisotropy_ratio",), np.array([np.exp(log_eps)])), segments)
 
-    grid = np.linspace(np.log(LOWEST), np.log(HIGHEST), 13)
+    lowest, highest = model.medium.limits(LOWEST, HIGHEST)
+    grid = np.linspace(np.log(lowest), np.log(highest), 13)
     start = int(np.argmin([cost(x) for x in grid]))
     low, high = grid[max(start - 1, 0)], grid[min(start + 1, len(grid) - 1)]
     found = minimize_scalar(cost, bounds=(low, high), method="bounded", options={"xatol": 1e-5})
     eps = float(np.exp(found.x))
-    return eps, float(found.fun), bool(eps < 1.01 * LOWEST or eps > 0.99 * HIGHEST)
+    return eps, float(found.fun), bool(eps < 1.01 * lowest or eps > 0.99 * highest)
 
 
 def _fit_trial(trial: Trial, segments: tuple[Segment, ...], model: Model, names: tuple[str, ...]) -> TrialFit:
@@ -191,15 +192,15 @@ def _fit_trial(trial: Trial, segments: tuple[Segment, ...], model: Model, names:
     return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names))
 
 
-def _complaints(solution: Solution, sd: Floats, correlation: Floats) -> tuple[str, ...]:
+def _complaints(solution: Solution, model: Model, sd: Floats, correlation: Floats) -> tuple[str, ...]:
     found = []
+    lows, highs = bounds(solution.names, model)
     if not solution.converged:
         found.append("the fit did not converge: the data may not determine these numbers")
     for i, name in enumerate(solution.names):
-        entry = FITTABLE[name]
-        if sd[i] > 0.5 * (entry.high - entry.low) or sd[i] == 0:
+        if sd[i] > 0.5 * (highs[i] - lows[i]) or sd[i] == 0:
             found.append(f"these data do not determine `{name}`")
-        if solution.values[i] <= entry.low * 1.001 or solution.values[i] >= entry.high * 0.999:
+        if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
             found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")
         for j in range(i):
             if abs(correlation[i, j]) > CORRELATED:

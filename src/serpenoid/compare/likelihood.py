@@ -77,7 +77,7 @@ def fit(
     `noise`: the model at which S is evaluated, where values of chi2 are to be compared; default: the current one.
     """
     values = np.asarray(start, float).copy()
-    low, high = bounds(names) if names else (values, values)
+    low, high = bounds(names, model) if names else (values, values)
     converged = not names
     for _ in range(ITERATIONS if names else 0):
         information, gradient, _ = _normal_equations(whiten(model, segments, names, values, noise))

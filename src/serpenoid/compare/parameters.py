@@ -46,8 +46,11 @@ def start_values(names: tuple[str, ...], model: Model) -> Floats:
     return np.array([model.medium.anisotropy_ratio if value is None else value for value in neutral])
 
 
-def bounds(names: tuple[str, ...]) -> tuple[Floats, Floats]:
-    return np.array([FITTABLE[n].low for n in names]), np.array([FITTABLE[n].high for n in names])
+def bounds(names: tuple[str, ...], model: Model) -> tuple[Floats, Floats]:
+    """Lower and upper bounds (P,); those of eps are the medium's, where it states them."""
+    pairs = [(FITTABLE[n].low, FITTABLE[n].high) for n in names]
+    pairs = [model.medium.limits(*p) if n == "anisotropy_ratio" else p for n, p in zip(names, pairs, strict=True)]
+    return np.array([low for low, _ in pairs]), np.array([high for _, high in pairs])
 
 
 def changed(model: Model, names: tuple[str, ...], values: Floats) -> Model:
@@ -56,7 +59,7 @@ def changed(model: Model, names: tuple[str, ...], values: Floats) -> Model:
     weights = body.vertex_weights.copy()
     for name, value in zip(names, values, strict=True):
         if name == "anisotropy_ratio":
-            medium = medium.model_copy(update={"anisotropy_ratio": float(value)})
+            medium = medium.with_ratio(value)
         elif name == "end_weight":
             weights[[0, -1]] *= value
         else:

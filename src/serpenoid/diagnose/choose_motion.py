@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
+from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
-from serpenoid.diagnose.noise import path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import Selection, Try, select
-from serpenoid.diagnose.windows import make_tracks
+from serpenoid.diagnose.select import FIRST_ORDER, Selection, Try, select
+from serpenoid.diagnose.untestable import beyond_bounds
+from serpenoid.diagnose.windows import Track, make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
+CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
+FLOOR_UNCERTAIN = 0.06  # standard deviation of the logarithm of a floor that is itself estimated from repeats
 SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
@@ -41,12 +45,36 @@ def choose_motion(
     recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
-    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
-    labels = tuple(gaits[r.gait] for r in recordings)
+    labels = held_out_labels(recordings)
+    return choose_on_tracks(lambda about: make_tracks(recordings, seen, about), labels, model, say)
+
+
+def choose_on_tracks(
+    track: Callable[[Model], tuple[Track, ...]],
+    labels: tuple[int, ...],
+    model: Model,
+    say: Callable[[str], None],
+    untestable: Mapping[str, str] | None = None,
+    rule: Rule = FIRST_ORDER,
+) -> MotionFinding:
+    """The same on what `track` makes about a model; labels: what is held out together; rule: how to choose.
+
+    untestable: effects that are no candidates, and why.
+    """
+    barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(make_tracks(recordings, seen, model), GUESS, labels)
+        motion = Motion(track(model), GUESS, labels, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return finding(select(motion, model, lambda best: make_tracks(recordings, seen, best), say))
+    found = finding(select(motion, model, track, say, rule))
+    return replace(found, rung=replace(found.rung, untestable=barred))
+
+
+def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
+    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
+    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return tuple(numbers[name] for name in names)
 
 
 def finding(found: Selection) -> MotionFinding:
@@ -82,7 +110,9 @@ def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
         predictions = found.faint[-1].fit.predictions
         after_m = min(after_m, total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)]))
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
-    return pattern(motion, predictions, after_m / found.floor_m, differences)
+    draws = np.log(path_draws(motion, predictions) / found.floor_m)
+    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))
+    return pattern(motion, predictions, after_m / found.floor_m, chance, differences)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:

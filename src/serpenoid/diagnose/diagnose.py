@@ -6,15 +6,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
+from serpenoid.diagnose.choose_tracked import choose_tracked
 from serpenoid.diagnose.finding import Named, Rival, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
-from serpenoid.diagnose.ladder import Step, climb
+from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again
+from serpenoid.diagnose.ladder import Step, climb, motion_step
 from serpenoid.diagnose.maps import residual_maps
-from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.tracked import TrackedRecording
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.model import Model
 
@@ -23,8 +27,7 @@ from serpenoid.model import Model
 class Diagnosis:
     """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
 
-    held_out: every trial predicted by a fit to the other gaits, baseline and extended; seen: what the markers' errors
-    were found to be.
+    held_out: every trial predicted by a fit to the other gaits, baseline and extended.
     """
 
     verdict: str
@@ -33,7 +36,6 @@ class Diagnosis:
     before: Scores
     after: Scores
     held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
-    seen: Observation
     ladder: tuple[Step, ...]
 
     @property
@@ -69,13 +71,32 @@ def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str],
     say("shape against motion")
     motion = choose_motion(recordings, seen, model, say)
     rungs = (actuation, observation, motion.rung)
+    return concluded(rungs, motion, climb(recordings, rungs, seen, motion), say)
+
+
+def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> Diagnosis:
+    """The same where there are tracked points alone: the rung of motion, and why the others are skipped."""
+    actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
+    observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
+    say("shape against motion")
+    motion = choose_tracked(recordings, model, say)
+    return concluded((actuation, observation, motion.rung), motion, (motion_step(motion),), say, fitted_again)
+
+
+def concluded(
+    rungs: tuple[Rung, ...],
+    motion: MotionFinding,
+    ladder: tuple[Step, ...],
+    say: Callable[[str], None],
+    leave_out: LeaveOut = first_order,
+) -> Diagnosis:
+    """The verdict of three rungs, and the gain."""
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
-    predicted = tuple(held_out(found.motion, found.null)), tuple(held_out(found.motion, found.best))
+    predicted = tuple(tuple(held_out(found.motion, f, leave_out)) for f in (found.null, found.best))
     before, after = scores(found.motion, predicted[0]), scores(found.motion, predicted[1], jumps)
-    ladder = climb(recordings, rungs, seen, motion)
-    return Diagnosis(verdict(rungs), rungs, motion, before, after, predicted, seen, ladder)
+    return Diagnosis(verdict(rungs), rungs, motion, before, after, (predicted[0], predicted[1]), ladder)
 
 
 def verdict(rungs: Sequence[Rung]) -> str:
@@ -100,7 +121,9 @@ def record(d: Diagnosis) -> dict[str, Any]:
         },
         "gain": gain_record(d.before, d.after),
         "noise_floor_m": found.floor_m,
-        "left": {rung.name: rung.left for rung in d.rungs},
+        "left": {rung.name: None if rung.skipped else rung.left for rung in d.rungs},
+        "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
+        "untestable": {name: why for rung in d.rungs for name, why in rung.untestable.items()},
         "residual_pattern": list(d.words),
         "ladder": [step.record() for step in d.ladder],
         "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),

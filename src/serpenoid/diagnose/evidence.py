@@ -9,7 +9,7 @@ predicted by a fit to the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,9 @@ class Evidence:
     @classmethod
     def of(cls, residuals: Floats, columns: Floats, labels: np.ndarray) -> Evidence:
         """From white residuals (R,), columns (R, P) and gait labels (R,)."""
+        if not len(residuals):
+            zero = np.zeros((1, columns.shape[1], columns.shape[1]))
+            return cls(zero, zero[:, 0], np.zeros(1), np.zeros(1))
         kinds = np.unique(labels)
         parts = [(residuals[labels == k], columns[labels == k]) for k in kinds]
         return cls(
@@ -39,6 +42,12 @@ class Evidence:
             np.array([r @ r for r, _ in parts]),
             np.array([float(len(r)) for r, _ in parts]),
         )
+
+    def without(self, column: int) -> Evidence:
+        """The same sums with a column that says nothing."""
+        matrix, vector = self.matrix.copy(), self.vector.copy()
+        matrix[:, column], matrix[:, :, column], vector[:, column] = 0.0, 0.0, 0.0
+        return replace(self, matrix=matrix, vector=vector)
 
     def solve(self, chosen: Sequence[int], without: int | None = None) -> tuple[Floats, Floats]:
         """Best values of the chosen columns and their covariance, perhaps without one gait."""

@@ -74,7 +74,8 @@ def excludable(chi2: float, least: float, count: float, slack: float = 0.0) -> b
 class Rung:
     """What one rung says: effects named, rivals that cannot be excluded, effects too faint to name, what is left.
 
-    left: remaining misfit in floors (1 = chance alone); words: its pattern, empty where there is none.
+    left: remaining misfit in floors (1 = chance alone); words: its pattern, empty where there is none. skipped: why
+    the recordings say nothing on this rung, empty where they do; untestable: effects that were no candidates, and why.
     """
 
     name: str
@@ -83,6 +84,8 @@ class Rung:
     faint: tuple[Named, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())
+    skipped: str = ""
+    untestable: dict[str, str] = field(default_factory=dict)
 
     @property
     def settled(self) -> bool:

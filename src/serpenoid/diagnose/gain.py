@@ -10,6 +10,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import travel
+from serpenoid.diagnose.held_out import LeaveOut, first_order, part
 from serpenoid.diagnose.medium import Fit, Motion, linearised, with_values
 from serpenoid.diagnose.noise import path_rms, residuals
 from serpenoid.diagnose.windows import Prediction
@@ -28,18 +29,14 @@ class Scores:
     log_likelihood: Floats
 
 
-def held_out(motion: Motion, fit: Fit) -> list[Prediction]:
-    """Every trial predicted with parameters fitted to the other gaits (one step from the joint fit)."""
+def held_out(motion: Motion, fit: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:
+    """Every trial predicted with parameters fitted to the other gaits."""
     found: list[Prediction | None] = [None] * len(motion.tracks)
-    columns = range(len(fit.coordinates))
     effects = list(fit.effects)
-    several = len(set(motion.labels)) > 1
-    for number, gait in enumerate(sorted(set(motion.labels))):
-        step = fit.evidence.solve(columns, without=number)[0] if several else np.zeros(len(fit.coordinates))
-        model, drift = with_values(fit.model, effects, fit.coordinates + step)
-        index = [i for i, label in enumerate(motion.labels) if label == gait]
-        part = Motion(tuple(motion.tracks[i] for i in index), motion.noise, tuple(0 for _ in index))
-        for i, p in zip(index, linearised(part, model, effects, drift)[1], strict=True):
+    for label in sorted(set(motion.labels)):
+        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label))
+        index = [i for i, own in enumerate(motion.labels) if own == label]
+        for i, p in zip(index, linearised(part(motion, index), model, effects, drift)[1], strict=True):
             found[i] = p
     return [p for p in found if p is not None]
 

@@ -11,17 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.bounds import LEAST_EPS, MOST_EPS, at_values, held_at_bounds
 from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.geometry import turn
 from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
-from serpenoid.effects.catalogue import catalogue, find
-from serpenoid.medium import Medium
+from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
 
 STEPS = 8
-LEAST_EPS, MOST_EPS = 5e-3, 1.0
 CONVERGED = 0.02  # chi squared
 
 
@@ -34,16 +33,19 @@ class Noise:
 
     def of(self, track: Track) -> Floats:
         """(B - 1, 3)."""
+        if track.noise is not None:
+            return track.noise
         return np.where(track.playing[:, None], self.playing, self.pause)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The tracks and their noise; labels: gait numbers, one per track."""
+    """The tracks and their noise; labels: gait numbers, one per track; untestable: effects that are no candidates."""
 
     tracks: tuple[Track, ...]
     noise: Noise
     labels: tuple[int, ...]
+    untestable: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class Fit:
 
 def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tuple[Model, ActiveEffect | None]:
     """Model (and drift) of eps and coordinates x (1 + P)."""
-    eps = float(np.clip(x[0], LEAST_EPS, MOST_EPS))
+    eps = float(np.clip(x[0], *model.medium.limits(LEAST_EPS, MOST_EPS)))
     found, drift, at = [], None, 1
     for e in effects:
         size = len(e.effect.parameters)
@@ -89,7 +91,7 @@ def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tup
             found.append(new)
     # a neutral value would drop the effect from the model, and with it the derivative
     kept = [_awake(e) for e in found]
-    return Model(model.body, Medium(anisotropy_ratio=eps), tuple(kept)), drift
+    return Model(model.body, model.medium.with_ratio(eps), tuple(kept)), drift
 
 
 def _awake(effect: ActiveEffect) -> ActiveEffect:
@@ -119,6 +121,7 @@ def linearised(
     """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions."""
     rows, columns, labels, predictions = [], [], [], []
     names: list[tuple[str, int | None]] = []
+    listed = [*at_values(model, effects, drift), *candidates]
     for track, label in zip(motion.tracks, motion.labels, strict=True):
         p = _prediction(model, track, candidates)
         by = {(c.effect, c.place, c.parameter): p.jacobian[..., i] for i, c in enumerate(p.columns)}
@@ -127,7 +130,7 @@ def linearised(
         moved = p.displacement + own @ velocity
         p = replace(p, displacement=moved)
         stacked, names = [by[None, None, "anisotropy_ratio"]], [("anisotropy_ratio", None)]
-        for e in [*effects, *candidates]:
+        for e in listed:
             for i, parameter in enumerate(e.effect.parameters):
                 stacked.append(own[..., i] if e.name == "frame_drift" else by[e.name, e.place, parameter.name])
                 names.append((e.name, e.place))
@@ -139,7 +142,7 @@ def linearised(
         labels.append(np.full(len(rows[-1]), label))
         predictions.append(p)
     joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
-    return joined, tuple(predictions), tuple(names)
+    return held_at_bounds(model, listed, joined), tuple(predictions), tuple(names)
 
 
 def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
@@ -197,18 +200,4 @@ def candidates_of(model: Model) -> list[ActiveEffect]:
         places = range(model.body.vertices) if kind.place == "vertex" else [None]
         present = {(e.name, e.place) for e in model.effects}
         found += [ActiveEffect.neutral(kind.name, p) for p in places if (kind.name, p) not in present]
-    return found
-
-
-def patch_grid(motion: Motion) -> list[ActiveEffect]:
-    """Friction patches, neutral, over the floor that was visited."""
-    place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
-    low, high = place.min(axis=0) - 0.25, place.max(axis=0) + 0.25
-    kind = find("friction_patch")
-    found = []
-    for radius in (0.13, 0.22, 0.35):
-        counts = np.maximum(np.ceil((high - low) / radius).astype(int), 2)
-        for x in np.linspace(low[0], high[0], counts[0]):
-            for y in np.linspace(low[1], high[1], counts[1]):
-                found.append(ActiveEffect.neutral(kind.name, None, x=float(x), y=float(y), radius=radius))
     return found

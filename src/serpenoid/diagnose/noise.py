@@ -19,7 +19,8 @@ LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames
 CREEP = np.array(
     [4e-5, 4e-5, 1.5e-4]
 )  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
-DRAWS = 24
+DRAWS = 48
+GYRATION = 0.29  # of a straight rod, body lengths
 
 
 def residuals(tracks: Sequence[Track], predictions: Sequence[Prediction]) -> list[Floats]:
@@ -39,7 +40,14 @@ def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
 
 
 def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise, Floats]:
-    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself."""
+    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself.
+
+    Tracks that bring their own noise have no differences.
+    """
+    own = [t.noise for t in tracks if t.noise is not None]
+    if own:
+        typical = np.sqrt((np.concatenate(own) ** 2).mean(axis=0))
+        return Noise(typical, typical), np.empty((0, 3))
     couples = pairs(tracks)
     playing, pause = [], []
     if couples:
@@ -67,17 +75,22 @@ def _sd(values: Floats) -> Floats:
 
 def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
     """F [m]: the path RMS that window noise adds up to."""
+    return total(path_draws(motion, predictions))
+
+
+def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
+    """Path RMS over all trials [m] as chance makes it, (DRAWS,)."""
     rng = np.random.default_rng(0)
-    squares = []
-    for track, p in zip(motion.tracks, predictions, strict=True):
+    squares = np.empty((len(motion.tracks), DRAWS))
+    for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
         noise = motion.noise.of(track).copy()
         noise[~track.playing] = LEAST
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]
-        for _ in range(DRAWS):
+        for n in range(DRAWS):
             path = travel(steps + rng.normal(size=noise.shape) * noise, np.zeros(3))[:, :2]
-            squares.append(_mean_in_time(track, ((path - true) ** 2).sum(axis=1)))
-    return float(np.sqrt(np.mean(squares)))
+            squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
+    return np.asarray(np.sqrt(squares.mean(axis=0)))
 
 
 def _mean_in_time(track: Track, values: Floats) -> float:
@@ -121,7 +134,7 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
     return found
 
 
-def total(values: Sequence[float]) -> float:
+def total(values: Sequence[float] | Floats) -> float:
     """RMS over trials."""
     return float(np.sqrt(np.mean(np.square(values))))
 
@@ -131,15 +144,16 @@ def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Predi
     squares = []
     for track, a, b in zip(motion.tracks, full, without, strict=True):
         one, other = (travel(np.nan_to_num(p.displacement), np.zeros(3)) for p in (a, b))
-        squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one)) ** 2).sum(axis=1)))
+        gyration = GYRATION * track.recording.body.total_length_m
+        squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one, gyration)) ** 2).sum(axis=1)))
     return float(np.sqrt(np.mean(squares)))
 
 
-def _registered(path: Floats, target: Floats) -> Floats:
-    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included (gyration 0.27 m)."""
+def _registered(path: Floats, target: Floats, gyration: float) -> Floats:
+    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included."""
 
     def points(pose: Floats) -> Floats:
-        arm = 0.27 * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
+        arm = gyration * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
         return np.concatenate([pose[:, :2] + arm, pose[:, :2] - arm])
 
     p, q = points(path), points(target)

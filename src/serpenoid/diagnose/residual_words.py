@@ -16,7 +16,6 @@ from serpenoid.diagnose.noise import pairs, residuals
 from serpenoid.diagnose.windows import Prediction
 
 RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
-PATH = 1.35  # floors
 TAIL = 6.0  # standard deviations: a push in one trial
 DIRECTIONS = ("forward or backward", "sideways", "in turning")
 SIGNS = (
@@ -28,7 +27,14 @@ ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
 
 
 def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
-    """Ratio over all windows and components, and by component (3,)."""
+    """Ratio over all windows and components, and by component (3,).
+
+    Where tracks bring their own noise nothing is repeated: mean squares in units of that noise.
+    """
+    own = [x / motion.noise.of(t) for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
+    if own:
+        by = np.nanmean(np.concatenate(own) ** 2, axis=0)
+        return float(by.mean()), by
     top, bottom = np.zeros(3), np.zeros(3)
     for a, b in pairs(motion.tracks):
         n = min(len(left[a]), len(left[b]))
@@ -41,17 +47,20 @@ def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
     return float(top.sum() / bottom.sum()), top / bottom
 
 
-def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, differences: Floats) -> tuple[str, ...]:
-    """Sentences about what is left, or none."""
+def pattern(
+    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
+) -> tuple[str, ...]:
+    """Sentences about what is left, or none. path: its RMS in floors; chance: what it may be without a cause."""
     left = residuals(motion.tracks, predictions)
     ratio, by = repeatable(motion, left)
     words = []
     if ratio > RATIO:
         worst = int(by.argmax())
-        words.append(f"what is left repeats: {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
+        verb = "is" if motion.tracks[0].noise is not None else "repeats:"
+        words.append(f"what is left {verb} {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _when(motion, left, worst)
         words += _where(motion, left)
-    if path > PATH:
+    if path > chance:
         words.append(f"paths stray {path:.1f} floors from the measured ones")
     if len(differences):
         size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))

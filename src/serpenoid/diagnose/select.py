@@ -11,7 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.diagnose.bounds import held_at_bounds
 from serpenoid.diagnose.evidence import Evidence
+from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.medium import (
     STEPS,
     Fit,
@@ -21,9 +23,9 @@ from serpenoid.diagnose.medium import (
     fit,
     fit_guided,
     linearised,
-    patch_grid,
 )
 from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.patches import patch_grid
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.windows import Track, patch_columns, predict
 from serpenoid.effects.active import ActiveEffect
@@ -35,8 +37,10 @@ PER_NAME = 4
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
+SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 
+FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
 
@@ -70,7 +74,7 @@ def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion
     return motion, fit(motion, base.model, list(base.effects), base.coordinates)
 
 
-def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Selection:
+def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, None, model)
     best = null
@@ -85,17 +89,21 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress) -> Se
             r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
         ]
         tries = attempts(motion, best, promising)
-        good = [t for t in tries if best.held_out - t.fit.held_out > GAIN]
-        if not good:
+        before = rule.held_out(motion, best)
+        least, first = min(
+            ((rule.held_out(motion, t.fit), t) for t in tries), key=lambda x: x[0], default=(np.inf, None)
+        )
+        if first is None or before - least <= rule.needed(best, before, GAIN):
             break
-        first = min(good, key=lambda t: t.fit.held_out)
         if first.strength_m < VISIBLE * floor:
             faint.append(first)
             break
         motion = replace(motion, tracks=retrack(first.fit.model))
         motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
         null = fit(motion, null.model, [], null.coordinates)
-        best = pruned(motion, better)
+        best = pruned(motion, better, rule)
+        if not any((e.name, e.place) == (first.added.name, first.added.place) for e in best.effects):
+            break
     return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
 
 
@@ -103,6 +111,7 @@ def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarr
     """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
     drift = {e.name for e in base.effects}
     singles = [c for c in candidates_of(base.model) if c.name not in drift or c.place is not None]
+    singles = [c for c in singles if c.name not in motion.untestable]
     evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
     own = list(range(len(base.coordinates)))
     before, at, result = evidence.held_out(own), len(own), []
@@ -113,7 +122,7 @@ def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarr
         values, _ = evidence.solve(index)
         x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
         result.append((c, before - evidence.held_out(index), x))
-    if "friction_patch" not in drift:
+    if "friction_patch" not in drift | motion.untestable:
         result += _patches(motion, base, before, own)
     return sorted(result, key=lambda r: -r[1])
 
@@ -143,7 +152,9 @@ def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Ev
         rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
         columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
         labels.append(np.full(len(rows[-1]), label))
-    return Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    return held_at_bounds(
+        base.model, base.effects, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    )
 
 
 def shortlist(
@@ -184,19 +195,26 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
     sizes = [len(e.effect.parameters) for e in order]
     starts = np.cumsum([1, *sizes])
-    x = np.concatenate([x[:1], *(x[starts[i] : starts[i] + sizes[i]] for i in moved)])
-    found = fit(motion, base.model, [order[i] for i in moved], x, steps)
+    neutral = np.concatenate([base.coordinates, added.coordinates[:-1]])
+    for share in SHARES:
+        start = neutral + share * (x - neutral)
+        start = np.concatenate([start[:1], *(start[starts[i] : starts[i] + sizes[i]] for i in moved)])
+        found = fit(motion, base.model, [order[i] for i in moved], start, steps)
+        if found.evidence.count.sum() >= base.evidence.count.sum():
+            break
     return Try(found, added, strength(motion, found.predictions, base.predictions))
 
 
-def pruned(motion: Motion, best: Fit) -> Fit:
+def pruned(motion: Motion, best: Fit, rule: Rule) -> Fit:
     """Without effects that no longer earn their place."""
     if len(best.effects) < 2:
         return best
-    for left_out in best.effects[:-1]:
+    score = rule.held_out(motion, best)
+    for left_out in best.effects:
         kept = [e for e in best.effects if e is not left_out]
         x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
         without = fit(motion, best.model, kept, x)
-        if without.held_out - best.held_out < GAIN:
-            return pruned(motion, without)
+        before = rule.held_out(motion, without)
+        if before - score < rule.needed(without, before, GAIN):
+            return pruned(motion, without, rule)
     return best

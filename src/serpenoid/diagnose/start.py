@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid import schema
+from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
@@ -14,8 +15,8 @@ from serpenoid.model import Model
 FIRST_GUESS = 0.2
 
 
-def baseline(path: str | Path | None, file: CampaignFile) -> Model:
-    """The campaign's body in the medium of a problem or model file (else of the campaign, else a first guess)."""
+def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
+    """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess)."""
     medium = file.medium or Medium(anisotropy_ratio=FIRST_GUESS)
     if path is not None:
         data = schema.read_toml(path)
@@ -27,7 +28,7 @@ def baseline(path: str | Path | None, file: CampaignFile) -> Model:
         raise InputError(
             f'{where}: a diagnosis needs [medium] dissipation = "vertex", where effects have their places.'
         )
-    return Model(file.body, medium)
+    return Model(body, medium)
 
 
 def _check_body(body: Any, file: CampaignFile, path: str | Path) -> None:

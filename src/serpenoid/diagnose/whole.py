@@ -15,6 +15,7 @@ from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.windows import Prediction, Track, make_tracks, predicted_path
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.schedule import Schedule
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise
 
@@ -32,15 +33,18 @@ def whole_errors(
     drift = found.best.drift
     velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
-    before = [path_rms(t, from_command(found.null.model, t)) for t in raw]
-    after = [path_rms(t, from_command(extended, t, velocity), jumps) for t in tracks]
+    played = [r.schedule for r in recordings]
+    before = [path_rms(t, from_command(found.null.model, t, s)) for t, s in zip(raw, played, strict=True)]
+    after = [path_rms(t, from_command(extended, t, s, velocity), jumps) for t, s in zip(tracks, played, strict=True)]
     return total(before), total(after)
 
 
-def from_command(model: Model, track: Track, drift: Floats | tuple[float, float] = (0.0, 0.0)) -> Prediction:
+def from_command(
+    model: Model, track: Track, schedule: Schedule, drift: Floats | tuple[float, float] = (0.0, 0.0)
+) -> Prediction:
     """Window displacements of a trial as commanded: set-points, servos, motion from the first measured pose."""
     # set-points are laid on the recording's mesh, so its error is the one that `offset` takes out
-    commanded = track.recording.schedule.commanded(track.time)
+    commanded = schedule.commanded(track.time)
     vertices = shapes(model.body, realise(model, commanded, track.time).angles)
     path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
     moved = relative(path[:-1], path[1:]) + track.offset + drift_columns(track) @ np.asarray(drift)

@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import filled, register, relative, shapes, travel, turn
+from serpenoid.diagnose.lead import Lead, Recorded, led
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
@@ -45,7 +46,7 @@ class Track:
     (F, 3): measured.
     """
 
-    recording: Recording
+    recording: Recorded
     time: Floats
     vertices: Floats
     boundaries: np.ndarray
@@ -58,6 +59,8 @@ class Track:
     frame_poses: Floats
     gap_windows: np.ndarray  # (B - 1,) a gap of all markers lies inside
     offset: Floats
+    lead: Lead | None = None  # how the body was moving before; None: it was at rest
+    noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
 
     @property
     def duration(self) -> Floats:
@@ -171,11 +174,12 @@ def _spline(r: Recording, time: Floats, path: Floats) -> Floats:
 
 
 def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) -> Floats:
-    """Poses (R, 3) [m, rad] of a model from a start pose, free running."""
+    """Poses [m, rad] of a model, free running from a pose (3,), or from the last of its first poses (K + 1, 3)."""
     scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     chains = body_frame(model, vertices / model.body.total_length_m)
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
-    return travel(steps.relative * scale, start)
+    known = np.atleast_2d(start)
+    return travel(steps.relative[len(known) - 1 :] * scale, known[-1])
 
 
 @dataclass(frozen=True)
@@ -191,8 +195,9 @@ def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ())
     """What a model makes of a trial's shapes, window by window, and its derivatives."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, candidates)
-    p = _windowed(track, found.relative * scale, found.jacobian * scale[:, None], found.columns)
+    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
+    found = step_sensitivities(model, vertices / length, time, poses / scale, candidates)
+    p = _windowed(track, found.relative[lead:] * scale, found.jacobian[lead:] * scale[:, None], found.columns)
     return replace(p, displacement=p.displacement + track.offset)
 
 
@@ -200,8 +205,10 @@ def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()
     """The same for a model whose earlier steps matter: the whole trial, free running."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    found = path_sensitivities(model, track.vertices / length, track.time, track.poses[0] / scale, candidates)
-    path, by = found.trajectory.poses[track.boundaries] * scale, found.jacobian[track.boundaries] * scale[:, None]
+    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
+    found = path_sensitivities(model, vertices / length, time, poses[: lead + 1] / scale, candidates)
+    at = track.boundaries + lead
+    path, by = found.trajectory.poses[at] * scale, found.jacobian[at] * scale[:, None]
     moved, change = relative(path[:-1], path[1:]), by[1:] - by[:-1]
     c, s = np.cos(path[:-1, 2])[:, None], np.sin(path[:-1, 2])[:, None]
     turned = by[:-1, 2]  # turning the frame that it is seen from

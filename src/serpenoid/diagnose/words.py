@@ -56,20 +56,31 @@ def faint(record: Record) -> list[str]:
     return [f"too faint to name: {title(e)} ({e['strength_floors']:.1f} floors)" for e in record["below_the_floor"]]
 
 
+def untestable(record: Record) -> list[str]:
+    """Effects that a recording cannot speak about, reason by reason."""
+    reasons = dict.fromkeys(record["untestable"].values())
+    names = {why: [name for name, own in record["untestable"].items() if own == why] for why in reasons}
+    return [f"{', '.join(names[why])}: {why}" for why in reasons]
+
+
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"verdict           {record['verdict']}"]
     for e in record["effects"]:
         found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors)")
         found += [f"    {name:16}{parameter(p)}" for name, p in e["parameters"].items()]
-    found += [f"  or {title(e)}" for e in record["alternatives"]]
+    found += [f"  or {title(e)} ({e['separation_floors']:.1f} floors apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in faint(record)]
     found += [_rung(s) for s in record["ladder"]]
+    found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
+    found += [f"not tested        {text}" for text in untestable(record)]
     rms = record["gain"]["path_rms_m"]
     found.append(f"held-out gaits    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
     if record["next_experiment"]:
         e = record["next_experiment"]
-        found.append(f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.3g} s per cycle")
+        pose = e["start_pose"]
+        start = f"from x {pose['x_m']:.2f} m, y {pose['y_m']:.2f} m, heading {pose['heading_rad']:.2f} rad"
+        found.append(f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.2f} s per cycle, {start}")
     return found + [f"left              {text}" for text in record["residual_pattern"]]
 
 

@@ -107,10 +107,12 @@ class MediumEffect(Effect):
     """Shape to motion. Override `on_element` (geometry, weights, pushes, momentum) or `on_drag` (the force law).
 
     knows: what the contribution depends on beyond the shapes: `speed` (seconds per step), `clock` (seconds since the
-    start), `place` (pose on the floor), `history` (momentum of the steps before).
+    start), `place` (pose on the floor), `history` (momentum of the steps before). scales_ratio: whether it multiplies
+    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow.
     """
 
     knows: frozenset[str] = frozenset()
+    scales_ratio: bool = False
 
     @property
     def site(self) -> Site:

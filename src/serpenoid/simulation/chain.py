@@ -28,14 +28,20 @@ LOWER, UPPER = 11, 2  # bands of a 3 x 3 block matrix with three blocks below th
 def solve_chain(model: Model, before: Floats, after: Floats, times: Floats, start: Floats, guess: Floats) -> Steps:
     """Relative poses of S steps between `times` (S + 1,) [s] from pose `start` on the floor, at rest before.
 
-    before, after: elements (4, M S); guess: relative poses (S, 3) to begin with.
+    before, after: elements (4, M S); guess: relative poses (S, 3) to begin with. `start` (K + 1, 3): the body is
+    moving; its first K steps are these, and what momentum they leave it with is carried on.
     """
     chain = Chain.of(model, before, after, times)
     count = len(times) - 1
     poses, momenta = np.empty((count + 1, 3)), np.zeros((count + 2, 3))  # momenta: two zeros, then one per step
-    poses[0] = start
     energy, residual, sound = np.full(count, np.nan), np.full(count, np.inf), np.zeros(count, bool)
-    done, window = 0, min(WINDOW, count)
+    known = np.atleast_2d(start)
+    done = len(known) - 1
+    poses[: done + 1] = known
+    if done:
+        given = evaluate_window(chain, slice(0, done), known, momenta[:2])
+        momenta[2 : done + 2], energy[:done], residual[:done], sound[:done] = given.momenta, given.energy, 0.0, True
+    window = min(WINDOW, count)
     while done < count:
         end = min(done + window, count)
         found = _window(chain, poses, momenta, done, _continued(poses[done], guess[done:end]))

@@ -25,8 +25,8 @@ from serpenoid.trajectory import Trajectory
 class PathSensitivities:
     """A simulated path, poses (R, 3) in `trajectory`, with its derivatives.
 
-    by_start (R, 3, 3): by the first pose; jacobian (R, 3, P): by the columns' coordinates (eps first). NaN where the
-    simulation failed.
+    by_start (R, 3, 3): by the first pose (the last of several first poses); jacobian (R, 3, P): by the columns'
+    coordinates (eps first). NaN where the simulation failed.
     """
 
     trajectory: Trajectory
@@ -44,7 +44,8 @@ def path_sensitivities(
 ) -> PathSensitivities:
     """Simulate shapes (R, N, 2) [body lengths] from pose `start`, with exact derivatives of every pose.
 
-    Arguments as for `simulate_vertices` and `step_sensitivities`.
+    Arguments as for `simulate_vertices` and `step_sensitivities`; `start` (K + 1, 3): first poses of a body that is
+    moving already, which no parameter changes.
     """
     motion = simulate_vertices(model, vertices, start, times)
     problem, columns = recorded(model, vertices, times, motion.poses, candidates)
@@ -53,9 +54,12 @@ def path_sensitivities(
         return PathSensitivities(motion, np.full((rows, 3, 3), np.nan), np.full((rows, 3, count), np.nan), columns)
     chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.rates)
     now = evaluate_window(chain, slice(0, rows - 1), motion.poses, np.zeros((2, 3)))
+    given = 0 if start is None else len(np.atleast_2d(start)) - 1
     right = np.zeros((rows - 1, 3, 3 + count))
-    for age in range(1, min(4, rows)):  # the first pose is in the residuals of three steps
-        right[age - 1, :, :3] = -now.slopes[age, age - 1]
+    for age in range(1, min(4, rows - given)):  # the pose begun with is in the residuals of three steps
+        right[given + age - 1, :, :3] = -now.slopes[age, given + age - 1]
     right[:, :, 3:] = -problem.residual_derivatives(problem.measured, columns)
-    by = np.concatenate([np.eye(3, 3 + count)[None], solve_linear(now.slopes, right)])
+    first = np.zeros((given + 1, 3, 3 + count))
+    first[-1, :, :3] = np.eye(3)
+    by = np.concatenate([first, solve_linear(now.slopes[:, given:], right[given:])])
     return PathSensitivities(motion, by[..., :3], by[..., 3:], columns)

@@ -68,7 +68,7 @@ def simulate_vertices(
     """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame; only their shape counts.
 
     `times` (R,) [s since the start of the motion], for effects that know speed. These shapes are realised ones:
-    actuation effects do not act on them.
+    actuation effects do not act on them. `start` (3,), or the first poses (K + 1, 3) of a body that is moving.
     """
     shapes = body_frame(model, np.asarray(vertices, float))
     lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
@@ -168,7 +168,8 @@ def _clock(duration: float, rows: int) -> Floats:
 
 def _assemble(model: Model, shapes: Floats, steps: Steps, cycles: int, start: Floats | None) -> Trajectory:
     per_cycle = steps.relative.shape[0]
-    poses = group.accumulate(np.tile(steps.relative, (cycles, 1)), start)
+    first = None if start is None else np.atleast_2d(start)[0]
+    poses = group.accumulate(np.tile(steps.relative, (cycles, 1)), first)
     rows = np.concatenate([np.tile(shapes[:-1], (cycles, 1, 1)), shapes[-1:]])
     status = Status.SOLVED if steps.sound.all() else Status.STEP_UNSOLVED
     residual = float(np.max(steps.residual, initial=0.0))

@@ -26,4 +26,5 @@ EFFECT = AnisotropyDrift(
     what_to_do="clean the axles before every trial; let the robot warm up",
     rank=10,
     knows=frozenset({"speed", "clock"}),
+    scales_ratio=True,
 )

@@ -24,4 +24,5 @@ EFFECT = ForwardBackwardAsymmetry(
     what_to_do="look for bent scales, ratcheting axles, or a nap of the carpet along the body",
     rank=30,
     knows=frozenset({"speed"}),
+    scales_ratio=True,
 )

@@ -24,4 +24,5 @@ EFFECT = LeftRightAsymmetry(
     what_to_do="look for tyres worn on one side, or a body that leans",
     rank=30,
     knows=frozenset({"speed"}),
+    scales_ratio=True,
 )

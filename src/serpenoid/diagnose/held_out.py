@@ -1,0 +1,70 @@
+"""What a fit is worth on gaits that it has not seen: to first order from the joint fit, or by fitting to the others.
+
+The first is quick, and right where data are many and the model nearly so. One short recording that no model follows is
+neither: there a parameter may run far without one of the parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.bounds import overstrained
+from serpenoid.diagnose.medium import Fit, Motion, fit, linearised, with_values
+
+LeaveOut = Callable[[Motion, Fit, int], Floats]
+
+
+def first_order(motion: Motion, found: Fit, label: int) -> Floats:
+    """Coordinates of a fit to all gaits but one: one step from the joint fit."""
+    labels = sorted(set(motion.labels))
+    if len(labels) == 1:
+        return found.coordinates
+    values, _ = found.evidence.solve(range(len(found.coordinates)), without=labels.index(label))
+    return found.coordinates + values
+
+
+def fitted_again(motion: Motion, found: Fit, label: int) -> Floats:
+    """The same by a fit to the others."""
+    others = [i for i, own in enumerate(motion.labels) if own != label]
+    return fit(part(motion, others), found.model, list(found.effects), found.coordinates).coordinates
+
+
+def part(motion: Motion, index: list[int]) -> Motion:
+    """Some of the tracks, as one gait each has them."""
+    return Motion(tuple(motion.tracks[i] for i in index), motion.noise, tuple(motion.labels[i] for i in index))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How effects are chosen: by which prediction of held-out gaits, and what each must be worth.
+
+    worth: share of what is left above chance that an effect must take away, however significant it is. strict: an
+    effect that ends at a bound of its own explains nothing.
+    """
+
+    leave_out: LeaveOut = first_order
+    worth: float = 0.0
+    strict: bool = False
+
+    def held_out(self, motion: Motion, found: Fit) -> float:
+        """Chi squared of every gait predicted by a fit to the others, summed; infinite where steps have no root."""
+        if self.strict and any(overstrained(found.model, e) for e in found.effects):
+            return np.inf
+        if self.leave_out is first_order:
+            return found.held_out
+        total = 0.0
+        for label in sorted(set(motion.labels)):
+            own = part(motion, [i for i, other in enumerate(motion.labels) if other == label])
+            model, drift = with_values(found.model, list(found.effects), self.leave_out(motion, found, label))
+            evidence, _, _ = linearised(own, model, list(found.effects), drift)
+            whole = 3 * sum(int(t.usable.sum()) for t in own.tracks)
+            total += float(evidence.constant.sum()) if evidence.count.sum() == whole else np.inf
+        return total
+
+    def needed(self, base: Fit, held_out: float, gain: float) -> float:
+        """Chi squared on held-out gaits that one more effect must take from `held_out`, `gain` at least."""
+        return max(gain, self.worth * (held_out - float(base.evidence.count.sum())))

@@ -1,0 +1,108 @@
+"""Recordings of swimmers, points alone: generated ones first, so that what the lamprey shows is a finding, no rule."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from blind.ground import Ground
+from blind.swimmers import NOISE, OUTSIDE, Swimmer, write
+from serpenoid.diagnose.shapes_from_points import from_points
+from serpenoid.diagnose.tracked import tracked_recordings
+from serpenoid.measure.load import load_campaign
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT.parent / "shared" / "data"
+needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
+
+
+def diagnosed(campaign: Path, folder: Path, *more: str) -> dict[str, Any]:
+    """The record of a diagnosis in a process of its own, in the water that a slender body allows."""
+    water = ROOT / "problems" / "lamprey-water.toml"
+    command = [sys.executable, "-m", "serpenoid", "diagnose", campaign, "--model", water, "--out", folder, "--quiet"]
+    subprocess.run([*map(str, command), *more], check=True, cwd=ROOT)
+    return json.loads((folder / "diagnosis.json").read_text())
+
+
+def names(record: dict[str, Any]) -> set[str]:
+    return {e["name"] for e in [*record["effects"], *record["alternatives"]]}
+
+
+@pytest.mark.parametrize("seed", [31, pytest.param(32, marks=pytest.mark.slow)])
+def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) -> None:
+    eps = float(np.random.default_rng(seed).uniform(0.55, 0.9))
+    found = diagnosed(write(Swimmer(Ground(eps), seed), tmp_path / "swim"), tmp_path / "out", "--no-figures")
+    assert found["verdict"] == "nothing"
+    assert found["effects"] == []
+    assert found["anisotropy_ratio"]["after"] == pytest.approx(eps, rel=0.01)  # 0.3 % from smoothed shapes
+
+
+@pytest.mark.parametrize("seed", [41, pytest.param(42, marks=pytest.mark.slow)])
+def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed)
+    eps, tau = float(rng.uniform(0.5, 0.85)), float(np.exp(rng.uniform(np.log(0.15), np.log(0.8))))
+    swim = write(Swimmer(Ground(eps, added_mass=tau), seed), tmp_path / "swim")
+    found = diagnosed(swim, tmp_path / "out", "--no-figures")
+    assert found["verdict"] == "explained"
+    assert [e["name"] for e in found["effects"]] == ["added_mass"]
+    low, high = found["effects"][0]["parameters"]["relaxation_time"]["interval"]
+    assert low < tau < high
+    assert found["gain"]["path_rms_m"]["after"] < 0.2 * found["gain"]["path_rms_m"]["before"]
+
+
+@pytest.mark.parametrize("kind", sorted(OUTSIDE))
+def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(51)
+    swimmer = Swimmer(Ground(0.6, external=(OUTSIDE[kind](rng),)), 51)
+    found = diagnosed(write(swimmer, tmp_path / "swim"), tmp_path / "out", "--no-figures")
+    assert found["verdict"] in ("unexplained", "partly explained")
+    assert not names(found) & {"added_mass", "inertia"}
+    assert found["residual_pattern"]
+
+
+@needs_data
+def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_named(tmp_path: Path) -> None:
+    found = diagnosed(ROOT / "problems" / "campaigns" / "lamprey.toml", tmp_path)
+    assert found["anisotropy_ratio"] == {"before": 0.5, "after": 0.5}
+    assert found["verdict"] == "partly explained"
+    assert "inertia" in {e["name"] for e in found["effects"]}
+    assert not names(found) & set(found["untestable"])
+    gain = found["gain"]
+    assert gain["path_rms_m"]["after"] < 0.3 * gain["path_rms_m"]["before"]  # on parts it was not fitted to
+    assert gain["log_likelihood"]["after"] > gain["log_likelihood"]["before"]
+    assert (tmp_path / "report.html").is_file()
+
+
+@needs_data
+def test_what_the_prickleback_shows_is_not_forced_into_the_catalogue(tmp_path: Path) -> None:
+    found = diagnosed(ROOT / "problems" / "campaigns" / "prickleback.toml", tmp_path, "--no-figures")
+    assert found["anisotropy_ratio"]["after"] == 0.5
+    assert found["verdict"] == "unexplained"
+    assert set(found["skipped"]) == {"actuation", "observation"}
+
+
+def test_what_smoothing_takes_out_is_the_noise_of_the_points(tmp_path: Path) -> None:
+    swimmer = Swimmer(Ground(0.6), 61)
+    time, points = swimmer.film()
+    recording = tracked_recordings(load_campaign(write(swimmer, tmp_path)))[0]
+    found = from_points(recording.body, time, points)
+    edge = recording.body.edges_m[4]  # all but the ends' are equal: an angle is a second difference
+    assert found.angle_noise[:, 1:-1].std() == pytest.approx(NOISE * np.sqrt(6) / edge, rel=0.1)
+
+
+def test_draws_of_the_states_scatter_as_the_smoothed_states_do(tmp_path: Path) -> None:
+    swimmer = Swimmer(Ground(0.6), 62)
+    time, points = swimmer.film()
+    body = tracked_recordings(load_campaign(write(swimmer, tmp_path)))[0].body
+    quiet = from_points(body, time, points)
+    rng, noise = np.random.default_rng(7), np.random.default_rng(8)
+    drawn = np.std([quiet.draw(rng).angles - quiet.states.angles for _ in range(20)])
+    filmed = [from_points(body, time, points + noise.normal(0, NOISE, points.shape)).states.angles for _ in range(20)]
+    true = np.std([f - quiet.states.angles for f in filmed])
+    assert drawn == pytest.approx(true, rel=0.15)

@@ -1,0 +1,74 @@
+"""Bounds of the anisotropy ratio: refused where they make no sense, kept by every fit, free where none are stated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import serpenoid as sp
+from serpenoid.compare.calibrate import calibrate
+from serpenoid.compare.parameters import bounds
+from serpenoid.diagnose.bounds import held_at_bounds
+from serpenoid.diagnose.evidence import Evidence
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
+from serpenoid.measure.load import load_campaign
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.model_file import read_model_file, write_model_file
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT.parent / "shared" / "data"
+WATER = Medium(anisotropy_ratio=0.5, anisotropy_ratio_bounds=(0.5, 1.0))
+
+
+@pytest.mark.parametrize("pair", ["[0.5, 0.4]", "[0.0, 1.0]", "[0.5, 1.2]"])
+def test_bounds_out_of_order_or_range_are_refused(pair: str) -> None:
+    path = ROOT / "problems" / "reference.toml"
+    with pytest.raises(InputError, match=r"anisotropy_ratio_bounds` needs 0 < lower < upper <= 1"):
+        sp.load(path, set=[f"medium.anisotropy_ratio_bounds={pair}"])
+
+
+def test_a_ratio_outside_its_own_bounds_is_refused() -> None:
+    with pytest.raises(InputError, match=r"must be within `anisotropy_ratio_bounds`"):
+        sp.load(ROOT / "problems" / "lamprey-water.toml", set=["medium.anisotropy_ratio=0.2"])
+
+
+def test_bounds_that_are_not_stated_leave_the_hash_of_a_problem_alone() -> None:
+    path = ROOT / "problems" / "reference.toml"
+    plain, bounded = sp.load(path), sp.load(path, set=["medium.anisotropy_ratio_bounds=[0.001, 1.0]"])
+    assert plain.hash != bounded.hash
+    assert "anisotropy_ratio_bounds" in plain.medium.model_dump()
+
+
+def test_a_model_file_keeps_the_bounds(tmp_path: Path) -> None:
+    write_model_file(tmp_path / "model.toml", WATER, [])
+    assert Medium.model_validate(read_model_file(tmp_path / "model.toml")["medium"]) == WATER
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
+def test_a_fit_to_the_lamprey_stops_at_the_bound_and_says_so() -> None:
+    campaign = load_campaign(ROOT / "problems" / "campaigns" / "lamprey.toml")
+    found = calibrate(campaign, Model(campaign.body, WATER), ("anisotropy_ratio",))
+    assert found.joint.values[0] == 0.5
+    assert found.mean_best_rms == pytest.approx(0.5, rel=1e-3)  # tolerance of its search
+    assert any("ran into its bound 0.5" in text for text in found.joint.warnings)
+
+
+def test_without_stated_bounds_a_fit_may_go_anywhere() -> None:
+    body = sp.load(ROOT / "problems" / "reference.toml").body
+    low, high = bounds(("anisotropy_ratio",), Model(body, Medium(anisotropy_ratio=0.2)))
+    assert (low[0], high[0]) == (1e-4, 1.0)
+
+
+@pytest.mark.parametrize(("push", "held"), [(-1.0, True), (1.0, False)])
+def test_only_what_is_pushed_outwards_is_held_at_a_bound(push: float, held: bool) -> None:
+    body = sp.load(ROOT / "problems" / "reference.toml").body
+    inertia = ActiveEffect.neutral("inertia")
+    columns = np.random.default_rng(0).normal(size=(40, 2))
+    rows = push * columns.sum(axis=1)
+    sums = held_at_bounds(Model(body, WATER), [inertia], Evidence.of(rows, columns, np.arange(40) // 10))
+    values, _ = sums.solve([0, 1])
+    assert values == pytest.approx([0.0, 0.0] if held else [1.0, 1.0], abs=1e-6)  # the ridge is 1e-9
