@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from blind.campaign import make
+from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
@@ -22,7 +22,7 @@ SETTINGS = 4  # gaits, two trials each
 @pytest.fixture(scope="session")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("campaign")
-    write_campaign(make(7, HIDDEN, "two", SETTINGS), folder)
+    write_campaign(make(7, HIDDEN, "two", COMBINATIONS[:SETTINGS]), folder)
     return folder
 
 
@@ -30,6 +30,6 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def diagnosed(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Diagnosis, dict[str, Any], Path]:
     """The diagnosis, its record, and the folder of results (no figures)."""
     file, recordings = read_recordings(campaign)
-    found = diagnose(recordings, baseline(None, file), lambda text: None)
+    found = diagnose(recordings, baseline(None, file, file.body), lambda text: None)
     out = tmp_path_factory.mktemp("out")
     return found, write(out, file, found), out

@@ -36,7 +36,7 @@ def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
     recordings = recorded(folder, seed, *effects)
     _, seen = choose_observation(recordings)
     file, _ = read_recordings(folder)
-    return choose_motion(recordings, seen, baseline(None, file), lambda text: None)
+    return choose_motion(recordings, seen, baseline(None, file, file.body), lambda text: None)
 
 
 def members(rung: Rung) -> set[tuple[str, int | None]]:
