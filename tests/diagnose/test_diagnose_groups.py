@@ -39,7 +39,7 @@ def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
     recordings = recorded(folder, seed, *effects)
     _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))
     file, _ = read_recordings(folder)
-    return choose_motion(recordings, seen, Baseline(baseline(None, file)), lambda text: None)
+    return choose_motion(recordings, seen, Baseline(baseline(None, file, file.body)), lambda text: None)
 
 
 def observed(recordings: tuple[Recording, ...]) -> Rung:

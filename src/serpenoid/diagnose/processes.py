@@ -1,6 +1,7 @@
 """The same function on many inputs, on as many cores as there are; results in order.
 
-Ctrl-C reaches every process of a terminal: workers leave it to the first one, which ends them.
+Ctrl-C reaches every process of a terminal. Workers ignore it; the first process ends them, and hears it only once they
+are all there: an interrupt amid a fork is lost or leaves one behind.
 """
 
 from __future__ import annotations
@@ -8,7 +9,10 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 AT_MOST = 4
@@ -23,13 +27,31 @@ def in_processes(tasks: Sequence[Task]) -> list[Any]:
         return [function(*arguments) for function, arguments in tasks]
     global _tasks
     _tasks = list(tasks)
-    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # what is blocked here stays so in the workers
+    with _interrupts_later() as hear:
+        pool = multiprocessing.get_context("fork").Pool(cores, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        with pool:
+            hear()
+            return pool.map(_run, range(len(tasks)), chunksize=1)
+
+
+@contextmanager
+def _interrupts_later() -> Iterator[Callable[[], None]]:
+    """Ctrl-C is noted, not heard, until the function given is called: then the usual handler is back and hears it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: None
+        return
+    noted: list[tuple[int, FrameType | None]] = []
+    usual = signal.signal(signal.SIGINT, lambda number, frame: noted.append((number, frame)))
+
+    def hear() -> None:
+        signal.signal(signal.SIGINT, usual)
+        if noted and callable(usual):
+            usual(*noted[0])
+
     try:
-        pool = multiprocessing.get_context("fork").Pool(cores)
+        yield hear
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, heard)
-    with pool:
-        return pool.map(_run, range(len(tasks)), chunksize=1)
+        signal.signal(signal.SIGINT, usual)
 
 
 def _run(index: int) -> Any:

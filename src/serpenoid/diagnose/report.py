@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.compare.report import figure, table, write_report
-from serpenoid.diagnose.words import MEANINGS, Record, ends, faint, parameter, reference, shown, title
+from serpenoid.diagnose.words import MEANINGS, Record, ends, faint, parameter, reference, shown, title, untestable
 from serpenoid.effects.catalogue import find
 
 CAPTIONS = {
@@ -79,6 +79,8 @@ def lead(record: Record) -> list[str]:
     if record["effects"] and rms["after"] > WORSE * rms["before"]:
         found.append("With the extension these paths are no closer: do not rely on the name without further trials.")
     found += [f"{text}." for text in reference(record)]
+    found += [f"The rung of {rung} was skipped: {why}." for rung, why in record["skipped"].items()]
+    found += [f"Not tested, {text}." for text in untestable(record)]
     return found + left_over(record["residual_pattern"])
 
 
@@ -159,6 +161,12 @@ def _experiment(record: Record) -> str:
         return "" if record["alternatives"] else "<p>None needed: no two explanations are left to tell apart.</p>"
     return (
         f"<p>Play <code>{html.escape(e['joint_table'])}</code> with {e['cycle_duration_s']:.3g} s per cycle, twice, "
+        f"{_start(e['start_pose'])}, "
         "and diagnose again: there the explanations' predictions are "
         f"{e['predictions_apart_sd']:.1f} standard deviations apart.</p>"
     )
+
+
+def _start(pose: Record) -> str:
+    heading = shown(pose["heading_rad"], "rad")
+    return f"beginning at x = {pose['x_m']:.2f} m, y = {pose['y_m']:.2f} m, heading {heading}"
