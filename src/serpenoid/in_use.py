@@ -1,7 +1,8 @@
 """What a diagnosis is worth in use: optimal gaits of its baseline and of its extended model, played on the same robot.
 
-The robot is the arena's, with whatever is hidden in it still there. Both gaits are played alike: the same problem, the
-same headings, as many trials; displacement is that of the body's centroid over one cycle, as the cameras see it.
+The robot is the arena's, with whatever is hidden in it still there. Both gaits are played alike, from where the
+optimiser begins: at the origin, heading along x, which matters on a slope. Displacement is that of the body's centroid
+over one cycle, as the cameras see it.
 """
 
 from __future__ import annotations
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from serpenoid.diagnose.recording import Recording
 
 MODELS = {"baseline": "baseline-model.toml", "extended": "extended-model.toml"}
-HEADINGS_DEG = (0.0, 90.0, 180.0, 270.0)
 AVERAGED_S = 0.1
 Progress = Callable[[int, str], None]
 
@@ -38,26 +38,28 @@ class OptimalGait:
 
 
 def optimal_gaits(problem: Path, diagnosis: Path, starts: int, progress: Progress) -> dict[str, OptimalGait]:
-    """The optimum of the problem under both models of a diagnosis folder."""
+    """The optimum of the problem under both models of a diagnosis folder; the second search begins at the first's."""
     from serpenoid.optimise.solve import solve
 
-    found = {}
+    found: dict[str, OptimalGait] = {}
+    gait = None
     for number, (name, file) in enumerate(MODELS.items()):
         if not (diagnosis / file).is_file():
             raise InputError(f"{diagnosis}: holds no {file}. Name the folder that `serpenoid diagnose` wrote.")
         progress(number, name)
-        best = solve(load(problem, model=diagnosis / file), starts).best
+        task = load(problem, model=diagnosis / file)
+        best = solve(task if gait is None else task.model_copy(update={"gait": gait}), starts).best
         if not best.status.ok:
             raise InputError(f"{diagnosis / file}: no certified optimum. {best.status.value}")
-        found[name] = OptimalGait(best.table, best.trajectory.displacement)
+        found[name], gait = OptimalGait(best.table, best.trajectory.displacement), best.gait
     return found
 
 
 def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> Protocol:
-    """The two gaits on that robot and floor; each trial starts in another direction."""
+    """The two gaits on that robot and floor, one after the other."""
     duration = problem.task.cycle_duration_s or robot.cycle_duration_s
     gaits = tuple(PlayedGait(name=name, joint_table=f"{name}.csv") for name in MODELS)
-    start = robot.start.model_copy(update={"headings_deg": HEADINGS_DEG})
+    start = robot.start.model_copy(update={"headings_deg": (0.0,)})
     changes = {"gait": gaits, "trials": trials, "cycles": cycles, "cycle_duration_s": duration, "start": start}
     return robot.model_copy(update=changes)
 

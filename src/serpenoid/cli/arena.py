@@ -28,8 +28,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
     used.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="robot and floor to play them on")
     used.add_argument("--problem", metavar="FILE", type=Path, default=Path("problems/snake10.toml"))
-    used.add_argument("--trials", type=options.positive, default=4, metavar="N", help="of each gait (default 4)")
-    used.add_argument("--cycles", type=options.positive, default=2, metavar="N", help="a trial (default 2)")
+    used.add_argument("--trials", type=options.positive, default=6, metavar="N", help="of each gait (default 6)")
+    used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
     used.add_argument("--starts", type=options.positive, default=12, metavar="N", help="random starts (default 12)")
     used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
     for action in (played, used):
