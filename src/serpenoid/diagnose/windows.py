@@ -15,7 +15,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel
-from serpenoid.diagnose.lead import Lead, Recorded, led
+from serpenoid.diagnose.lead import Lead, Recorded, free_run, led
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
@@ -101,9 +101,11 @@ def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()
     """The same for a model whose earlier steps matter: the whole trial, free running."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
-    found = path_sensitivities(model, vertices / length, time, poses[: lead + 1] / scale, candidates)
-    at = track.boundaries + lead
+    if track.lead is None:
+        found = path_sensitivities(model, track.vertices / length, track.time, track.poses[0] / scale, candidates)
+    else:
+        found = free_run(model, track.lead.run, tuple(candidates))
+    at = track.boundaries + (track.lead.rows if track.lead else 0)
     path, by = found.trajectory.poses[at] * scale, found.jacobian[at] * scale[:, None]
     moved, change = relative(path[:-1], path[1:]), by[1:] - by[:-1]
     c, s = np.cos(path[:-1, 2])[:, None], np.sin(path[:-1, 2])[:, None]
