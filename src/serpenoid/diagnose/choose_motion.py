@@ -18,7 +18,7 @@ from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, 
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import FIRST_ORDER, Selection, Try, select
+from serpenoid.diagnose.select import FIRST_ORDER, VISIBLE, Selection, Try, select
 from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds
 from serpenoid.diagnose.windows import Track
@@ -94,12 +94,11 @@ def finding(found: Selection) -> MotionFinding:
     swaps = groups(found, bases)
     jumps = find_jumps(motion, best.predictions, floor)
     faint = [faint_of(t, floor) for t in found.faint]
-    if jumps is not None and jumps.strength >= 1.6:
-        named.append(jumps)
+    if jumps is not None:
+        (named if jumps.strength >= VISIBLE else faint).append(jumps)
+    words = _left_over(found, mend=jumps is not None)
+    if jumps is not None and jumps in named:
         after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
-    elif jumps is not None:
-        faint.append(jumps)
-    words = _left_over(found, after)
     rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
     return MotionFinding(rung, found, swaps, before, after)
 
@@ -110,12 +109,11 @@ def faint_of(t: Try, floor_m: float) -> Named:
     return Named(fitted, {}, t.strength_m / floor_m)
 
 
-def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
-    """What neither the effects named nor one too faint to be named account for."""
-    motion, predictions = found.motion, found.best.predictions
-    if found.faint:
-        predictions = found.faint[-1].fit.predictions
-        after_m = min(after_m, total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)]))
+def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
+    """What neither the effects named nor one too faint to be named account for; mend: steps across gaps are known."""
+    motion = found.motion
+    predictions = found.faint[-1].fit.predictions if found.faint else found.best.predictions
+    after_m = total([path_rms(t, p, mend) for t, p in zip(motion.tracks, predictions, strict=True)])
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.floor_m)
     chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))

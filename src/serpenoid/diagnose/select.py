@@ -71,9 +71,9 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
     motion, null = calibrated(motion, None, model)
     best = null
     faint: list[Try] = []
+    floor: float | None = None
     scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
-        floor = path_floor(motion, best.predictions)
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
@@ -87,16 +87,19 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
         )
         if first is None or before - least <= rule.needed(best, before, GAIN):
             break
+        extended = replace(motion, tracks=retrack(first.fit.model))
+        extended, better = calibrated(extended, fit_guided(extended, first.fit), None)
+        floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
         if not stands_out(motion, best, first, floor):
             faint.append(first)
             break
-        motion = replace(motion, tracks=retrack(first.fit.model))
-        motion, better = calibrated(motion, fit_guided(motion, first.fit), None)
+        motion, floor = extended, None
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better, rule)
         if not any((e.name, e.place) == (first.added.name, first.added.place) for e in best.effects):
             break
-    return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
+    floor = floor or path_floor(motion, best.predictions)
+    return Selection(motion, null, best, floor, tuple(faint), scores)
 
 
 def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
