@@ -116,10 +116,13 @@ def judge(said: Answer, truth: Sequence[Effect], strengths: Sequence[float], sep
     return Judgement("right" if found and fitting else "wrong", needed)
 
 
-def coverage(diagnosis: Mapping[str, Any], truth: Sequence[Effect]) -> dict[str, bool]:
-    """Does each reported 95 % interval of a rightly named effect contain the truth?"""
+def errors(diagnosis: Mapping[str, Any], truth: Sequence[Effect]) -> dict[str, float]:
+    """Value minus truth over half the 95 % interval's width, for rightly named effects, parameters off their bounds.
+
+    Within -1 .. 1 the interval covers the truth (if it is symmetric about the value; else the nearer end counts).
+    """
     hidden = {Name(e.name, e.place): e.parameters for e in truth}
-    covered: dict[str, bool] = {}
+    found: dict[str, float] = {}
     for item in diagnosis.get("effects", []):
         true = hidden.get(Name(str(item["name"]), _place(item.get("place"))), {})
         for parameter, said in item.get("parameters", {}).items():
@@ -127,8 +130,10 @@ def coverage(diagnosis: Mapping[str, Any], truth: Sequence[Effect]) -> dict[str,
                 continue
             interval = said.get("interval") or [None, None]
             low, high = (float(v) if v is not None else s * np.inf for v, s in zip(interval, (-1, 1), strict=True))
-            covered[f"{item['name']}.{parameter}"] = bool(low <= true[parameter] <= high)
-    return covered
+            miss = float(said["value"]) - true[parameter]
+            width = float(said["value"]) - low if miss > 0 else high - float(said["value"])
+            found[f"{item['name']}.{parameter}"] = miss / width if width > 0 else float(np.sign(miss) * np.inf)
+    return found
 
 
 def wilson(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:

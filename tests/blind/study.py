@@ -3,7 +3,8 @@
     python -m blind.study --kind one --count 200 --out results/blind/ --model problems/snake10.toml
 
 Each trial: make a campaign, run the diagnosis in its own process, only then open the seal and score. Results: one JSON
-per trial in OUT/KIND/, a summary in OUT/KIND.json. A trial whose JSON exists is not run again.
+per trial in OUT/KIND/, a summary in OUT/KIND.json, all kinds in OUT/summary.md. A trial whose JSON exists is not run
+again. `followup` plays the experiment proposed in the same world and diagnoses again; some trials yield no group.
 """
 
 from __future__ import annotations
@@ -19,25 +20,25 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from blind.campaign import Campaign, make, with_experiment
-from blind.catalogue import CATALOGUE, Effect
+from blind.campaign import Campaign, make
+from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
-from blind.gaits import random_table
+from blind.follow_up import follow_up
 from blind.handful import HANDFUL
-from blind.score import Answer, Name, answer, coverage, judge
+from blind.near import draw_near, short
+from blind.pages import TITLES, write_page
+from blind.score import Name, answer, errors, judge
 from blind.separation import separation
 from blind.strength import floor, strength
 from blind.summary import summarise
 
-KINDS: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside", "followup": 1, "handful": 0}
+HIDDEN: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside"}
+KINDS = (*HIDDEN, "followup", "handful")
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,12 @@ class Study:
     timeout_s: float = 600.0
     keep: bool = False
 
-    def hidden(self, index: int) -> int | str | Sequence[Effect]:
-        """What to hide: a number of effects to draw, the name of a kind, or the given effects of the handful."""
-        return HANDFUL[index] if self.kind == "handful" else KINDS[self.kind]
+    def campaign(self, index: int, identity: str) -> Campaign:
+        """Number `index`: effects drawn, the given ones of the handful, or near ones in a short campaign."""
+        seed = int(self.digest("seed", index)[:15], 16)
+        if self.kind == "followup":
+            return short(seed, draw_near(seed), identity)
+        return make(seed, HANDFUL[index] if self.kind == "handful" else HIDDEN[self.kind], identity)
 
     def digest(self, purpose: str, index: int) -> str:
         text = f"{purpose}:{self.kind}:{index}"
@@ -108,46 +112,14 @@ def score(c: Campaign, diagnosis: dict[str, Any]) -> dict[str, Any]:
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}
     strengths = [strength(c, e, f) for e in c.effects]
     verdict = judge(said, c.effects, strengths, lambda i, n: separation(c, c.effects[i], n.name, n.place, f))
-    covered = coverage(diagnosis, c.effects)
+    missed = errors(diagnosis, c.effects)
     return row | {
         "strengths": strengths,
         "outcome": verdict.outcome,
         "separations": verdict.separations,
-        "covered": covered,
+        "covered": {name: abs(error) <= 1 for name, error in missed.items()},
+        "errors_over_half_width": missed,
     }
-
-
-def _truth_in_group(said: Answer, effects: tuple[Effect, ...]) -> bool:
-    return all(Name(e.name, e.place) in said.group for e in effects)
-
-
-def _experiment(diagnosis: dict[str, Any], out: Path) -> tuple[np.ndarray, float] | None:
-    """The proposed joint table and cycle duration, if there is one."""
-    proposed = diagnosis.get("next_experiment") or {}
-    if not proposed.get("joint_table"):
-        return None
-    table = np.loadtxt(out / proposed["joint_table"], delimiter=",", skiprows=1)
-    return table, float(proposed["cycle_duration_s"])
-
-
-def follow_up(study: Study, c: Campaign, diagnosis: dict[str, Any], out: Path, work: Path) -> dict[str, Any]:
-    """Play the proposed experiment, and beside it a random gait, in the same world; diagnose both again."""
-    before = answer(diagnosis)
-    experiment = _experiment(diagnosis, out)
-    if len(before.group) < 2 or experiment is None:
-        return {}
-    table, cycle_s = experiment
-    random = random_table(np.random.default_rng(c.seed), 1, cycle_s)
-    result: dict[str, Any] = {"group_before": len(before.group), "truth_before": _truth_in_group(before, c.effects)}
-    for label, gait in (("proposed", table), ("random", random)):
-        folder = work / label
-        write(with_experiment(c, gait, cycle_s), folder)
-        again, _, _ = run_diagnosis(study, folder, work / f"{label}-out")
-        if again is not None:
-            said = answer(again)
-            result[f"group_{label}"] = len(said.group)
-            result[f"truth_{label}"] = _truth_in_group(said, c.effects)
-    return result
 
 
 def run_one(study: Study, index: int) -> dict[str, Any]:
@@ -156,23 +128,24 @@ def run_one(study: Study, index: int) -> dict[str, Any]:
     file = study.out / study.kind / f"{identity}.json"
     if file.exists():
         return json.loads(file.read_text())
-    seed = int(study.digest("seed", index)[:15], 16)
     with tempfile.TemporaryDirectory() as temporary:
         work = Path(temporary)
         folder, out, sealed = work / identity, work / "out", work / "sealed" / f"{identity}.json"
-        c = make(seed, study.hidden(index), identity)
+        c = study.campaign(index, identity)
         write(c, folder)
         seal(c, sealed)
         del c  # from here on the seal alone knows
         diagnosis, took, said = run_diagnosis(study, folder, out)
         opened = json.loads(sealed.read_text())
-        c = make(opened["seed"], study.hidden(index), identity)
+        c = study.campaign(index, identity)
+        if [e.as_dict() for e in c.effects] != opened["effects"]:
+            raise RuntimeError(f"{identity}: the seal does not belong to this campaign")
         row = {"identity": identity, "seconds": took}
         row |= score(c, diagnosis) if diagnosis else {"outcome": "failed", "hidden": [e.name for e in c.effects]}
         if said:
             row["stderr"] = said
         if study.kind == "followup" and diagnosis:
-            row |= follow_up(study, c, diagnosis, out, work)
+            row |= follow_up(c, diagnosis, out, work, lambda folder, new: run_diagnosis(study, folder, new)[0])
         if study.keep:
             shutil.copytree(folder, study.out / "campaigns" / identity, dirs_exist_ok=True)
     _atomic(file, row)
@@ -191,12 +164,14 @@ def run(study: Study, count: int, jobs: int) -> dict[str, Any]:
     command = f"python -m blind.study --kind {study.kind} --count {count} --model {study.model} --key {study.key}"
     summary = {"command": command} | summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
     _atomic(study.out / f"{study.kind}.json", summary)
+    if study.kind in TITLES:
+        write_page(study.out)
     return summary
 
 
 def main() -> None:
     p = argparse.ArgumentParser(description="Hidden-effect trials of `serpenoid diagnose`.")
-    p.add_argument("--kind", choices=sorted(KINDS), required=True)
+    p.add_argument("--kind", choices=KINDS, required=True)
     p.add_argument("--count", type=int, required=True)
     p.add_argument("--out", type=Path, default=Path("results/blind"))
     p.add_argument("--model", default="problems/snake10.toml")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blind.campaign import Campaign, make, with_experiment
+from blind.campaign import COMBINATIONS, Campaign, make, with_experiment
 from blind.catalogue import CATALOGUE, Effect, draw
 from blind.folder import write
 from blind.gaits import progress
@@ -91,7 +91,7 @@ def test_every_effect_leaves_a_trace_in_the_files(name: str, null: Campaign) -> 
     strongest = max((kind.draw(rng, place) for _ in range(20)), key=lambda p: abs(next(iter(p.values()))))
     if name == "speed_saturation":
         strongest = {"max_speed": 0.3}
-    c = make(SEED, [Effect(name, place, strongest)], settings_used=3)
+    c = make(SEED, [Effect(name, place, strongest)], combinations=COMBINATIONS[:3])
     marker = max(
         np.nanmax(np.abs(a.film.markers - b.film.markers)) for a, b in zip(c.trials, null.trials, strict=False)
     )
@@ -101,7 +101,7 @@ def test_every_effect_leaves_a_trace_in_the_files(name: str, null: Campaign) -> 
 
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_every_outside_cause_changes_the_motion(name: str, null: Campaign) -> None:
-    c = make(SEED, name, settings_used=3)
+    c = make(SEED, name, combinations=COMBINATIONS[:3])
     assert max(np.abs(a.path - b.path).max() for a, b in zip(c.trials, null.trials, strict=False)) > 2e-3
 
 

@@ -12,7 +12,7 @@ import pytest
 from blind.campaign import Campaign, make
 from blind.catalogue import CATALOGUE, Effect
 from blind.handful import HANDFUL
-from blind.score import Name, answer, confusion, coverage, judge, wilson
+from blind.score import Name, answer, confusion, errors, judge, wilson
 from blind.separation import STARTS, separation
 from blind.strength import floor, strength
 from blind.study import Study, run, run_one
@@ -106,11 +106,14 @@ def test_judgement_of_nothing_and_of_two() -> None:
     assert judge(answer(half), [SLOPE, ZERO], [5, 2], far).outcome == "right"
 
 
-def test_coverage_looks_at_rightly_named_effects_only() -> None:
-    wide = {"pull_x": {"interval": [0.002, 0.004]}, "pull_y": {"interval": [0.0015, None]}}
-    said = _said("explained", {"name": "slope", "place": None, "parameters": wide})
-    assert coverage(said, [SLOPE]) == {"slope.pull_x": True, "slope.pull_y": False}
-    assert coverage(said, [ZERO]) == {}
+def test_errors_look_at_rightly_named_effects_only() -> None:
+    skewed = {
+        "pull_x": {"value": 0.0035, "interval": [0.002, 0.004]},
+        "pull_y": {"value": 0.002, "interval": [0.0015, None]},
+    }
+    said = _said("explained", {"name": "slope", "place": None, "parameters": skewed})
+    assert errors(said, [SLOPE]) == {"slope.pull_x": pytest.approx(1 / 3), "slope.pull_y": pytest.approx(2.0)}
+    assert errors(said, [ZERO]) == {}
 
 
 def test_wilson_interval_of_a_textbook_case() -> None:
@@ -161,7 +164,7 @@ def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path
 @pytest.mark.parametrize("index", range(1, len(HANDFUL)))
 def test_the_handful_is_strong(index: int) -> None:
     study = Study("handful", Path("unused"), "unused")
-    c = make(int(study.digest("seed", index)[:15], 16), study.hidden(index))
+    c = study.campaign(index, "handful")
     assert strength(c, c.effects[0], floor(c)) >= 6
 
 
@@ -170,7 +173,7 @@ import json, pathlib, shutil, sys
 campaign, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[sys.argv.index("--out") + 1])
 out.mkdir(parents=True)
 shutil.copy(campaign / "gaits" / "gait02.csv", out / "next.csv")
-again = (campaign / "gaits" / "gait07.csv").exists()
+again = (campaign / "gaits" / "gait03.csv").exists()
 diagnosis = {"verdict": "explained", "effects": [{"name": "slope"}], "alternatives": [] if again else [{"name": "toe"}]}
 diagnosis["next_experiment"] = {"joint_table": "next.csv", "cycle_duration_s": 4.0}
 (out / "diagnosis.json").write_text(json.dumps(diagnosis))

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from blind.campaign import make
+from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from serpenoid.diagnose.actuation import plays
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, held_out_labels
 from serpenoid.diagnose.choose_observation import choose_observation
+from serpenoid.diagnose.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.finding import BAND, Rung, excludable
 from serpenoid.diagnose.groups import without
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording, read_recordings
 from serpenoid.diagnose.start import baseline
 
@@ -25,15 +31,19 @@ SLOPE = Effect("slope", None, {"pull_x": 0.002, "pull_y": 0.0008})
 
 def recorded(folder: Path, seed: int, *effects: Effect) -> tuple[Recording, ...]:
     """A short campaign of two gaits."""
-    write(make(seed, effects, settings_used=2), folder)
+    write(make(seed, effects, combinations=COMBINATIONS[:2]), folder)
     return read_recordings(folder)[1]
 
 
 def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
     recordings = recorded(folder, seed, *effects)
-    _, seen = choose_observation(recordings)
+    _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))
     file, _ = read_recordings(folder)
-    return choose_motion(recordings, seen, baseline(None, file), lambda text: None)
+    return choose_motion(recordings, seen, Baseline(baseline(None, file, file.body)), lambda text: None)
+
+
+def observed(recordings: tuple[Recording, ...]) -> Rung:
+    return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
 
 
 def members(rung: Rung) -> set[tuple[str, int | None]]:
@@ -42,31 +52,52 @@ def members(rung: Rung) -> set[tuple[str, int | None]]:
 
 
 def test_a_joint_without_gain_and_one_stuck_at_zero_are_one_group(tmp_path: Path) -> None:
-    rung = choose_actuation(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0})))
+    rung = choose_actuation(plays(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0}))))
     assert members(rung) == {("gain_loss", 4), ("stuck_joint", 4)}
     assert all(r.separation < 0.1 for r in rung.rivals)
 
 
 def test_a_stuck_joint_off_zero_has_no_rival(tmp_path: Path) -> None:
-    rung = choose_actuation(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1})))
+    rung = choose_actuation(plays(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1}))))
     assert members(rung) == {("stuck_joint", 7)}
 
 
 def test_the_first_joints_zero_and_the_tail_markers_side_are_one_group(tmp_path: Path) -> None:
-    rung, _ = choose_observation(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
+    rung = observed(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
     assert members(rung) == {("zero_offset", 1), ("marker_offset", 0)}
 
 
 def test_a_zero_in_mid_body_has_no_rival(tmp_path: Path) -> None:
-    rung, _ = choose_observation(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
+    rung = observed(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
     assert members(rung) == {("zero_offset", 6)}
 
 
-def test_gradient_and_wide_patch_are_one_group(tmp_path: Path) -> None:
-    found = motion(tmp_path, 972, GRADIENT)
-    assert {("friction_gradient", None), ("friction_patch", None)} <= members(found.rung)
-    assert all(s.rival.separation < 3 for s in found.swaps)
-    assert [s.fit.chi2 for s in found.swaps] == sorted(s.fit.chi2 for s in found.swaps)
+@pytest.fixture(scope="module")
+def undecided(tmp_path_factory: pytest.TempPathFactory) -> MotionFinding:
+    """Where friction varies over the floor."""
+    return motion(tmp_path_factory.mktemp("gradient"), 972, GRADIENT)
+
+
+def test_gradient_and_wide_patch_are_one_group(undecided: MotionFinding) -> None:
+    assert {("friction_gradient", None), ("friction_patch", None)} <= members(undecided.rung)
+    assert all(s.rival.separation < 3 for s in undecided.swaps)
+    assert [s.fit.chi2 for s in undecided.swaps] == sorted(s.fit.chi2 for s in undecided.swaps)
+
+
+def test_an_experiment_for_the_group_stays_near_what_the_campaign_did(undecided: MotionFinding) -> None:
+    found = undecided.selection
+    laboratory = Laboratory.of(found.best, [s.fit for s in undecided.swaps], found.motion)
+    experiment = next_experiment(laboratory)
+    assert experiment is not None
+    assert len(experiment.chi2) == len(undecided.swaps)
+    assert (experiment.chi2 > 0).all()
+    used = [t.recording.schedule for t in found.motion.tracks]
+    durations = [s.cycle_duration_s for s in used]
+    assert 0.7 * min(durations) <= experiment.plan.schedule.cycle_duration_s <= 1.5 * max(durations)
+    assert experiment.plan.schedule.pause_s == used[0].pause_s
+    visited = np.concatenate([t.poses[:, :2] for t in found.motion.tracks])
+    assert (experiment.plan.start[:2] >= visited.min(axis=0)).all()
+    assert (experiment.plan.start[:2] <= visited.max(axis=0)).all()
 
 
 def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(tmp_path: Path) -> None:
@@ -86,3 +117,14 @@ def test_where_the_best_fit_leaves_more_than_chance_a_difference_counts_for_less
     least = 100 * left_per_residual
     assert excludable(least + 2 * BAND, least, 100) is excluded
     assert not excludable(np.nextafter(least, 0), least, 100)
+
+
+def _repeat(gait: str, duration: float) -> Recording:
+    return cast(Recording, SimpleNamespace(gait=gait, setting=(gait, duration)))
+
+
+def test_gaits_are_held_out_together_and_without_a_second_gait_settings_or_trials() -> None:
+    a, slow, b = _repeat("a", 2.0), _repeat("a", 4.0), _repeat("b", 2.0)
+    assert held_out_labels([a, slow, b, a]) == (0, 0, 1, 0)
+    assert held_out_labels([a, a, slow]) == (0, 0, 1)
+    assert held_out_labels([a, a]) == (0, 1)

@@ -16,7 +16,7 @@ from typing import Any
 from serpenoid.arena import mujoco_module
 from serpenoid.arena.bench import CENTRE, Bench
 from serpenoid.arena.robot import SERVOS
-from serpenoid.arena.workers import interrupts_ignored, watch_parent
+from serpenoid.arena.workers import interrupts_held, watch_parent
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv
 from serpenoid.robot.description import JointServo
@@ -53,7 +53,7 @@ class Ground:
         self._ended = context.Event()
         self._mail, theirs = context.Pipe()
         self._process = context.Process(target=_drive, args=(self._numbers, self._ended, theirs), daemon=True)
-        with interrupts_ignored():
+        with interrupts_held():
             self._process.start()
         theirs.close()
         self._mail.recv()  # it stands on the floor

@@ -25,7 +25,7 @@ def results(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
         others = set(multiprocessing.active_children())
         complete = False
         try:
-            with interrupts_ignored():
+            with interrupts_held():
                 futures = [pool.submit(function, *task) for task in tasks]
             for future in as_completed(futures):
                 yield future.result()
@@ -38,16 +38,13 @@ def results(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
 
 
 @contextmanager
-def interrupts_ignored() -> Iterator[None]:
-    """Processes started inside ignore Ctrl-C, which a terminal sends to all of them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
+def interrupts_held() -> Iterator[None]:
+    """Processes started inside are deaf to Ctrl-C, which a terminal sends to all; this one hears it afterwards."""
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
 def watch_parent() -> None:

@@ -7,24 +7,29 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
-from serpenoid.diagnose.noise import path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.medium import Fit, fit
+from serpenoid.diagnose.motion import Motion, Noise
+from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import FIRST_ORDER, Selection, select
+from serpenoid.diagnose.select import FIRST_ORDER, Selection, Try, select
+from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds
-from serpenoid.diagnose.windows import Track, make_tracks
+from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
+CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
+FLOOR_UNCERTAIN = 0.06  # standard deviation of the logarithm of a floor that is itself estimated from repeats
 SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
@@ -40,18 +45,20 @@ class MotionFinding:
 
 
 def choose_motion(
-    recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
+    recordings: Sequence[Recording], seen: Observation, baseline: Baseline, say: Callable[[str], None]
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
-    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
-    labels = tuple(gaits[r.gait] for r in recordings)
-    return choose_on_tracks(lambda about: make_tracks(recordings, seen, about), labels, model, say)
+
+    def track(about: Model) -> tuple[Track, ...]:
+        return baseline.corrected(make_tracks(recordings, seen, about))
+
+    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
 
 
 def choose_on_tracks(
     track: Callable[[Model], tuple[Track, ...]],
     labels: tuple[int, ...],
-    model: Model,
+    baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
     rule: Rule = FIRST_ORDER,
@@ -60,12 +67,21 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why.
     """
+    model = baseline.model
     barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(track(model), GUESS, labels, frozenset(barred))
+        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))
+
+
+def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
+    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
+    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return tuple(numbers[name] for name in names)
 
 
 def finding(found: Selection) -> MotionFinding:
@@ -77,15 +93,21 @@ def finding(found: Selection) -> MotionFinding:
     named = [named_of(found, base, e) for e, base in zip(best.effects, bases, strict=True)]
     swaps = groups(found, bases)
     jumps = find_jumps(motion, best.predictions, floor)
-    faint = [t.added for t in found.faint]
+    faint = [faint_of(t, floor) for t in found.faint]
     if jumps is not None and jumps.strength >= 1.6:
         named.append(jumps)
         after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
     elif jumps is not None:
-        faint.append(jumps.effect)
+        faint.append(jumps)
     words = _left_over(found, after)
     rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
     return MotionFinding(rung, found, swaps, before, after)
+
+
+def faint_of(t: Try, floor_m: float) -> Named:
+    """What held-out gaits are better predicted with, though its trace in the path is too faint to name it."""
+    fitted = next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place))
+    return Named(fitted, {}, t.strength_m / floor_m)
 
 
 def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
@@ -95,7 +117,9 @@ def _left_over(found: Selection, after_m: float) -> tuple[str, ...]:
         predictions = found.faint[-1].fit.predictions
         after_m = min(after_m, total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)]))
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
-    return pattern(motion, predictions, after_m / found.floor_m, differences)
+    draws = np.log(path_draws(motion, predictions) / found.floor_m)
+    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))
+    return pattern(motion, predictions, after_m / found.floor_m, chance, differences)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:

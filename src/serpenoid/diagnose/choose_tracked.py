@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_on_tracks, finding
 from serpenoid.diagnose.gain import held_out
 from serpenoid.diagnose.held_out import Rule, fitted_again
@@ -28,7 +29,7 @@ def choose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Ca
     track = tracker(recordings)
     tracks = track(model)
     labels = tuple(range(len(tracks)))
-    found = choose_on_tracks(track, labels, model, say, fixed_to_the_room(tracks), RULE)
+    found = choose_on_tracks(track, labels, Baseline(model), say, fixed_to_the_room(tracks), RULE)
     chosen, share = found.selection.best.effects, explained_share(found.selection)
     if not chosen or found.rung.settled or share >= MAJOR:
         return found

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
@@ -15,20 +16,32 @@ from serpenoid.diagnose.choose_tracked import choose_tracked
 from serpenoid.diagnose.finding import Named, Rival, Rung
 from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
 from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again
+from serpenoid.diagnose.ladder import Step, climb, motion_step
+from serpenoid.diagnose.maps import residual_maps
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.tracked import TrackedRecording
+from serpenoid.diagnose.windows import Prediction
 from serpenoid.model import Model
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after."""
+    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
+
+    held_out: every trial predicted by a fit to the other gaits, baseline and extended.
+    baseline: what was taken for granted; seen: the observation model.
+    """
 
     verdict: str
+    baseline: Baseline
+    seen: Observation
     rungs: tuple[Rung, ...]
     motion: MotionFinding
     before: Scores
     after: Scores
+    held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
+    ladder: tuple[Step, ...]
 
     @property
     def named(self) -> tuple[Named, ...]:
@@ -47,21 +60,23 @@ class Diagnosis:
 
     @property
     def model(self) -> Model:
-        """The extended model: what the motion's fit found, and what the upper rungs did."""
+        """The extended model: what was known before, what the motion's fit found, and what the upper rungs did."""
         fitted = self.motion.selection.best.model
-        present = {(e.name, e.place) for e in fitted.effects}
-        others = tuple(n.effect for n in self.named if (n.effect.name, n.effect.place) not in present)
-        return Model(fitted.body, fitted.medium, (*fitted.effects, *others))
+        every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects)
+        return Model(fitted.body, fitted.medium, tuple({(e.name, e.place): e for e in every}.values()))
 
 
-def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str], None]) -> Diagnosis:
-    """From recordings to a verdict. `model` is where the calibration of eps begins."""
+def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[[str], None]) -> Diagnosis:
+    """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
-    actuation = choose_actuation(recordings)
+    servos = baseline.plays(recordings)
+    actuation = choose_actuation(servos)
     say("shape against markers")
-    observation, seen = choose_observation(recordings)
+    observation, seen = choose_observation(recordings, baseline.observation())
     say("shape against motion")
-    return concluded(actuation, observation, choose_motion(recordings, seen, model, say), say)
+    motion = choose_motion(recordings, seen, baseline, say)
+    rungs = (actuation, observation, motion.rung)
+    return concluded(baseline, seen, rungs, motion, climb(servos, recordings, rungs, seen, motion), say)
 
 
 def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> Diagnosis:
@@ -69,24 +84,27 @@ def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: 
     actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
     say("shape against motion")
-    return concluded(actuation, observation, choose_tracked(recordings, model, say), say, fitted_again)
+    motion, baseline = choose_tracked(recordings, model, say), Baseline(model)
+    rungs = (actuation, observation, motion.rung)
+    return concluded(baseline, baseline.observation(), rungs, motion, (motion_step(motion),), say, fitted_again)
 
 
 def concluded(
-    actuation: Rung,
-    observation: Rung,
+    baseline: Baseline,
+    seen: Observation,
+    rungs: tuple[Rung, ...],
     motion: MotionFinding,
+    ladder: tuple[Step, ...],
     say: Callable[[str], None],
     leave_out: LeaveOut = first_order,
 ) -> Diagnosis:
     """The verdict of three rungs, and the gain."""
-    rungs = (actuation, observation, motion.rung)
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
-    before = scores(found.motion, held_out(found.motion, found.null, leave_out))
-    after = scores(found.motion, held_out(found.motion, found.best, leave_out), jumps)
-    return Diagnosis(verdict(rungs), rungs, motion, before, after)
+    predicted = tuple(tuple(held_out(found.motion, f, leave_out)) for f in (found.null, found.best))
+    before, after = scores(found.motion, predicted[0]), scores(found.motion, predicted[1], jumps)
+    return Diagnosis(verdict(rungs), baseline, seen, rungs, motion, before, after, (predicted[0], predicted[1]), ladder)
 
 
 def verdict(rungs: Sequence[Rung]) -> str:
@@ -105,7 +123,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
         "alternatives": [r.record() for r in d.rivals],
-        "below_the_floor": [{"name": e.name, "place": e.place} for rung in d.rungs for e in rung.faint],
+        "below_the_floor": [n.record() for rung in d.rungs for n in rung.faint],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
         },
@@ -115,6 +133,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
         "untestable": {name: why for rung in d.rungs for name, why in rung.untestable.items()},
         "residual_pattern": list(d.words),
+        "ladder": [step.record() for step in d.ladder],
+        "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,
         "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],
     }  # fmt: skip

@@ -81,7 +81,7 @@ class Rung:
     name: str
     named: tuple[Named, ...] = ()
     rivals: tuple[Rival, ...] = ()
-    faint: tuple[ActiveEffect, ...] = ()
+    faint: tuple[Named, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())
     skipped: str = ""

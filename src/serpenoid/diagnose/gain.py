@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import travel
 from serpenoid.diagnose.held_out import LeaveOut, first_order, part
-from serpenoid.diagnose.medium import Fit, Motion, linearised, with_values
+from serpenoid.diagnose.medium import Fit, linearised, with_values
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_rms, residuals
 from serpenoid.diagnose.windows import Prediction
 
@@ -33,14 +35,14 @@ def held_out(motion: Motion, fit: Fit, leave_out: LeaveOut = first_order) -> lis
     found: list[Prediction | None] = [None] * len(motion.tracks)
     effects = list(fit.effects)
     for label in sorted(set(motion.labels)):
-        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label))
+        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label), motion.held)
         index = [i for i, own in enumerate(motion.labels) if own == label]
         for i, p in zip(index, linearised(part(motion, index), model, effects, drift)[1], strict=True):
             found[i] = p
     return [p for p in found if p is not None]
 
 
-def scores(motion: Motion, predictions: list[Prediction], mend: bool = False) -> Scores:
+def scores(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> Scores:
     """Per trial."""
     rows = []
     for track, p, left in zip(motion.tracks, predictions, residuals(motion.tracks, predictions), strict=True):

@@ -1,7 +1,7 @@
 """What chance does: differences between repeats, which no law of the robot or the floor can explain.
 
 Window noise: SD of the difference of two repeats' residuals over sqrt 2. Floor F: RMS over a trial's path of the
-distance that this noise, strung together window by window, adds up to.
+distance that this noise, strung together window by window, adds up to; doubt about the baseline repeats in every cycle.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel, turn
-from serpenoid.diagnose.medium import Motion, Noise
+from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
 LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers
 CREEP = np.array(
     [4e-5, 4e-5, 1.5e-4]
 )  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
-DRAWS = 24
+DRAWS = 48
 GYRATION = 0.29  # of a straight rod, body lengths
 
 
@@ -75,17 +75,25 @@ def _sd(values: Floats) -> Floats:
 
 def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
     """F [m]: the path RMS that window noise adds up to."""
+    return total(path_draws(motion, predictions))
+
+
+def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
+    """Path RMS over all trials [m] as chance makes it, (DRAWS,)."""
     rng = np.random.default_rng(0)
-    squares = []
-    for track, p in zip(motion.tracks, predictions, strict=True):
-        noise = motion.noise.of(track).copy()
-        noise[~track.playing] = LEAST
+    squares = np.empty((len(motion.tracks), DRAWS))
+    for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
+        chance = motion.noise.chance(track)
+        if track.noise is None:
+            chance[~track.playing] = LEAST
+        window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]
-        for _ in range(DRAWS):
-            path = travel(steps + rng.normal(size=noise.shape) * noise, np.zeros(3))[:, :2]
-            squares.append(_mean_in_time(track, ((path - true) ** 2).sum(axis=1)))
-    return float(np.sqrt(np.mean(squares)))
+        for n in range(DRAWS):
+            doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
+            path = travel(steps + rng.normal(size=chance.shape) * chance + doubted, np.zeros(3))[:, :2]
+            squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
+    return np.asarray(np.sqrt(squares.mean(axis=0)))
 
 
 def _mean_in_time(track: Track, values: Floats) -> float:
@@ -129,7 +137,7 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
     return found
 
 
-def total(values: Sequence[float]) -> float:
+def total(values: Sequence[float] | Floats) -> float:
     """RMS over trials."""
     return float(np.sqrt(np.mean(np.square(values))))
 

@@ -1,10 +1,18 @@
-"""The same function on many inputs, on as many cores as there are; results in order."""
+"""The same function on many inputs, on as many cores as there are; results in order.
+
+Ctrl-C reaches every process of a terminal. Workers ignore it; the first process ends them, and hears it only once they
+are all there: an interrupt amid a fork is lost or leaves one behind.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Sequence
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 AT_MOST = 4
@@ -19,8 +27,31 @@ def in_processes(tasks: Sequence[Task]) -> list[Any]:
         return [function(*arguments) for function, arguments in tasks]
     global _tasks
     _tasks = list(tasks)
-    with multiprocessing.get_context("fork").Pool(cores) as pool:
-        return pool.map(_run, range(len(tasks)), chunksize=1)
+    with _interrupts_later() as hear:
+        pool = multiprocessing.get_context("fork").Pool(cores, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        with pool:
+            hear()
+            return pool.map(_run, range(len(tasks)), chunksize=1)
+
+
+@contextmanager
+def _interrupts_later() -> Iterator[Callable[[], None]]:
+    """Ctrl-C is noted, not heard, until the function given is called: then the usual handler is back and hears it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: None
+        return
+    noted: list[tuple[int, FrameType | None]] = []
+    usual = signal.signal(signal.SIGINT, lambda number, frame: noted.append((number, frame)))
+
+    def hear() -> None:
+        signal.signal(signal.SIGINT, usual)
+        if noted and callable(usual):
+            usual(*noted[0])
+
+    try:
+        yield hear
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def _run(index: int) -> Any:

@@ -1,7 +1,7 @@
 """What is left above chance, in words: where, when, which direction, which sign.
 
 Repeats share what is not chance: with m the mean and d the difference of two repeats' residuals, the ratio
-4 sum m^2 / sum d^2 is 1 if only chance is left.
+4 sum m^2 / sum d^2 is 1 if only chance is left. What the baseline is in doubt about repeats, too, and is no news.
 """
 
 from __future__ import annotations
@@ -11,14 +11,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import pairs, residuals
 from serpenoid.diagnose.windows import Prediction
 
 RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
-PATH = 1.35  # floors
 TAIL = 6.0  # standard deviations: a push in one trial
-DIRECTIONS = ("forward", "to the left", "in turning left")
+DIRECTIONS = ("forward or backward", "sideways", "in turning")
+SIGNS = (
+    ("moves farther forward", "moves less far forward"),
+    ("moves farther to the left", "moves farther to the right"),
+    ("turns more to the left", "turns more to the right"),
+)
+ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
 
 
 def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
@@ -34,16 +39,19 @@ def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
     for a, b in pairs(motion.tracks):
         n = min(len(left[a]), len(left[b]))
         noise = motion.noise.of(motion.tracks[a])[:n]
+        doubt = np.broadcast_to(motion.tracks[a].doubt, motion.tracks[a].displacement.shape)[:n] / noise
         m, d = (left[a][:n] + left[b][:n]) / noise, (left[a][:n] - left[b][:n]) / noise
         top += np.nansum(m**2, axis=0)
-        bottom += np.nansum(d**2, axis=0)
+        bottom += np.nansum(d**2 + np.where(np.isfinite(d), 2 * doubt, 0.0) ** 2, axis=0)
     if not bottom.any():
         return 1.0, np.ones(3)
     return float(top.sum() / bottom.sum()), top / bottom
 
 
-def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, differences: Floats) -> tuple[str, ...]:
-    """Sentences about what is left, or none."""
+def pattern(
+    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
+) -> tuple[str, ...]:
+    """Sentences about what is left, or none. path: its RMS in floors; chance: what it may be without a cause."""
     left = residuals(motion.tracks, predictions)
     ratio, by = repeatable(motion, left)
     words = []
@@ -53,12 +61,13 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, diff
         words.append(f"what is left {verb} {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _when(motion, left, worst)
         words += _where(motion, left)
-    if path > PATH:
+    if path > chance:
         words.append(f"paths stray {path:.1f} floors from the measured ones")
     if len(differences):
         size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
         robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))
-        if size.max() > TAIL or (robust > 5).sum() >= 3:
+        startling = bool((np.abs(differences) > motion.unlike).any())
+        if startling and (size.max() > TAIL or (robust > 5).sum() >= 3):
             words.append("repeats differ by pushes in single trials that no law of the floor explains")
     return tuple(words)
 
@@ -72,10 +81,12 @@ def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
             groups.setdefault(name, []).append(white[i])
     sizes = {k: np.sqrt(np.nanmean(np.square(v))) for k, v in groups.items() if np.isfinite(v).any()}
     worst = max(sizes, key=lambda k: sizes[k])
-    mean = float(np.nanmean(np.array(groups[worst])[:, component]))
-    sign = "more" if mean > 0 else "less"
+    own = np.array(groups[worst])[:, component]
+    mean, rms = float(np.nanmean(own)), float(np.sqrt(np.nanmean(own**2)))
+    sign = f"there the body {SIGNS[component][mean < 0]} than modelled"
     return [
-        f"largest in {worst} ({sizes[worst]:.1f} SD; there the body moves {sign} {DIRECTIONS[component]} than modelled)"
+        f"largest in {worst} ({sizes[worst]:.1f} SD; "
+        + (f"{sign})" if abs(mean) > ONE_SIGN * rms else "to one side in some gaits, to the other in others)")
     ]
 
 

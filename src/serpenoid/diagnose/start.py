@@ -1,4 +1,4 @@
-"""Where a diagnosis begins (the baseline medium) and how it ends on the screen."""
+"""Where a diagnosis begins: the baseline medium."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 from serpenoid import schema
 from serpenoid.body import Body
+from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -18,33 +19,23 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess)."""
     medium = file.medium or Medium(anisotropy_ratio=FIRST_GUESS)
     if path is not None:
-        data = schema.read_toml(path).get("medium")
-        if data is not None:
-            medium = schema.validate(Medium, data, str(path))
+        data = schema.read_toml(path)
+        _check_body(data.get("body"), file, path)
+        if "medium" in data:
+            medium = schema.validate(Medium, data["medium"], str(path))
+    if medium.dissipation != "vertex":
+        where = path or f"campaign `{file.name}`"
+        raise InputError(
+            f'{where}: a diagnosis needs [medium] dissipation = "vertex", where effects have their places.'
+        )
     return Model(body, medium)
 
 
-def lines(record: dict[str, Any]) -> list[str]:
-    """The summary."""
-    found = [f"verdict           {record['verdict']}"]
-    for e in record["effects"]:
-        where = "" if e["place"] is None else f" at {e['place']}"
-        found.append(f"  {e['name']}{where} ({e['strength_floors']:.1f} floors)")
-        for name, p in e["parameters"].items():
-            low, high = p["interval"]
-            found.append(f"    {name:14}{p['value']:.4g} {p['unit']}   95 % {_end(low)} .. {_end(high)}")
-    for e in record["alternatives"]:
-        where = "" if e["place"] is None else f" at {e['place']}"
-        found.append(f"  or {e['name']}{where}")
-    found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
-    for why in dict.fromkeys(record["untestable"].values()):
-        names = ", ".join(name for name, reason in record["untestable"].items() if reason == why)
-        found.append(f"not tested        {names}: {why}")
-    rms = record["gain"]["path_rms_m"]
-    found.append(f"path RMS          {1e3 * rms['before']:.2f} -> {1e3 * rms['after']:.2f} mm on held-out gaits")
-    found.append(f"noise floor       {1e3 * record['noise_floor_m']:.2f} mm")
-    return found + [f"left              {text}" for text in record["residual_pattern"]]
-
-
-def _end(value: float | None) -> str:
-    return "?" if value is None else f"{value:.4g}"
+def _check_body(body: Any, file: CampaignFile, path: str | Path) -> None:
+    """InputError where a file describes another robot than the campaign's."""
+    vertices = body.get("vertices") if isinstance(body, dict) else None
+    if vertices not in (None, file.body.vertices):
+        raise InputError(
+            f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "
+            f"{file.body.vertices}. Give the problem file of the robot that was recorded."
+        )

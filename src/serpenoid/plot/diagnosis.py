@@ -1,86 +1,117 @@
-"""Pictures of a diagnosis: paths before and after, the ladder, residuals along the phase, the ranking."""
+"""Pictures of a diagnosis: paths before and after, the ladder, where and when residuals are, the ranking."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from serpenoid.diagnose.geometry import travel
-from serpenoid.diagnose.noise import residuals
+from serpenoid.body import Floats
+from serpenoid.diagnose.geometry import relative, travel
+from serpenoid.diagnose.maps import windows
+from serpenoid.diagnose.select import GAIN
+from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.figures import save
-from serpenoid.plot.style import BLUE, GREY, INK, ORANGE, dress, figure, legend_above
+from serpenoid.plot.joints import joint_angles, joint_bar
+from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
 
-AXES = ("forward", "left", "turn")
+COLUMNS = 4
+PARTS = {"actuation": "joints", "observation": "markers"}
+LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
 
 
-def draw_all(folder: Path, d: Diagnosis) -> None:
-    """Four figures into the folder."""
-    fig = figure(7.4, 5.2)
-    paths(d, fig.add_subplot())
-    save(fig, folder, "paths")
-    fig = figure(7.4, 2.4)
-    ladder(d, fig.add_subplot())
-    save(fig, folder, "ladder")
-    fig = figure(7.4, 5.4)
-    for i, ax in enumerate(fig.subplots(3, 1, sharex=True)):
-        along_phase(d, i, ax)
-    save(fig, folder, "residuals")
-    fig = figure(7.4, 3.6)
-    ranking(d, fig.add_subplot())
-    save(fig, folder, "ranking")
+def draw_all(folder: Path, d: Diagnosis, experiment: Floats | None = None) -> list[str]:
+    """Every figure that there is something to draw for, and the next experiment's joint table (T, m); their names."""
+    w = windows(d.motion.selection.motion, d.motion.selection.null.predictions, d.motion.selection.best.predictions)
+    extended = bool(d.motion.selection.best.effects)
+    jobs: dict[str, Callable[[], Figure]] = {
+        "paths": lambda: paths_figure(d),
+        "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder),
+        "residuals": lambda: diagnosis_maps.residuals_figure(w, extended),
+        "along-body": lambda: diagnosis_maps.body_figure(w, extended, d.motion.selection.scores),
+        "on-floor": lambda: diagnosis_maps.floor_figure(w, extended),
+        "ranking": lambda: ranking_figure(d),
+    }
+    if extended:
+        jobs["residuals-left"] = lambda: diagnosis_maps.left_figure(w)
+    jobs |= {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in d.ladder if s.error.name in PARTS}
+    if experiment is not None:
+        jobs["next-experiment"] = lambda: table_figure(experiment)
+    for name, job in jobs.items():
+        save(job(), folder, name)
+    return list(jobs)
 
 
-def paths(d: Diagnosis, ax: Axes) -> Axes:
-    """Measured and predicted paths of every trial, from the measured start pose [m]."""
-    found = d.motion.selection
-    for i, track in enumerate(found.motion.tracks):
-        kinds = ((found.null.predictions[i], ORANGE, "baseline"), (found.best.predictions[i], BLUE, "extended"))
-        for p, colour, label in kinds:
-            path = travel(np.nan_to_num(p.displacement), track.poses[0])
-            ax.plot(*path[:, :2].T, color=colour, lw=1.2, label=label if i == 0 else None)
-        ax.plot(*track.poses[:, :2].T, color=INK, lw=0.7, label="measured" if i == 0 else None)
-    dress(ax, "Paths of the centroid", "x [m]", "y [m]")
-    ax.set_aspect("equal", adjustable="datalim")
-    legend_above(ax, 3)
+def paths_figure(d: Diagnosis) -> Figure:
+    """Small multiples: every gait and cycle duration, paths from the measured first pose, heading along x."""
+    tracks = d.motion.selection.motion.tracks
+    settings = sorted({t.recording.setting for t in tracks})
+    rows = -(-len(settings) // COLUMNS)
+    fig = figure(9.6, 0.5 + 1.9 * rows)
+    axes = fig.subplots(rows, min(COLUMNS, len(settings)), squeeze=False)
+    for ax, setting in zip(axes.flat, settings, strict=False):
+        paths(d, setting, ax)
+    for ax in axes.flat[len(settings) :]:
+        ax.set_axis_off()
+    shown = [n for n in LABELS if n != "extended" or d.motion.selection.best.effects]
+    handles = [axes.flat[0].plot([], [], color=LABELS[n], lw=1.6, label=n)[0] for n in shown]
+    fig.legend(handles=handles, loc="outside upper left", ncols=3, frameon=False, fontsize=NORMAL)
+    return fig
+
+
+def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
+    """Centroid of all repeats of one setting [mm]: measured, and predicted by fits to the other gaits."""
+    drawn = (("baseline", d.held_out[0]), ("extended", d.held_out[1]))
+    for i, track in enumerate(d.motion.selection.motion.tracks):
+        if track.recording.setting != setting:
+            continue
+        for name, predictions in drawn:
+            if name == "baseline" or d.motion.selection.best.effects:
+                _draw(ax, travel(np.nan_to_num(predictions[i].displacement), np.zeros(3)), LABELS[name], 1.8)
+        _draw(ax, relative(track.poses[0], track.poses), INK, 0.8)
+    dress(ax, "", "x [mm]", "y [mm]")
+    ax.set_title(f"{setting[0]}, {setting[1]:.3g} s", fontsize=SMALL, loc="left", color=INK)
+    fill_equal(ax)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
     return ax
 
 
-def ladder(d: Diagnosis, ax: Axes) -> Axes:
-    """What is left on every rung over its floor."""
-    names, left = [r.name for r in d.rungs], [r.left for r in d.rungs]
-    ax.barh(names, left, color=BLUE)
-    ax.axvline(1.0, color=INK, lw=0.8)
-    ax.invert_yaxis()
-    return dress(ax, "What is left", "misfit over floor", "")
+def _draw(ax: Axes, path: Floats, colour: str, width: float) -> None:
+    points = 1e3 * path[:, :2]
+    ax.plot(*points.T, color=colour, lw=width)
+    ax.plot(*points[-1], "o", color=colour, ms=3)
 
 
-def along_phase(d: Diagnosis, component: int, ax: Axes) -> Axes:
-    """Residuals of one component against phase, before and after [SD]."""
-    found = d.motion.selection
-    for predictions, colour, label in (
-        (found.null.predictions, ORANGE, "baseline"),
-        (found.best.predictions, BLUE, "extended"),
-    ):
-        x, y = [], []
-        for track, left in zip(found.motion.tracks, residuals(found.motion.tracks, predictions), strict=True):
-            x.append(track.phase + np.where(track.playing, 0.0, 0.06))
-            y.append(left[:, component] / found.motion.noise.of(track)[:, component])
-        ax.plot(np.concatenate(x), np.concatenate(y), ".", color=colour, ms=3, alpha=0.6, label=label)
-    ax.axhspan(-2, 2, color=GREY, alpha=0.2, lw=0)
-    ax.set_yscale("symlog", linthresh=3)
-    return dress(ax, AXES[component], "phase [cycles]" if component == 2 else "", "[SD]")
+def table_figure(table: Floats) -> Figure:
+    """Joint angles of a table (T, m) over the cycle."""
+    fig = figure(7.4, 2.9)
+    ax = fig.add_subplot()
+    joint_angles(table, ax, title="")
+    joint_bar(ax, table.shape[1])
+    return fig
 
 
-def ranking(d: Diagnosis, ax: Axes) -> Axes:
+def ranking_figure(d: Diagnosis) -> Figure:
     """The best candidates by first-order gain."""
-    best = [s for s in d.motion.selection.scores if s[2] > 0][:10]
-    labels = [n if p is None else f"{n} at {p}" for n, p, _ in best]
-    ax.barh(labels, [s for *_, s in best], color=BLUE)
+    best = [s for s in d.motion.selection.scores if s[2] > 0][:12]
+    fig = figure(7.4, 0.9 + 0.24 * max(len(best), 3))
+    ax = fig.add_subplot()
+    chosen = {(e.name, e.place) for e in d.motion.selection.best.effects}
+    colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
+    ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()
-    return dress(ax, "Gain on held-out gaits", "chi squared", "")
+    dress(ax, "", "chi squared that a fit to the other gaits gains, to first order", "")
+    ax.ticklabel_format(axis="x", style="plain")
+    ax.set_xlim(0, 1.05 * max([GAIN, *(s for *_, s in best)]))
+    ax.axvline(GAIN, color=INK, lw=1.0, ls="--")
+    ax.grid(visible=False, axis="y")
+    return fig

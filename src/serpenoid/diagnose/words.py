@@ -1,0 +1,100 @@
+"""How a diagnosis reads in words: effects with their places, numbers with their units, the summary on the screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from serpenoid.effects.catalogue import find
+
+Record = Mapping[str, Any]
+SCALES = {"m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s")}
+MEANINGS = {
+    "nothing": "nothing beyond chance: the model predicts these motions as well as a repetition does",
+    "explained": "what the model got wrong has a name, and nothing beyond chance is left",
+    "partly explained": "what is named below is part of the cause; more is left than chance explains",
+    "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
+}
+
+
+def title(effect: Record) -> str:
+    """Name and place, as `worn_wheel at vertex 4`."""
+    place = effect.get("place")
+    return effect["name"] if place is None else f"{effect['name']} at {find(effect['name']).place} {place}"
+
+
+def shown(value: float | None, unit: str, digits: int = 3) -> str:
+    """A number in the unit that people use, as `1.97 mm`; `unbounded` for None."""
+    if value is None:
+        return "unbounded"
+    scale, name = SCALES.get(unit, (1.0, "" if unit == "1" else unit))
+    number = value * scale
+    text = f"{number:.{digits}g}" if abs(number) < 1000 else f"{number:.0f}"
+    return text + (name if name.startswith("°") else f" {name}" if name else "")
+
+
+def parameter(p: Record) -> str:
+    """Value and interval, as `0.398 (95 %: 0.393 .. 0.404)`."""
+    value, low, high = ends(p)
+    bound = ", at its bound" if p.get("at_bound") else ""
+    return f"{value} (95 %: {low} .. {high}{bound})"
+
+
+def ends(p: Record) -> tuple[str, str, str]:
+    """Value and ends of the interval, with as many digits as tell them apart."""
+    low, high = p["interval"]
+    size = max(abs(x) for x in (p["value"], low, high) if x is not None)
+    width = high - low if None not in (low, high) else size
+    digits = 3 if width <= 0 or size == 0 else max(3, 2 + math.ceil(math.log10(size / width)))
+    value, first, last = (shown(x, p["unit"], digits) for x in (p["value"], low, high))
+    return value, first, last
+
+
+def faint(record: Record) -> list[str]:
+    """Effects that improve the prediction, but whose trace does not stand clear of chance."""
+    return [f"too faint to name: {title(e)} ({e['strength_floors']:.1f} floors)" for e in record["below_the_floor"]]
+
+
+def untestable(record: Record) -> list[str]:
+    """Effects that a recording cannot speak about, reason by reason."""
+    reasons = dict.fromkeys(record["untestable"].values())
+    names = {why: [name for name, own in record["untestable"].items() if own == why] for why in reasons}
+    return [f"{', '.join(names[why])}: {why}" for why in reasons]
+
+
+def reference(record: Record) -> list[str]:
+    """What an earlier campaign, taken as the baseline, had shown."""
+    earlier = record["reference"]
+    if not earlier:
+        return []
+    name, found = earlier["campaign"], ", ".join(title(e) for e in earlier["effects"])
+    said = [f"{name} was {earlier['verdict']}" + (f" ({found})" if found else "") + " and is the baseline here"]
+    return [*said, *(f"{name} already showed: {text}" for text in earlier["residual_pattern"])]
+
+
+def lines(record: Record) -> list[str]:
+    """The summary on the screen."""
+    found = [f"reference         {text}" for text in reference(record)]
+    found.append(f"verdict           {record['verdict']}")
+    for e in record["effects"]:
+        found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors)")
+        found += [f"    {name:16}{parameter(p)}" for name, p in e["parameters"].items()]
+    found += [f"  or {title(e)} ({e['separation_floors']:.1f} floors apart)" for e in record["alternatives"]]
+    found += [f"  {text}" for text in faint(record)]
+    found += [_rung(s) for s in record["ladder"]]
+    found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
+    found += [f"not tested        {text}" for text in untestable(record)]
+    rms = record["gain"]["path_rms_m"]
+    found.append(f"held-out gaits    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
+    if record["next_experiment"]:
+        e = record["next_experiment"]
+        pose = e["start_pose"]
+        start = f"from x {pose['x_m']:.2f} m, y {pose['y_m']:.2f} m, heading {pose['heading_rad']:.2f} rad"
+        found.append(f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.2f} s per cycle, {start}")
+    return found + [f"left              {text}" for text in record["residual_pattern"]]
+
+
+def _rung(s: Record) -> str:
+    before, after, floor = (shown(s[k], s["unit"]) for k in ("before", "after", "floor"))
+    return f"{s['rung']:18}{before} -> {after}, floor {floor}: {s['share_above_floor_after']:.0%} above it"

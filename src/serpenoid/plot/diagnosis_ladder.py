@@ -1,0 +1,74 @@
+"""Pictures of the ladder of residuals: every rung with its floor, joint by joint, marker by marker."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from serpenoid.plot.style import BLUE, GREY, INK, ORANGE, SMALL, dress, figure, legend_above
+
+if TYPE_CHECKING:
+    from serpenoid.diagnose.ladder import Error, Step
+
+UNITS = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°")}
+TITLES = {
+    "actuation": "commanded against\nrealised shape",
+    "observation": "realised shape\nagainst markers",
+    "motion": "realised shape against\nrealised motion",
+    "whole": "commanded shape\nagainst realised motion",
+}
+
+
+def ladder_figure(ladder: Sequence[Step]) -> Figure:
+    """One panel a rung, since units differ: error before and after, floor, and the share above it."""
+    fig = figure(9.6, 2.9)
+    for ax, step in zip(fig.subplots(1, len(ladder), squeeze=False).flat, ladder, strict=True):
+        rung(step.error, ax)
+    return fig
+
+
+def rung(error: Error, ax: Axes) -> Axes:
+    """Two bars and the floor."""
+    scale, unit = UNITS[error.unit]
+    for i, (value, colour) in enumerate(((error.before, ORANGE), (error.after, BLUE))):
+        ax.bar(i, scale * value, color=colour, width=0.62)
+        ax.text(i, scale * value, f"{error.share_above(value):.0%}\nabove", ha="center", va="bottom", fontsize=SMALL)
+    ax.axhline(scale * error.floor, color=INK, lw=1.0, ls="--")
+    ax.set_xticks([0, 1], ["before", "after"])
+    ax.set_xlim(-0.6, 1.6)
+    ax.set_ylim(0, 1.3 * scale * max(error.before, error.after, error.floor))
+    dress(ax, "", "", f"RMS [{unit}]")
+    ax.set_title(TITLES[error.name], fontsize=SMALL + 0.5, loc="left", color=INK)
+    ax.grid(visible=False, axis="x")
+    return ax
+
+
+def parts_figure(step: Step) -> Figure:
+    """Every joint or marker: error before and after on a logarithmic scale, with the floor."""
+    fig = figure(7.4, 2.7)
+    parts(step, fig.add_subplot())
+    return fig
+
+
+def parts(step: Step, ax: Axes) -> Axes:
+    """Dots, since a logarithmic scale has no zero to stand on."""
+    scale, unit = UNITS[step.error.unit]
+    numbers = [int(p.name.split()[-1]) for p in step.parts]
+    floor = [scale * p.floor for p in step.parts]
+    for p, k in zip(step.parts, numbers, strict=True):
+        ax.plot([k, k], [scale * p.before, scale * p.after], color=GREY, lw=0.8, zorder=1)
+    ax.plot(numbers, [scale * p.before for p in step.parts], "o", color=ORANGE, ms=6, label="before")
+    ax.plot(numbers, [scale * p.after for p in step.parts], "o", color=BLUE, ms=4, label="after")
+    ax.plot(numbers, floor, "--", color=INK, lw=1.0, label="noise floor")
+    ax.set_yscale("log")
+    ax.set_ylim(0.4 * min(floor), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in floor]))
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.yaxis.set_minor_formatter("")
+    ax.set_xticks(numbers)
+    dress(ax, "", step.parts[0].name.split()[0], f"RMS [{unit}]")
+    legend_above(ax, 3)
+    return ax

@@ -1,0 +1,151 @@
+"""Where and when residual motion is: along the phase, against speed and time, along the body, on the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.maps import CELL_M, Bin, Cell, Windows, by_phase, by_speed, by_time, on_floor
+from serpenoid.diagnose.select import GAIN
+from serpenoid.plot.style import (
+    BLUE,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SMALL,
+    colour_bar,
+    dress,
+    figure,
+    fill_equal,
+)
+
+HEAT = colormaps["YlOrRd"]
+PALE = 4.0  # times chance: the darkest colour at least
+DIRECTIONS = (("forward", "mm/s", 1e3), ("to the left", "mm/s", 1e3), ("turning left", "°/s", 180 / np.pi))
+AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
+    ("phase", "phase [cycles], 1 = pause", by_phase),
+    ("speed", "RMS speed of the vertices [m/s]", by_speed),
+    ("time", "time [s]", by_time),
+)
+Scores = Sequence[tuple[str, int | None, float]]
+
+
+def residuals_figure(w: Windows, extended: bool) -> Figure:
+    """Three directions against phase, speed and time."""
+    kinds = [(w.before, ORANGE, "baseline")] + ([(w.after, BLUE, "extended")] if extended else [])
+    return _grid(w, kinds)
+
+
+def left_figure(w: Windows) -> Figure:
+    """The same of the extended model alone, on a scale of its own."""
+    return _grid(w, [(w.after, BLUE, "extended")])
+
+
+def _grid(w: Windows, kinds: list[tuple[Floats, str, str]]) -> Figure:
+    fig = figure(9.6, 6.0)
+    axes = fig.subplots(3, 3, sharex="col", sharey="row")
+    for column, (field, label, bins) in enumerate(AGAINST):
+        for row in range(3):
+            against(w, kinds, row, getattr(w, field), bins(w), axes[row, column])
+            axes[row, column].set_xlabel(label if row == 2 else "", fontsize=SMALL, color=INK)
+    for row, (name, unit, _) in enumerate(DIRECTIONS):
+        axes[row, 0].set_ylabel(f"{name} [{unit}]", fontsize=SMALL, color=INK)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    fig.legend(handles, labels, loc="outside upper left", ncols=4, frameon=False, fontsize=SMALL)
+    return fig
+
+
+def against(
+    w: Windows, kinds: list[tuple[Floats, str, str]], direction: int, x: Floats, bins: list[Bin], ax: Axes
+) -> Axes:
+    """Residual velocity of every window, and means of bins; the band is what 95 % of windows do by chance."""
+    scale = DIRECTIONS[direction][2]
+    at, noise = [b.middle for b in bins], 2 * scale * np.array([b.noise[direction] for b in bins])
+    widths = [b.high - b.low for b in bins]
+    ax.bar(at, 2 * noise, widths, bottom=-noise, color=FAINT, lw=0, label="chance, 95 %", zorder=0)
+    for residual, colour, label in kinds:
+        mean = [b.before[direction] if label == "baseline" else b.after[direction] for b in bins]
+        ax.plot(x, scale * residual[:, direction], ".", color=colour, ms=4, alpha=0.45, mew=0)
+        ax.plot(at, scale * np.array(mean), "-o", color=colour, ms=3.5, lw=1.2, label=f"{label}, mean")
+    largest = max(np.abs(scale * r[:, direction]).max() for r, _, _ in kinds)
+    reach = 1.1 * max(largest, noise.max())
+    ax.set_ylim(-reach, reach)
+    ax.axhline(0, color=GREY, lw=0.7)
+    ax.set_xlim(bins[0].low, bins[-1].high)
+    return dress(ax, "", "", "")
+
+
+def body_figure(w: Windows, extended: bool, scores: Scores) -> Figure:
+    """Residual velocity of every vertex across and along the body; what an effect at each vertex would gain."""
+    fig = figure(9.6, 2.9)
+    axes = fig.subplots(1, 3)
+    for ax, component, name in ((axes[0], 1, "across the body"), (axes[1], 0, "along the body")):
+        vertex_speeds(w, extended, component, name, ax)
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False, fontsize=SMALL)
+    vertex_scores(scores, axes[2])
+    return fig
+
+
+def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axes) -> Axes:
+    """RMS over the windows of play [mm/s]."""
+    floor = 1e3 * w.noise_along_body()[:, component]
+    vertices = np.arange(len(floor))
+    ax.fill_between(vertices, 0, floor, color=FAINT, lw=0, label="noise floor")
+    ax.plot(vertices, 1e3 * w.along_body(w.before)[:, component], "-o", color=ORANGE, ms=4, label="baseline")
+    if extended:
+        ax.plot(vertices, 1e3 * w.along_body(w.after)[:, component], "-o", color=BLUE, ms=4, label="extended")
+    ax.set_ylim(bottom=0)
+    ax.set_xticks(vertices[::2])
+    return dress(ax, f"Residual {name}", "vertex (0 = tail)", "RMS [mm/s]")
+
+
+def vertex_scores(scores: Scores, ax: Axes) -> Axes:
+    """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
+    largest = GAIN
+    for name, colour, mark in (("load", GREEN, "s"), ("worn_wheel", PURPLE, "^")):
+        mine = sorted((p, max(s, 0.0)) for n, p, s in scores if n == name and p is not None)
+        if mine:
+            places, gains = zip(*mine, strict=True)
+            ax.plot(places, gains, "-", marker=mark, color=colour, ms=4, label=name)
+            ax.set_xticks(places[::2])
+            largest = max(largest, *gains)
+    ax.set_ylim(0, 1.1 * largest)
+    ax.legend(frameon=False, fontsize=SMALL)
+    return dress(ax, "Gain of an effect there", "vertex (0 = tail)", "chi squared on held-out gaits")
+
+
+def floor_figure(w: Windows, extended: bool) -> Figure:
+    """Residual velocities of the vertices on squares of the floor, before and after, each on a scale of its own."""
+    kinds = [(w.before, "Baseline")] + ([(w.after, "Extended")] if extended else [])
+    fig = figure(9.6 if extended else 5.4, 4.2)
+    for ax, (residual, name) in zip(fig.subplots(1, len(kinds), squeeze=False).flat, kinds, strict=True):
+        squares(on_floor(w, residual), name, ax)
+    return fig
+
+
+def squares(cells: Sequence[Cell], name: str, ax: Axes) -> Axes:
+    """Colour: RMS over what chance makes of it; arrow: mean [mm/s]."""
+    place, mean = np.array([(c.x, c.y) for c in cells]), 1e3 * np.array([c.mean for c in cells])
+    over = np.array([c.rms / c.noise for c in cells])
+    half = CELL_M / 2
+    corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
+    largest = max(PALE, float(over.max()))
+    ax.add_collection(
+        PolyCollection(place[:, None] + corners, facecolors=HEAT(over / largest), edgecolors="white", lw=0.5)
+    )
+    key = float(f"{np.hypot(*mean.T).max():.1g}")
+    q = ax.quiver(*place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=key / (1.6 * half), width=0.004)
+    ax.quiverkey(q, 0.75, 1.04, key, f"mean: {key:g} mm/s", labelpos="E", fontproperties={"size": SMALL})
+    colour_bar(ax, HEAT, 0, largest, "RMS over chance", shrink=0.8)
+    dress(ax, name, "x [m]", "y [m]", grid=False)
+    fill_equal(ax)
+    return ax

@@ -1,0 +1,134 @@
+"""The summaries of all kinds as one readable page: `python -m blind.pages results/blind` writes summary.md there."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+Summary = Mapping[str, Any]
+TITLES = {
+    "one": "One effect",
+    "null": "Nothing hidden",
+    "two": "Two effects",
+    "outside": "Outside the catalogue",
+    "followup": "Next experiment, after a first campaign of one gait",
+}
+TARGETS = {"one": "95 %", "null": "98 %", "two": "80 %", "outside": "95 %"}
+
+
+def page(summaries: Mapping[str, Summary]) -> str:
+    """Markdown: all proportions beside their targets, then a section for each kind."""
+    rows = [row for kind in TITLES if kind in summaries for row in _proportions(kind, summaries[kind])]
+    head = ["# Hidden-effect trials", "", "Written by `python -m blind.pages`; 95 % intervals after Wilson.", ""]
+    overall = _table(["", "good", "of", "share", "interval", "target"], rows)
+    parts = [_section(kind, summaries[kind]) for kind in TITLES if kind in summaries]
+    return "\n".join([*head, overall, *parts])
+
+
+def _proportions(kind: str, s: Summary) -> list[list[str]]:
+    rows = []
+    if kind == "followup":
+        e = s["after_experiment"]
+        rows += [_share("groups that contain the truth", e["truth_in_group"], "")]
+        rows += [_share("proposed experiment: smaller, truth kept", e["proposed"], "80 %")]
+        return [*rows, _share("random gait: smaller, truth kept", e["random"], "")]
+    rows.append(_share(TITLES[kind], s["right"], TARGETS[kind]))
+    if kind in ("one", "two"):
+        rows.append(_share(f"{TITLES[kind]}, each S >= 3", s["right_where_required"], TARGETS[kind]))
+        rows.append(_share(f"{TITLES[kind]}: intervals cover", s["intervals_cover"], "90-98 %"))
+        rows.append(_share(f"{TITLES[kind]}: held out within 1.2 F", s["held_out_within_1.2_floors"], "all"))
+    return [*rows, _share(f"{TITLES[kind]}: within 20 s", s["within_20_s"], "all")]
+
+
+def _share(name: str, s: Summary, target: str) -> list[str]:
+    if not s["of"]:
+        return [name, "0", "0", "", "", target]
+    low, high = s["interval"]
+    share = f"{100 * s['share']:.0f} %"
+    return [name, str(s["good"]), str(s["of"]), share, f"{100 * low:.0f} - {100 * high:.0f} %", target]
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def _section(kind: str, s: Summary) -> str:
+    facts = [_line("Verdicts", s["verdicts"]), _line("Outcomes", s["outcomes"]), _line("Seconds", s["seconds"])]
+    facts.append(_line("Held-out path RMS over F, where right", s["held_out_over_floor"]))
+    facts.append(_line("Intervals that missed", s["intervals_cover"]["missed"]))
+    if s["mean_group_size"] is not None:
+        sizes = ", ".join(f"{n} of size {size}" for size, n in s["group_sizes"].items())
+        facts.append(f"- Mean group size for each effect named: {s['mean_group_size']:.2f} ({sizes})\n")
+    parts = [f"## {TITLES[kind]}\n", f"`{s['command']}`\n", "".join(facts)]
+    if kind in ("one", "two"):
+        parts.append(_strengths(s))
+    if kind == "followup":
+        parts.append(_follow_up(s["after_experiment"]))
+    parts += ["### Hidden (rows) and chosen\n", _confusion(s["confusion"])]
+    if s["misses"]:
+        parts += ["### Misses\n", _misses(s["misses"])]
+    return "\n".join(parts)
+
+
+def _line(title: str, values: Mapping[str, Any] | None) -> str:
+    if not values:
+        return ""
+    said = (f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in values.items())
+    return f"- {title}: {', '.join(said)}\n"
+
+
+def _strengths(s: Summary) -> str:
+    rows = []
+    for b in s["by_strength"]:
+        name = f"{b['from']:g} - {b['to']:g}" if b["to"] else f"{b['from']:g} and more"
+        size = "" if b["mean_group_size"] is None else f"{b['mean_group_size']:.2f}"
+        rows.append([*_share(name, b["right"], "")[:5], *_share(name, b["truth_in_group"], "")[1:2], size])
+    return _table(["weakest S", "right", "of", "share", "interval", "truth in group", "group size"], rows)
+
+
+def _follow_up(e: Summary) -> str:
+    rows = []
+    for c in e["cases"]:
+        after = [
+            ", ".join(c[k]) or "nothing" if c[k] is not None else "-" for k in ("members_proposed", "members_random")
+        ]
+        rows.append([_truth(c), f"{min(c['strengths'], default=0):.1f}", ", ".join(c["group"]), *after])
+    return _table(["hidden", "S", "group", "after the proposed experiment", "after a random gait"], rows)
+
+
+def _confusion(table: Mapping[str, Mapping[str, int]]) -> str:
+    names = sorted({c for row in table.values() for c in row})
+    rows = [[hidden, *(str(row.get(c, "")) for c in names)] for hidden, row in table.items()]
+    return _table(["", *names], rows)
+
+
+def _misses(rows: Sequence[Summary]) -> str:
+    said = []
+    for r in rows:
+        strengths = ", ".join(f"{x:.1f}" for x in r.get("strengths", []))
+        apart = ", ".join(f"{k} {v:.1f}" for k, v in r.get("separations", {}).items())
+        said.append([r["identity"], _truth(r), strengths, r["outcome"], ", ".join(r.get("group", [])), apart])
+    return _table(["trial", "hidden", "S", "outcome", "group", "separations"], said)
+
+
+def _truth(row: Summary) -> str:
+    found = []
+    for e in row.get("truth") or []:
+        place = "" if e["place"] is None else f"@{e['place']}"
+        found.append(f"{e['name']}{place} ({', '.join(f'{k} {v:.3g}' for k, v in e['parameters'].items())})")
+    return "; ".join(found) or "nothing"
+
+
+def write_page(folder: Path) -> None:
+    """summary.md from the summaries that are in the folder."""
+    found = {kind: folder / f"{kind}.json" for kind in TITLES}
+    text = page({kind: json.loads(file.read_text()) for kind, file in found.items() if file.exists()})
+    (folder / "summary.md").write_text(text)
+
+
+if __name__ == "__main__":
+    write_page(Path(sys.argv[1]))

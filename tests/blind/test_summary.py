@@ -1,0 +1,114 @@
+"""What a study adds up to, by hand-made rows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from blind.pages import page, write_page
+from blind.study import _atomic
+from blind.summary import quantiles, summarise
+
+SLOPE = {"name": "slope", "place": None, "parameters": {"pull_x": 0.002, "pull_y": 0.0}}
+
+
+def row(
+    outcome: str, strength: float, chosen: list[str], others: list[str] | None = None, **more: Any
+) -> dict[str, Any]:
+    said = {"verdict": "explained" if chosen else "nothing", "chosen": chosen, "group": [*chosen, *(others or [])]}
+    return {
+        "identity": f"{outcome}-{strength}",
+        "outcome": outcome,
+        "seconds": 10.0,
+        "strengths": [strength],
+        "hidden": ["slope"],
+        "truth": [SLOPE],
+        "held_out_over_floor": 1.0,
+        **said,
+        **more,
+    }
+
+
+ROWS = [
+    row("right", 7.0, ["slope"], covered={"slope.pull_x": True, "slope.pull_y": False}),
+    row("right", 4.0, ["frame_drift"], ["slope"], held_out_over_floor=1.5, seconds=30.0),
+    row("wrong", 5.0, ["toe"]),
+    row("unscored", 2.0, []),
+    row("false alarm", 0.5, ["toe"]),
+]
+
+
+def test_unscored_trials_are_left_out_of_the_share() -> None:
+    s = summarise("one", ROWS)
+    assert (s["right"]["good"], s["right"]["of"]) == (2, 4)
+    assert (s["right_where_required"]["good"], s["right_where_required"]["of"]) == (2, 3)
+    assert [r["outcome"] for r in s["misses"]] == ["wrong", "false alarm"]
+
+
+def test_success_is_counted_by_strength_and_group() -> None:
+    s = summarise("one", ROWS)
+    middle = next(b for b in s["by_strength"] if b["from"] == 3.0)
+    assert (middle["right"]["good"], middle["right"]["of"], middle["truth_in_group"]["good"]) == (1, 2, 1)
+    assert middle["mean_group_size"] == 1.5
+    assert s["mean_group_size"] == 1.25
+    assert s["group_sizes"] == {"1": 3, "2": 1}
+
+
+def test_a_group_of_two_named_effects_without_alternatives_counts_one_each() -> None:
+    assert summarise("two", [row("right", 7.0, ["slope", "toe"])])["mean_group_size"] == 1.0
+
+
+def test_times_held_out_errors_and_intervals_are_summed_up() -> None:
+    s = summarise("one", ROWS)
+    assert s["seconds"]["median"] == 10.0
+    assert s["within_20_s"]["good"] == 4
+    assert (s["held_out_within_1.2_floors"]["good"], s["held_out_within_1.2_floors"]["of"]) == (1, 2)
+    assert s["intervals_cover"]["missed"] == {"slope.pull_y": 1}
+    assert quantiles([]) is None
+
+
+FOLLOWED = [
+    {
+        "group_before": 2,
+        "truth_before": True,
+        "group_proposed": 1,
+        "truth_proposed": True,
+        "members_proposed": ["slope"],
+    },
+    {
+        "group_before": 2,
+        "truth_before": True,
+        "group_proposed": 1,
+        "truth_proposed": False,
+        "members_proposed": ["toe"],
+    },
+    {"group_before": 3, "truth_before": True, "group_random": 3, "truth_random": True, "members_random": ["slope"]},
+    {"group_before": 2, "truth_before": False, "group_proposed": 1, "truth_proposed": False, "members_proposed": []},
+    {},
+]
+
+
+def test_an_experiment_succeeds_if_the_group_is_smaller_and_the_truth_still_in_it() -> None:
+    rows = [row("unscored", 2.0, ["slope"], ["toe"], **more) for more in FOLLOWED]
+    after = summarise("followup", rows)["after_experiment"]
+    assert after["groups"] == 4
+    assert (after["truth_in_group"]["good"], after["truth_in_group"]["of"]) == (3, 4)
+    assert (after["proposed"]["good"], after["proposed"]["of"]) == (1, 3)  # never proposed: counts against it
+    assert (after["random"]["good"], after["random"]["truth_kept"]["good"]) == (0, 1)
+    assert after["mean_size"] == pytest.approx(2.25)
+
+
+def test_the_page_shows_shares_targets_confusion_and_misses(tmp_path: Path) -> None:
+    followed = [row("unscored", 2.0, ["slope"], ["toe"], **more) for more in FOLLOWED]
+    kinds = {"one": ROWS, "followup": followed}
+    for kind, rows in kinds.items():
+        _atomic(tmp_path / f"{kind}.json", {"command": f"run {kind}"} | summarise(kind, rows))
+    write_page(tmp_path)
+    text = (tmp_path / "summary.md").read_text()
+    assert "| One effect | 2 | 4 | 50 % | 15 - 85 % | 95 % |" in text
+    assert "| wrong-5.0 | slope (pull_x 0.002, pull_y 0) | 5.0 | wrong | toe |  |" in text
+    assert "| proposed experiment: smaller, truth kept | 1 | 3 | 33 % |" in text
+    assert "| slope (pull_x 0.002, pull_y 0) | 2.0 | slope, toe | toe | - |" in text
+    assert page({}).startswith("# Hidden-effect trials")

@@ -1,0 +1,116 @@
+"""Every effect of the catalogue, hidden alone and strong in a short campaign, is what its rung's scores put first.
+
+One call of the rung's scorer each, about no effect at all; the whole diagnosis is tried elsewhere.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
+from blind.folder import write
+from serpenoid.diagnose.actuation import attempts, plays
+from serpenoid.diagnose.choose_motion import GUESS
+from serpenoid.diagnose.choose_observation import all_keys, choose_observation
+from serpenoid.diagnose.jumps import find_jumps
+from serpenoid.diagnose.medium import fit
+from serpenoid.diagnose.motion import Motion
+from serpenoid.diagnose.noise import path_floor
+from serpenoid.diagnose.observation import Observation, columns_of, evidence, sample
+from serpenoid.diagnose.ranking import score
+from serpenoid.diagnose.recording import Recording, read_recordings
+from serpenoid.diagnose.select import Fit, calibrated
+from serpenoid.diagnose.tracks import make_tracks
+from serpenoid.effects import catalogue
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+
+Key = tuple[str, int | None]
+SETTINGS = 3  # gaits, each at another duration and heading, two trials of each
+SERVOS = (
+    Effect("servo_lag", None, {"lag": 0.06}),
+    Effect("gain_loss", 3, {"loss": 0.15}),
+    Effect("stuck_joint", 7, {"angle": 0.2}),
+    Effect("backlash", 5, {"width": 0.06}),
+    Effect("speed_saturation", None, {"max_speed": 0.6}),
+)
+MARKERS = (
+    Effect("zero_offset", 6, {"offset": 0.06}),
+    Effect("marker_offset", 4, {"along": 4e-3, "left": -5e-3}),
+    Effect("length_scale", None, {"error": 0.015}),
+)
+MOTION = (
+    Effect("worn_wheel", 8, {"seizure": 0.6}),
+    Effect("load", 2, {"share": 0.2}),
+    Effect("dry_friction", None, {"crossover_speed": 0.02}),
+    Effect("grip_saturation", None, {"saturation_speed": 0.3}),
+    Effect("forward_backward_asymmetry", None, {"asymmetry": 0.2}),
+    Effect("left_right_asymmetry", None, {"asymmetry": -0.15}),
+    Effect("toe", None, {"angle": 0.06}),
+    Effect("slope", None, {"pull_x": 2e-3, "pull_y": -1.5e-3}),
+    Effect("friction_patch", None, {"strength": 1.5, "x": 0.1, "y": 0.05, "radius": 0.25}),
+    Effect("friction_gradient", None, {"gradient_x": 0.8, "gradient_y": -0.5}),
+    Effect("anisotropy_drift", None, {"rate": 0.03}),
+    Effect("power_law_drag", None, {"exponent": 0.8}),
+    Effect("inertia", None, {"relaxation_time": 0.05}),
+    Effect("added_mass", None, {"relaxation_time": 0.1}),
+    Effect("contact_offset", None, {"offset": 0.012}),
+    Effect("frame_drift", None, {"velocity_x": 1e-3, "velocity_y": 1.5e-3}),
+)
+JUMPS, CLOCK = Effect("position_jumps", None, {"size": 0.012}), Effect("clock_offset", None, {"rate": 0.01})
+
+
+def recorded(folder: Path, effect: Effect) -> tuple[Recording, ...]:
+    write(make(5, [effect], "short", COMBINATIONS[:SETTINGS]), folder)
+    return read_recordings(folder)[1]
+
+
+def calibrated_motion(recordings: tuple[Recording, ...]) -> tuple[Motion, Fit]:
+    """Tracks with eps fitted and noise from repeats, and that fit."""
+    body = recordings[0].body
+    model, labels = Model(body, Medium(anisotropy_ratio=0.2)), tuple(int(r.gait[-2:]) for r in recordings)
+    for _ in range(2):
+        motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+        model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
+    return calibrated(motion, None, model)
+
+
+def test_every_effect_is_tried() -> None:
+    assert {e.name for e in (*SERVOS, *MARKERS, *MOTION, JUMPS, CLOCK)} == set(catalogue())
+
+
+@pytest.mark.parametrize("hidden", SERVOS, ids=lambda e: e.name)
+def test_readings_fit_the_hidden_effect_of_the_servos_best(hidden: Effect, tmp_path: Path) -> None:
+    best = min(attempts(plays(recorded(tmp_path, hidden)), []), key=lambda a: a.chi2.sum())
+    assert (best.effect.name, best.effect.place) == (hidden.name, hidden.place)
+
+
+@pytest.mark.parametrize("hidden", MARKERS, ids=lambda e: e.name)
+def test_markers_of_held_out_gaits_are_best_predicted_with_the_hidden_effect(hidden: Effect, tmp_path: Path) -> None:
+    data = sample(recorded(tmp_path, hidden))
+    sums = evidence(data, Observation.neutral(data.body))
+    left: dict[Key, float] = {k: sums.held_out(columns_of(data.body, *k)) for k in all_keys(data.body)}
+    assert min(left, key=lambda k: left[k]) == (hidden.name, hidden.place)
+
+
+@pytest.mark.parametrize("hidden", MOTION, ids=lambda e: e.name)
+def test_motion_of_held_out_gaits_is_best_predicted_with_the_hidden_effect(hidden: Effect, tmp_path: Path) -> None:
+    ranked = score(*calibrated_motion(recorded(tmp_path, hidden)))
+    assert (ranked[0][0].name, ranked[0][0].place) == (hidden.name, hidden.place)
+
+
+def test_jumps_of_position_are_found_in_gaps(tmp_path: Path) -> None:
+    motion, null = calibrated_motion(recorded(tmp_path, JUMPS))
+    found = find_jumps(motion, null.predictions, path_floor(motion, null.predictions))
+    assert found is not None
+    low, high = found.intervals["size"]
+    assert low < JUMPS.parameters["size"] < high
+
+
+def test_a_fast_clock_is_found(tmp_path: Path) -> None:
+    rung, _ = choose_observation(recorded(tmp_path, CLOCK))
+    assert [n.effect.name for n in rung.named] == ["clock_offset"]

@@ -1,0 +1,55 @@
+"""Numbers in words: units that people use, digits that an interval deserves, effects too faint to name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from serpenoid.diagnose.report import lead, left_over
+from serpenoid.diagnose.words import faint, lines, parameter, shown, title
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.00197, "m", "1.97 mm"),
+        (-0.0015, "m/s", "-1.5 mm/s"),
+        (0.1, "rad", "5.73°"),
+        (0.4, "1", "0.4"),
+        (0.05, "s", "0.05 s"),
+        (-4449.7, "1", "-4450"),
+        (None, "m/s", "unbounded"),
+    ],
+)
+def test_numbers_stand_in_the_units_people_use(value: float | None, unit: str, text: str) -> None:
+    assert shown(value, unit) == text
+
+
+def test_digits_tell_the_ends_of_an_interval_apart() -> None:
+    assert parameter({"value": 0.15, "interval": [0.14992, 0.15006], "unit": "1"}) == "0.15 (95 %: 0.14992 .. 0.15006)"
+    assert parameter({"value": 0.5, "interval": [0.3, None], "unit": "m/s"}) == "500 mm/s (95 %: 300 mm/s .. unbounded)"
+    bound = {"value": 1.0, "interval": [0.8, 1.0], "unit": "1", "at_bound": True}
+    assert parameter(bound).endswith("at its bound)")
+
+
+def test_places_are_joints_or_vertices() -> None:
+    assert title({"name": "gain_loss", "place": 4}) == "gain_loss at joint 4"
+    assert title({"name": "load", "place": 0}) == "load at vertex 0"
+    assert title({"name": "toe", "place": None}) == "toe"
+
+
+def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    trace = {"name": "friction_patch", "site": "medium", "place": None, "parameters": {}, "strength_floors": 1.44}
+    record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_the_floor": [trace]}
+    assert faint(record) == ["too faint to name: friction_patch (1.4 floors)"]
+    assert "  too faint to name: friction_patch (1.4 floors)" in lines(record)
+    assert any(text.startswith("Too faint to name: friction_patch (1.4 floors)") for text in lead(record))
+
+
+def test_what_is_left_is_gathered_by_rung() -> None:
+    said = left_over(["motion: a", "actuation: b", "motion: c: d"])
+    assert said == [
+        "Not accounted for on the rung of motion: a; c: d.",
+        "Not accounted for on the rung of actuation: b.",
+    ]
