@@ -71,10 +71,10 @@ def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_nam
     found = diagnosed(ROOT / "problems" / "campaigns" / "lamprey.toml", tmp_path)
     assert found["anisotropy_ratio"] == {"before": 0.5, "after": 0.5}
     assert found["verdict"] == "partly explained"
-    assert "inertia" in {e["name"] for e in found["effects"]}
+    assert "added_mass" in {e["name"] for e in found["effects"]}
     assert not names(found) & set(found["untestable"])
     gain = found["gain"]
-    assert gain["path_rms_m"]["after"] < 0.3 * gain["path_rms_m"]["before"]  # on parts it was not fitted to
+    assert gain["path_rms_m"]["after"] < 0.5 * gain["path_rms_m"]["before"]  # on parts it was not fitted to
     assert gain["log_likelihood"]["after"] > gain["log_likelihood"]["before"]
     assert (tmp_path / "report.html").is_file()
 

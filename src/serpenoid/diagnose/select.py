@@ -82,10 +82,12 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
         ]
         tries = attempts(motion, best, promising)
         before = rule.held_out(motion, best)
-        least, first = min(
-            ((rule.held_out(motion, t.fit), t) for t in tries), key=lambda x: x[0], default=(np.inf, None)
-        )
-        if first is None or before - least <= rule.needed(best, before, GAIN):
+        goal = before - rule.needed(best, before, GAIN)
+        tries = [t for t in tries if t.fit.chi2 < goal]  # nothing is predicted better than what is fitted
+        if not tries:
+            break
+        least, first = min(((rule.held_out(motion, t.fit), t) for t in tries), key=lambda scored: scored[0])
+        if least >= goal:
             break
         extended = replace(motion, tracks=retrack(first.fit.model))
         extended, better = calibrated(extended, fit_guided(extended, first.fit), None)
