@@ -17,12 +17,14 @@ from serpenoid.diagnose.actuation import attempts, plays
 from serpenoid.diagnose.choose_motion import GUESS
 from serpenoid.diagnose.choose_observation import all_keys, choose_observation
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import Motion, fit
+from serpenoid.diagnose.medium import fit
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_floor
 from serpenoid.diagnose.observation import Observation, columns_of, evidence, sample
+from serpenoid.diagnose.ranking import score
 from serpenoid.diagnose.recording import Recording, read_recordings
-from serpenoid.diagnose.select import Fit, calibrated, score
-from serpenoid.diagnose.windows import make_tracks
+from serpenoid.diagnose.select import Fit, calibrated
+from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.effects import catalogue
 from serpenoid.medium import Medium
 from serpenoid.model import Model

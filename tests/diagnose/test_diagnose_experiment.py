@@ -12,7 +12,8 @@ from rehearsal import serpenoid_table, snake
 from serpenoid.diagnose.contest import Explanation, Plan, expected_chi2
 from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.experiment import Laboratory, next_experiment, planned, playable
-from serpenoid.diagnose.medium import Fit, Noise
+from serpenoid.diagnose.medium import Fit
+from serpenoid.diagnose.motion import Noise
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium

@@ -12,12 +12,15 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from serpenoid.diagnose.actuation import plays
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, held_out_labels
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.finding import BAND, Rung, excludable
 from serpenoid.diagnose.groups import without
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording, read_recordings
 from serpenoid.diagnose.start import baseline
 
@@ -34,9 +37,13 @@ def recorded(folder: Path, seed: int, *effects: Effect) -> tuple[Recording, ...]
 
 def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
     recordings = recorded(folder, seed, *effects)
-    _, seen = choose_observation(recordings)
+    _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))
     file, _ = read_recordings(folder)
-    return choose_motion(recordings, seen, baseline(None, file, file.body), lambda text: None)
+    return choose_motion(recordings, seen, Baseline(baseline(None, file, file.body)), lambda text: None)
+
+
+def observed(recordings: tuple[Recording, ...]) -> Rung:
+    return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
 
 
 def members(rung: Rung) -> set[tuple[str, int | None]]:
@@ -45,23 +52,23 @@ def members(rung: Rung) -> set[tuple[str, int | None]]:
 
 
 def test_a_joint_without_gain_and_one_stuck_at_zero_are_one_group(tmp_path: Path) -> None:
-    rung = choose_actuation(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0})))
+    rung = choose_actuation(plays(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0}))))
     assert members(rung) == {("gain_loss", 4), ("stuck_joint", 4)}
     assert all(r.separation < 0.1 for r in rung.rivals)
 
 
 def test_a_stuck_joint_off_zero_has_no_rival(tmp_path: Path) -> None:
-    rung = choose_actuation(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1})))
+    rung = choose_actuation(plays(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1}))))
     assert members(rung) == {("stuck_joint", 7)}
 
 
 def test_the_first_joints_zero_and_the_tail_markers_side_are_one_group(tmp_path: Path) -> None:
-    rung, _ = choose_observation(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
+    rung = observed(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
     assert members(rung) == {("zero_offset", 1), ("marker_offset", 0)}
 
 
 def test_a_zero_in_mid_body_has_no_rival(tmp_path: Path) -> None:
-    rung, _ = choose_observation(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
+    rung = observed(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
     assert members(rung) == {("zero_offset", 6)}
 
 

@@ -32,6 +32,9 @@ class PlayedGait(Record):
     cycle_durations_s: tuple[Positive, ...] | None = Field(
         default=None, min_length=1, description="default: the protocol's"
     )
+    headings_deg: tuple[float, ...] | None = Field(
+        default=None, min_length=1, description="default: the protocol's; one heading: repeats cross the same floor"
+    )
 
 
 class Start(Record):
@@ -47,6 +50,7 @@ class Floor(Record):
 
     variation: NotNegative = Field(default=0.06, description="SD of ln grip from place to place")
     trial_variation: NotNegative = Field(default=0.03, description="SD of ln grip from trial to trial (dust, warmth)")
+    seed: int | None = Field(default=None, ge=0, description="which mats lie there; default: the protocol's seed")
 
 
 class Cameras(Record):

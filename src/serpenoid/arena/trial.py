@@ -62,11 +62,11 @@ class Recording:
 
 def plans(protocol: Protocol) -> list[Plan]:
     """All trials, repeats outermost, as one would rather spread them over the day."""
-    headings = protocol.start.headings_deg
     result = []
     for number in range(protocol.trials):
         for gait in protocol.gait:
             durations = gait.cycle_durations_s or (protocol.cycle_duration_s,)
+            headings = gait.headings_deg or protocol.start.headings_deg
             for index, duration in enumerate(durations):
                 letter = f"-{chr(ord('a') + index)}" if len(durations) > 1 else ""
                 name = f"{gait.name}{letter}-{number + 1}"
@@ -94,7 +94,8 @@ def play(protocol: Protocol, plan: Plan, table: Floats) -> Recording:
     """Run one trial in the arena."""
     random = randomness(protocol, plan, 2)
     floor, start = protocol.floor, protocol.start
-    mats = Mats.laid(protocol.seed, floor.variation, random.normal(0, floor.trial_variation))
+    laid = protocol.seed if floor.seed is None else floor.seed
+    mats = Mats.laid(laid, floor.variation, random.normal(0, floor.trial_variation))
     world = World(protocol.robot.assembled(), mats)
     x, y = random.normal(0, start.position_sd_m, 2) if start.position_sd_m else (0.0, 0.0)
     heading = math.radians(plan.heading_deg + random.normal(0, start.heading_sd_deg))

@@ -1,8 +1,11 @@
-"""The virtual laboratory: play a protocol's gaits on the simulated robot and write a campaign folder.
+"""The virtual laboratory: play gaits on the simulated robot and write a campaign folder.
 
     serpenoid arena run PROTOCOL.toml --out campaigns/mats
+    serpenoid arena use results/mats/diagnosis PROTOCOL.toml    # what is the diagnosis worth?
 
-Run the same command again to continue after an interruption. docs/arena.md describes protocol and physics.
+`use` finds the optimal gait under the diagnosis' baseline and under its extended model, and plays both on the robot of
+the protocol, with the changes that are in it. Run the same command again to continue after an interruption.
+docs/arena.md describes protocol and physics.
 """
 
 from __future__ import annotations
@@ -20,13 +23,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
     played = actions.add_parser("run", help="play a protocol and write a campaign")
     played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path)
     played.add_argument("--out", metavar="FOLDER", type=Path, help="campaign folder (default: results/<protocol>)")
-    played.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="trials at a time")
     played.add_argument("--truth", metavar="FOLDER", type=Path, help="also write the noise-free motion, elsewhere")
-    options.add_output(played, out=False)
+    used = actions.add_parser("use", help="play a diagnosis' optimal gaits, before and after")
+    used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
+    used.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="robot and floor to play them on")
+    used.add_argument("--problem", metavar="FILE", type=Path, default=Path("problems/snake10.toml"))
+    used.add_argument("--trials", type=options.positive, default=6, metavar="N", help="of each gait (default 6)")
+    used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
+    used.add_argument("--starts", type=options.positive, default=12, metavar="N", help="random starts (default 12)")
+    used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
+    for action in (played, used):
+        action.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="trials at a time")
+        options.add_output(action, out=False)
 
 
 def run(args: argparse.Namespace) -> int:
     """Play, write, say where."""
+    return _run(args) if args.action == "run" else _use(args)
+
+
+def _run(args: argparse.Namespace) -> int:
     from serpenoid.arena.campaign import run_campaign
     from serpenoid.arena.protocol import load_protocol
     from serpenoid.arena.trial import plans
@@ -38,4 +54,27 @@ def run(args: argparse.Namespace) -> int:
         run_campaign(protocol, tables, folder, jobs=max(1, args.jobs), truth=args.truth, report=advance)
     record = {"campaign": str(folder / "campaign.toml"), "trials": total}
     options.report(args, record, [f"{total} trials described in {folder / 'campaign.toml'}"])
+    return 0
+
+
+def _use(args: argparse.Namespace) -> int:
+    from serpenoid import in_use
+    from serpenoid.arena.protocol import load_protocol
+    from serpenoid.errors import InputError
+    from serpenoid.files import write_json
+    from serpenoid.problem import load
+
+    if args.trials < 2:
+        raise InputError("--trials: one trial has no spread; give 2 or more.")
+    robot, _ = load_protocol(args.protocol)
+    protocol = in_use.protocol_of(robot, load(args.problem), args.trials, args.cycles)
+    folder = args.out or args.diagnosis / "in-use"
+    with options.progress_bar(args, "gaits", len(in_use.MODELS)) as advance:
+        gaits = in_use.optimal_gaits(args.problem, args.diagnosis, args.starts, advance)
+        advance(len(gaits), "")
+    with options.progress_bar(args, "trials", args.trials * len(gaits)) as advance:
+        found = in_use.play(folder, protocol, gaits, max(1, args.jobs), advance)
+    record = in_use.record_of(gaits, found)
+    write_json(folder / "in-use.json", record)
+    options.report(args, record, [*in_use.lines(record), f"written to {folder}"])
     return 0

@@ -34,7 +34,8 @@ REACH = 3.0  # largest change of a positive scale in one step
 class Plays:
     """The servos' readings (R, m) [rad], trial numbers (R,), and set-points on meshes that meet every row.
 
-    noise [rad]: of a reading.
+    noise (m,) [rad]: of a reading. known: effects that are no news; habit (R, m) [rad]: what readings are known to
+    differ by from what these make of the set-points.
     """
 
     recordings: tuple[Recording, ...]
@@ -43,16 +44,20 @@ class Plays:
     times: tuple[Floats, ...]
     meshes: tuple[Floats, ...]
     where: tuple[np.ndarray, ...]
-    noise: float
+    noise: Floats
+    known: tuple[ActiveEffect, ...] = ()
+    habit: Floats | float = 0.0
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
-        """What the servos would read (R, m) with these effects."""
+        """What the servos would read (R, m) with these effects, in place of or after the known ones."""
         body = self.recordings[0].body
-        model = Model(body, Medium(anisotropy_ratio=0.2), tuple(effects))
+        given = {(e.name, e.place) for e in effects}
+        known = [e for e in self.known if (e.name, e.place) not in given]
+        model = Model(body, Medium(anisotropy_ratio=0.2), (*known, *effects))
         parts = []
         for r, mesh, where in zip(self.recordings, self.meshes, self.where, strict=True):
             parts.append(realise(model, r.schedule.commanded(mesh), mesh).readings[where])
-        return np.concatenate(parts)
+        return np.concatenate(parts) + self.habit
 
 
 def plays(recordings: Sequence[Recording]) -> Plays:
@@ -78,7 +83,7 @@ def plays(recordings: Sequence[Recording]) -> Plays:
     noise = max(float(np.percentile(noises, 25)), TICK / np.sqrt(12))
     return Plays(
         tuple(recordings), np.concatenate(readings), np.concatenate(labels), tuple(times), tuple(meshes), tuple(where),
-        noise,
+        np.full(recordings[0].body.joint_count, noise),
     )  # fmt: skip
 
 
@@ -139,7 +144,7 @@ def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], start: 
         step_size = 1e-4 * max(abs(parameter.coordinate(parameter.typical)), 1e-3)
         slope = (play(values + step_size) - best) / step_size
         left = data.readings - best
-        top, bottom = (left * slope).sum(axis=0), (slope**2).sum(axis=0)
+        top, bottom = ((left * slope).sum(axis=0), (slope**2).sum(axis=0)) / data.noise**2
         if kind.place is None:
             top, bottom = top.sum(keepdims=True), bottom.sum(keepdims=True)
         else:

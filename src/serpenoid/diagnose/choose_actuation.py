@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from serpenoid.diagnose.actuation import Attempt, Plays, attempts, channels, fit_everywhere, plays
+from serpenoid.diagnose.actuation import Attempt, Plays, attempts, channels, fit_everywhere
 from serpenoid.diagnose.finding import Named, Rival, Rung, excludable, interval
-from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 
 AT_MOST = 3
@@ -18,9 +15,8 @@ SETTLED = 1.6  # RMS of the worst joint, in noise
 T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
 
 
-def choose_actuation(recordings: Sequence[Recording]) -> Rung:
+def choose_actuation(data: Plays) -> Rung:
     """Forward selection on the worst joints' misfit."""
-    data = plays(recordings)
     chosen: list[ActiveEffect] = []
     faint: tuple[Named, ...] = ()
     singles: list[Attempt] = []
@@ -60,7 +56,7 @@ def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> 
             if same or excludable(float(t.chi2.sum()), least, data.readings.size):
                 continue
             apart = data.realised([*kept, t.effect]) - here
-            rival = Rival(t.effect, effect, float(np.sqrt((apart**2).mean(axis=0)).max() / data.noise))
+            rival = Rival(t.effect, effect, float((np.sqrt((apart**2).mean(axis=0)) / data.noise).max()))
             found += [] if rival.separable else [rival]
     return found
 
@@ -85,16 +81,16 @@ def _named(data: Plays, chosen: list[ActiveEffect], effect: ActiveEffect) -> Nam
     step = 1e-4 * max(abs(x), 1e-3 * abs(parameter.coordinate(parameter.typical)))
     others = [e for e in chosen if e is not effect]
     here = data.realised([*others, effect])
-    slope = (data.realised([*others, effect.with_coordinates([x + step])]) - here) / step
-    left = data.readings - here
+    slope = (data.realised([*others, effect.with_coordinates([x + step])]) - here) / step / data.noise
+    left = (data.readings - here) / data.noise
     power = (slope**2).sum()
     scores = np.array([(slope * left)[data.trials == t].sum() for t in np.unique(data.trials)])
-    speed = np.gradient(here, axis=0) * 60.0
+    speed = np.gradient(here, axis=0) * 60.0 / data.noise
     shift = T_SYSTEMATIC * abs((slope * speed).sum()) / max(power, 1e-12)
-    sd = np.sqrt(max(data.noise**2 / power, (scores**2).sum() / power**2) + shift**2)
+    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2) + shift**2)
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
     alone = data.realised([effect]) - data.realised([])
-    strength = float(np.sqrt((alone**2).mean(axis=0)).max() / data.noise)
+    strength = float((np.sqrt((alone**2).mean(axis=0)) / data.noise).max())
     bound = (
         (parameter.name,)
         if min(abs(effect.parameters[parameter.name] - b) for b in (parameter.lower, parameter.upper)) == 0

@@ -7,18 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import Fit, Motion, Noise, fit
+from serpenoid.diagnose.medium import Fit, fit
+from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
 from serpenoid.diagnose.select import FIRST_ORDER, Selection, Try, select
+from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds
-from serpenoid.diagnose.windows import Track, make_tracks
+from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -42,17 +45,20 @@ class MotionFinding:
 
 
 def choose_motion(
-    recordings: Sequence[Recording], seen: Observation, model: Model, say: Callable[[str], None]
+    recordings: Sequence[Recording], seen: Observation, baseline: Baseline, say: Callable[[str], None]
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
-    labels = held_out_labels(recordings)
-    return choose_on_tracks(lambda about: make_tracks(recordings, seen, about), labels, model, say)
+
+    def track(about: Model) -> tuple[Track, ...]:
+        return baseline.corrected(make_tracks(recordings, seen, about))
+
+    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
 
 
 def choose_on_tracks(
     track: Callable[[Model], tuple[Track, ...]],
     labels: tuple[int, ...],
-    model: Model,
+    baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
     rule: Rule = FIRST_ORDER,
@@ -61,9 +67,10 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why.
     """
+    model = baseline.model
     barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(track(model), GUESS, labels, frozenset(barred))
+        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred))
         model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))

@@ -24,6 +24,7 @@ from serpenoid.effects.active import ActiveEffect
 AT_MOST = 3
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
+SHARE = 0.2  # of what is left above chance: less, and the cause is another
 VISIBLE = 1.6  # floors
 SETTLED = 1.35  # chi squared per marker coordinate
 Key = tuple[str, int | None]
@@ -36,11 +37,10 @@ def all_keys(body: Body) -> list[Key]:
     return [*zero, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
 
 
-def choose_observation(recordings: Sequence[Recording]) -> tuple[Rung, Observation]:
-    """The rung's finding, and the observation model to be taken out of the data (faint effects included)."""
+def choose_observation(recordings: Sequence[Recording], now: Observation) -> tuple[Rung, Observation]:
+    """What is new beside the observation model `now`, and the model to be taken out of the data (faint effects too)."""
     data = sample(recordings)
     chosen: list[Key] = []
-    now = Observation.neutral(data.body)
     for _ in range(AT_MOST):
         found = _next(data, now, chosen)
         if found is None:
@@ -77,7 +77,7 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
         columns = columns_of(body, *key)
         gains.append((before - sums.held_out([*own, *columns]), key))
     gains.sort(key=lambda g: -g[0])
-    if gains[0][0] < GAIN:
+    if gains[0][0] < max(GAIN, SHARE * (before - SETTLED * sums.count.sum())):
         return None
     tries = []
     for gain, key in gains[:6]:
@@ -94,7 +94,8 @@ def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -
     """What else could stand in the place of one chosen effect, the others kept: scored linearly, then fitted."""
     body = data.body
     kept = [k for k in chosen if k != key]
-    base = solved(data, cleared(body, now, key), kept) if kept else Observation.neutral(body)
+    base = cleared(body, now, key)
+    base = solved(data, base, kept) if kept else base
     sums, after = evidence(data, base), evidence(data, now)
     least, count = float(after.constant.sum()), float(after.count.sum())
     slack = FIRST_ORDER * (float(sums.constant.sum()) - least)

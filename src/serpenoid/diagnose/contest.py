@@ -17,7 +17,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, shapes, turn
-from serpenoid.diagnose.medium import Fit, Noise, with_values
+from serpenoid.diagnose.medium import Fit, with_values
+from serpenoid.diagnose.motion import Noise
 from serpenoid.diagnose.windows import predicted_path
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError

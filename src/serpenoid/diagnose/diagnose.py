@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
@@ -17,6 +18,7 @@ from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
 from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again
 from serpenoid.diagnose.ladder import Step, climb, motion_step
 from serpenoid.diagnose.maps import residual_maps
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.tracked import TrackedRecording
 from serpenoid.diagnose.windows import Prediction
@@ -28,9 +30,12 @@ class Diagnosis:
     """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
 
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
+    baseline: what was taken for granted; seen: the observation model.
     """
 
     verdict: str
+    baseline: Baseline
+    seen: Observation
     rungs: tuple[Rung, ...]
     motion: MotionFinding
     before: Scores
@@ -55,23 +60,23 @@ class Diagnosis:
 
     @property
     def model(self) -> Model:
-        """The extended model: what the motion's fit found, and what the upper rungs did."""
+        """The extended model: what was known before, what the motion's fit found, and what the upper rungs did."""
         fitted = self.motion.selection.best.model
-        present = {(e.name, e.place) for e in fitted.effects}
-        others = tuple(n.effect for n in self.named if (n.effect.name, n.effect.place) not in present)
-        return Model(fitted.body, fitted.medium, (*fitted.effects, *others))
+        every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects)
+        return Model(fitted.body, fitted.medium, tuple({(e.name, e.place): e for e in every}.values()))
 
 
-def diagnose(recordings: Sequence[Recording], model: Model, say: Callable[[str], None]) -> Diagnosis:
-    """From recordings to a verdict. `model` is where the calibration of eps begins."""
+def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[[str], None]) -> Diagnosis:
+    """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
-    actuation = choose_actuation(recordings)
+    servos = baseline.plays(recordings)
+    actuation = choose_actuation(servos)
     say("shape against markers")
-    observation, seen = choose_observation(recordings)
+    observation, seen = choose_observation(recordings, baseline.observation())
     say("shape against motion")
-    motion = choose_motion(recordings, seen, model, say)
+    motion = choose_motion(recordings, seen, baseline, say)
     rungs = (actuation, observation, motion.rung)
-    return concluded(rungs, motion, climb(recordings, rungs, seen, motion), say)
+    return concluded(baseline, seen, rungs, motion, climb(servos, recordings, rungs, seen, motion), say)
 
 
 def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> Diagnosis:
@@ -79,11 +84,14 @@ def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: 
     actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
     say("shape against motion")
-    motion = choose_tracked(recordings, model, say)
-    return concluded((actuation, observation, motion.rung), motion, (motion_step(motion),), say, fitted_again)
+    motion, baseline = choose_tracked(recordings, model, say), Baseline(model)
+    rungs = (actuation, observation, motion.rung)
+    return concluded(baseline, baseline.observation(), rungs, motion, (motion_step(motion),), say, fitted_again)
 
 
 def concluded(
+    baseline: Baseline,
+    seen: Observation,
     rungs: tuple[Rung, ...],
     motion: MotionFinding,
     ladder: tuple[Step, ...],
@@ -96,7 +104,7 @@ def concluded(
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
     predicted = tuple(tuple(held_out(found.motion, f, leave_out)) for f in (found.null, found.best))
     before, after = scores(found.motion, predicted[0]), scores(found.motion, predicted[1], jumps)
-    return Diagnosis(verdict(rungs), rungs, motion, before, after, (predicted[0], predicted[1]), ladder)
+    return Diagnosis(verdict(rungs), baseline, seen, rungs, motion, before, after, (predicted[0], predicted[1]), ladder)
 
 
 def verdict(rungs: Sequence[Rung]) -> str:

@@ -17,7 +17,8 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.contest import Explanation, Plan, Unplayable, expected_chi2
 from serpenoid.diagnose.finding import BAND
 from serpenoid.diagnose.geometry import shapes
-from serpenoid.diagnose.medium import Fit, Motion, Noise
+from serpenoid.diagnose.medium import Fit
+from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.recording import Recording
 from serpenoid.gaits import EllipseGait

@@ -11,7 +11,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import travel
 from serpenoid.diagnose.held_out import LeaveOut, first_order, part
-from serpenoid.diagnose.medium import Fit, Motion, linearised, with_values
+from serpenoid.diagnose.medium import Fit, linearised, with_values
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_rms, residuals
 from serpenoid.diagnose.windows import Prediction
 
@@ -34,7 +35,7 @@ def held_out(motion: Motion, fit: Fit, leave_out: LeaveOut = first_order) -> lis
     found: list[Prediction | None] = [None] * len(motion.tracks)
     effects = list(fit.effects)
     for label in sorted(set(motion.labels)):
-        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label))
+        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label), motion.held)
         index = [i for i, own in enumerate(motion.labels) if own == label]
         for i, p in zip(index, linearised(part(motion, index), model, effects, drift)[1], strict=True):
             found[i] = p

@@ -7,13 +7,14 @@ neither: there a parameter may run far without one of the parts.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.bounds import overstrained
-from serpenoid.diagnose.medium import Fit, Motion, fit, linearised, with_values
+from serpenoid.diagnose.medium import Fit, fit, linearised, with_values
+from serpenoid.diagnose.motion import Motion
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
 
@@ -35,7 +36,7 @@ def fitted_again(motion: Motion, found: Fit, label: int) -> Floats:
 
 def part(motion: Motion, index: list[int]) -> Motion:
     """Some of the tracks, as one gait each has them."""
-    return Motion(tuple(motion.tracks[i] for i in index), motion.noise, tuple(motion.labels[i] for i in index))
+    return replace(motion, tracks=tuple(motion.tracks[i] for i in index), labels=tuple(motion.labels[i] for i in index))
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,9 @@ class Rule:
         total = 0.0
         for label in sorted(set(motion.labels)):
             own = part(motion, [i for i, other in enumerate(motion.labels) if other == label])
-            model, drift = with_values(found.model, list(found.effects), self.leave_out(motion, found, label))
+            model, drift = with_values(
+                found.model, list(found.effects), self.leave_out(motion, found, label), motion.held
+            )
             evidence, _, _ = linearised(own, model, list(found.effects), drift)
             whole = 3 * sum(int(t.usable.sum()) for t in own.tracks)
             total += float(evidence.constant.sum()) if evidence.count.sum() == whole else np.inf

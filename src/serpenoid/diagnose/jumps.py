@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from scipy.special import ive
 
 from serpenoid.diagnose.finding import Named, interval
-from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import gap_steps
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.effects.active import ActiveEffect

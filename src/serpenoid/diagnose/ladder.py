@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.actuation import plays
+from serpenoid.diagnose.actuation import Plays
 from serpenoid.diagnose.choose_motion import MotionFinding
 from serpenoid.diagnose.finding import Rung
 from serpenoid.diagnose.geometry import register
@@ -67,18 +67,18 @@ class Step:
 
 
 def climb(
-    recordings: Sequence[Recording], rungs: Sequence[Rung], seen: Observation, motion: MotionFinding
+    servos: Plays, recordings: Sequence[Recording], rungs: Sequence[Rung], seen: Observation, motion: MotionFinding
 ) -> tuple[Step, ...]:
     """The ladder of the rungs that were judged; the whole needs all of them."""
     judged = {rung.name: rung for rung in rungs}
-    return tuple(_steps(recordings, judged, seen, motion))
+    return tuple(_steps(servos, recordings, judged, seen, motion))
 
 
 def _steps(
-    recordings: Sequence[Recording], judged: dict[str, Rung], seen: Observation, motion: MotionFinding
+    servos: Plays, recordings: Sequence[Recording], judged: dict[str, Rung], seen: Observation, motion: MotionFinding
 ) -> Iterator[Step]:
     if "actuation" in judged:
-        yield actuation_step(recordings, judged["actuation"])
+        yield actuation_step(servos, judged["actuation"])
     if "observation" in judged:
         yield observation_step(recordings, seen)
     yield motion_step(motion)
@@ -86,23 +86,22 @@ def _steps(
         actuators = tuple(
             n.effect for rung in judged.values() for n in rung.named if n.effect.effect.site == "actuation"
         )
-        before, after = whole_errors(recordings, seen, motion, actuators)
+        before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
         floor = motion.selection.floor_m
         yield Step("commanded shape against realised motion", Error("whole", "m", before, after, floor), ())
 
 
-def actuation_step(recordings: Sequence[Recording], rung: Rung) -> Step:
+def actuation_step(data: Plays, rung: Rung) -> Step:
     """Joint by joint [rad]."""
-    data = plays(recordings)
     sizes = [
         np.sqrt(((data.readings - data.realised(effects)) ** 2).mean(axis=0))
         for effects in ([], [n.effect for n in rung.named])
     ]
     parts = [
-        Error(f"joint {j + 1}", "rad", float(a), float(b), data.noise)
+        Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.noise[j]))
         for j, (a, b) in enumerate(zip(*sizes, strict=True))
     ]
-    whole = Error("actuation", "rad", total(list(sizes[0])), total(list(sizes[1])), data.noise)
+    whole = Error("actuation", "rad", total(list(sizes[0])), total(list(sizes[1])), total(data.noise))
     return Step("commanded against realised shape", whole, tuple(parts))
 
 

@@ -1,13 +1,17 @@
-"""How a body was moving just before its track begins: what has momentum must know it."""
+"""What comes before a track: with momentum a body runs free from its recording's first poses, up to there and on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 
 from serpenoid.body import Body, Floats
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+from serpenoid.simulation.path import PathSensitivities, path_sensitivities
 
 
 class Recorded(Protocol):
@@ -26,20 +30,38 @@ class Recorded(Protocol):
         """Gait and cycle duration."""
 
 
-@dataclass(frozen=True)
-class Lead:
-    """Rows before a track's first: time (K,), vertices (K, N, 2), measured poses (K, 3)."""
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A whole recording of a body that moves already when it begins: time (R,) [s], vertices (R, N, 2) [m], measured
+    poses (R, 3), of which the first `given` + 1 say how it moves."""
 
     time: Floats
     vertices: Floats
     poses: Floats
+    given: int
+
+
+@dataclass(frozen=True)
+class Lead:
+    """Rows of a run before a track's first."""
+
+    run: Run
+    rows: int
 
 
 def led(lead: Lead | None, time: Floats, vertices: Floats, poses: Floats) -> tuple[Floats, Floats, Floats, int]:
-    """Time, vertices and poses of a track with its lead before them, and the number of rows K that this is."""
+    """Time, vertices and poses of a track with its lead before them, and the number of rows that this is."""
     if lead is None:
         return time, vertices, poses, 0
-    own = (time, vertices, poses)
-    before = (lead.time, lead.vertices, lead.poses)
-    joined = [np.concatenate(pair) for pair in zip(before, own, strict=True)]
-    return joined[0], joined[1], joined[2], len(lead.time)
+    upto = slice(0, lead.rows + len(time))
+    return lead.run.time[upto], lead.run.vertices[upto], lead.run.poses[upto], lead.rows
+
+
+@lru_cache(maxsize=2)
+def free_run(model: Model, run: Run, candidates: tuple[ActiveEffect, ...]) -> PathSensitivities:
+    """The whole recording by a model [body lengths, rad]; all parts of it ask for the same one."""
+    length = model.body.total_length_m
+    scale = np.array([length, length, 1.0])
+    return path_sensitivities(
+        model, run.vertices / length, run.time, run.poses[: run.given + 1] / scale, list(candidates)
+    )

@@ -16,7 +16,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import turn
-from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.windows import Prediction, Track
 
 SPEEDS, TIMES = 8, 6  # bins

@@ -14,6 +14,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.bounds import LEAST_EPS, MOST_EPS, at_values, held_at_bounds
 from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.geometry import turn
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
@@ -25,34 +26,11 @@ CONVERGED = 0.02  # chi squared
 
 
 @dataclass(frozen=True)
-class Noise:
-    """Standard deviations [m, m, rad] of a window's displacement while playing (3,) and in pauses (3,)."""
-
-    playing: Floats
-    pause: Floats
-
-    def of(self, track: Track) -> Floats:
-        """(B - 1, 3)."""
-        if track.noise is not None:
-            return track.noise
-        return np.where(track.playing[:, None], self.playing, self.pause)
-
-
-@dataclass(frozen=True)
-class Motion:
-    """The tracks and their noise; labels: gait numbers, one per track; untestable: effects that are no candidates."""
-
-    tracks: tuple[Track, ...]
-    noise: Noise
-    labels: tuple[int, ...]
-    untestable: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True)
 class Fit:
     """A fitted model with its effects (frame_drift is one of them, though the model's motion does not know it).
 
-    evidence: linearised about the fit; names of its columns: eps first, then each effect's coordinates.
+    evidence: linearised about the fit; its columns: eps first, then each fitted effect's coordinates. held: how many of
+    the model's effects, the first ones, were known and not fitted.
     """
 
     model: Model
@@ -61,20 +39,23 @@ class Fit:
     predictions: tuple[Prediction, ...]
     chi2: float
     held_out: float
+    held: int = 0
 
     @property
     def effects(self) -> tuple[ActiveEffect, ...]:
-        """All of them."""
-        return (*self.model.effects, *(() if self.drift is None else (self.drift,)))
+        """All that were fitted."""
+        return (*self.model.effects[self.held :], *(() if self.drift is None else (self.drift,)))
 
     @property
     def coordinates(self) -> Floats:
-        """eps and the coordinates of all effects."""
+        """eps and the coordinates of all fitted effects."""
         return np.array([self.model.medium.anisotropy_ratio, *(c for e in self.effects for c in e.coordinates[:-1])])
 
 
-def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tuple[Model, ActiveEffect | None]:
-    """Model (and drift) of eps and coordinates x (1 + P)."""
+def with_values(
+    model: Model, effects: Sequence[ActiveEffect], x: Floats, held: Sequence[ActiveEffect] = ()
+) -> tuple[Model, ActiveEffect | None]:
+    """Model (and drift) of eps and coordinates x (1 + P), after the held effects that are not among the fitted."""
     eps = float(np.clip(x[0], *model.medium.limits(LEAST_EPS, MOST_EPS)))
     found, drift, at = [], None, 1
     for e in effects:
@@ -91,7 +72,9 @@ def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats) -> tup
             found.append(new)
     # a neutral value would drop the effect from the model, and with it the derivative
     kept = [_awake(e) for e in found]
-    return Model(model.body, model.medium.with_ratio(eps), tuple(kept)), drift
+    fitted = {(e.name, e.place) for e in kept}
+    known = [e for e in held if (e.name, e.place) not in fitted]
+    return Model(model.body, model.medium.with_ratio(eps), (*known, *kept)), drift
 
 
 def _awake(effect: ActiveEffect) -> ActiveEffect:
@@ -153,22 +136,23 @@ def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) 
 def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats, steps: int = STEPS) -> Fit:
     """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded."""
     effects = sorted(effects, key=lambda e: e.name == "frame_drift")
-    model, drift = with_values(start, effects, x)
+    model, drift = with_values(start, effects, x, motion.held)
+    held = len(model.effects) - len(effects) + (drift is not None)
     evidence, predictions, _ = linearised(motion, model, effects, drift)
-    x = _values(model, drift)
+    x = _values(model.effects[held:], model, drift)
     best, damping = float(evidence.constant.sum()), 1e-4
     for _ in range(steps):
         matrix, vector = evidence.matrix.sum(axis=0), evidence.vector.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
         regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
         step = np.linalg.solve(regular, vector / scale) / scale
-        trial, trial_drift = with_values(start, effects, x + step)
+        trial, trial_drift = with_values(start, effects, x + step, motion.held)
         new, new_predictions, _ = linearised(motion, trial, effects, trial_drift)
         cost = float(new.constant.sum()) if new.count.sum() == evidence.count.sum() else np.inf
         if cost < best:
             gained = best - cost
             model, drift, evidence, predictions, best = trial, trial_drift, new, new_predictions, cost
-            x, damping = _values(model, drift), max(damping / 10, 1e-9)
+            x, damping = _values(model.effects[held:], model, drift), max(damping / 10, 1e-9)
             if gained < CONVERGED * max(1.0, 1e-5 * best):
                 break
         else:
@@ -176,7 +160,7 @@ def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats
             if damping > 1e3:
                 break
     columns = range(len(x))
-    return Fit(model, drift, evidence, predictions, best, evidence.held_out(columns))
+    return Fit(model, drift, evidence, predictions, best, evidence.held_out(columns), held)
 
 
 def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
@@ -184,20 +168,21 @@ def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
     return fit(motion, found.model, list(found.effects), found.coordinates, steps)
 
 
-def _values(model: Model, drift: ActiveEffect | None) -> Floats:
-    effects = [*model.effects, *(() if drift is None else (drift,))]
+def _values(fitted: Sequence[ActiveEffect], model: Model, drift: ActiveEffect | None) -> Floats:
+    effects = [*fitted, *(() if drift is None else (drift,))]
     return np.array([model.medium.anisotropy_ratio, *(c for e in effects for c in e.coordinates[:-1])])
 
 
-def candidates_of(model: Model) -> list[ActiveEffect]:
-    """Every medium effect at every place, and frame_drift, neutral; not those whose own place is fitted."""
-    found = []
+def candidates_of(base: Fit) -> list[ActiveEffect]:
+    """Every medium effect at every place, and frame_drift, neutral; those held, as they are; not those fitted."""
+    model, held = base.model, base.model.effects[: base.held]
+    found = list(held)
     for kind in catalogue().values():
         if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):
             continue
         if any(p.neutral is None for p in kind.parameters) or not kind.applies_to("diagnose"):
             continue
         places = range(model.body.vertices) if kind.place == "vertex" else [None]
-        present = {(e.name, e.place) for e in model.effects}
+        present = {(e.name, e.place) for e in (*held, *base.effects)}
         found += [ActiveEffect.neutral(kind.name, p) for p in places if (kind.name, p) not in present]
     return found

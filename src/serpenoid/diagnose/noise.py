@@ -1,7 +1,7 @@
 """What chance does: differences between repeats, which no law of the robot or the floor can explain.
 
 Window noise: SD of the difference of two repeats' residuals over sqrt 2. Floor F: RMS over a trial's path of the
-distance that this noise, strung together window by window, adds up to.
+distance that this noise, strung together window by window, adds up to; doubt about the baseline repeats in every cycle.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel, turn
-from serpenoid.diagnose.medium import Motion, Noise
+from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
 LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers
@@ -83,12 +83,15 @@ def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
     rng = np.random.default_rng(0)
     squares = np.empty((len(motion.tracks), DRAWS))
     for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
-        noise = motion.noise.of(track).copy()
-        noise[~track.playing] = LEAST
+        chance = motion.noise.chance(track)
+        if track.noise is None:
+            chance[~track.playing] = LEAST
+        window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]
         for n in range(DRAWS):
-            path = travel(steps + rng.normal(size=noise.shape) * noise, np.zeros(3))[:, :2]
+            doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
+            path = travel(steps + rng.normal(size=chance.shape) * chance + doubted, np.zeros(3))[:, :2]
             squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
     return np.asarray(np.sqrt(squares.mean(axis=0)))
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.compare.report import figure, table, write_report
-from serpenoid.diagnose.words import MEANINGS, Record, ends, faint, parameter, shown, title, untestable
+from serpenoid.diagnose.words import MEANINGS, Record, ends, faint, parameter, reference, shown, title, untestable
 from serpenoid.effects.catalogue import find
 
 CAPTIONS = {
@@ -78,6 +78,7 @@ def lead(record: Record) -> list[str]:
     )
     if record["effects"] and rms["after"] > WORSE * rms["before"]:
         found.append("With the extension these paths are no closer: do not rely on the name without further trials.")
+    found += [f"{text}." for text in reference(record)]
     found += [f"The rung of {rung} was skipped: {why}." for rung, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]
     return found + left_over(record["residual_pattern"])

@@ -1,7 +1,7 @@
 """What is left above chance, in words: where, when, which direction, which sign.
 
 Repeats share what is not chance: with m the mean and d the difference of two repeats' residuals, the ratio
-4 sum m^2 / sum d^2 is 1 if only chance is left.
+4 sum m^2 / sum d^2 is 1 if only chance is left. What the baseline is in doubt about repeats, too, and is no news.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.medium import Motion
+from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import pairs, residuals
 from serpenoid.diagnose.windows import Prediction
 
@@ -39,9 +39,10 @@ def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
     for a, b in pairs(motion.tracks):
         n = min(len(left[a]), len(left[b]))
         noise = motion.noise.of(motion.tracks[a])[:n]
+        doubt = np.broadcast_to(motion.tracks[a].doubt, motion.tracks[a].displacement.shape)[:n] / noise
         m, d = (left[a][:n] + left[b][:n]) / noise, (left[a][:n] - left[b][:n]) / noise
         top += np.nansum(m**2, axis=0)
-        bottom += np.nansum(d**2, axis=0)
+        bottom += np.nansum(d**2 + np.where(np.isfinite(d), 2 * doubt, 0.0) ** 2, axis=0)
     if not bottom.any():
         return 1.0, np.ones(3)
     return float(top.sum() / bottom.sum()), top / bottom
@@ -65,7 +66,8 @@ def pattern(
     if len(differences):
         size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
         robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))
-        if size.max() > TAIL or (robust > 5).sum() >= 3:
+        startling = bool((np.abs(differences) > motion.unlike).any())
+        if startling and (size.max() > TAIL or (robust > 5).sum() >= 3):
             words.append("repeats differ by pushes in single trials that no law of the floor explains")
     return tuple(words)
 

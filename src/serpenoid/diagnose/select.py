@@ -11,23 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.bounds import held_at_bounds
-from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.held_out import Rule
-from serpenoid.diagnose.medium import (
-    STEPS,
-    Fit,
-    Motion,
-    candidates_of,
-    drift_columns,
-    fit,
-    fit_guided,
-    linearised,
-)
-from serpenoid.diagnose.noise import path_floor, residuals, strength, window_noise
-from serpenoid.diagnose.patches import patch_grid
+from serpenoid.diagnose.medium import STEPS, Fit, fit, fit_guided
+from serpenoid.diagnose.motion import Motion
+from serpenoid.diagnose.noise import path_floor, path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.patches import Ranked
 from serpenoid.diagnose.processes import in_processes
-from serpenoid.diagnose.windows import Track, patch_columns, predict
+from serpenoid.diagnose.ranking import score, shortlist
+from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -39,6 +30,7 @@ SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
+ASTRAY = 5.0  # floors: such a path says little about small traces
 
 FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
@@ -95,7 +87,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
         )
         if first is None or before - least <= rule.needed(best, before, GAIN):
             break
-        if first.strength_m < VISIBLE * floor:
+        if not stands_out(motion, best, first, floor):
             faint.append(first)
             break
         motion = replace(motion, tracks=retrack(first.fit.model))
@@ -107,74 +99,16 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
     return Selection(motion, null, best, path_floor(motion, best.predictions), tuple(faint), scores)
 
 
-def score(motion: Motion, base: Fit) -> list[tuple[ActiveEffect, float, np.ndarray]]:
-    """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
-    drift = {e.name for e in base.effects}
-    singles = [c for c in candidates_of(base.model) if c.name not in drift or c.place is not None]
-    singles = [c for c in singles if c.name not in motion.untestable]
-    evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
-    own = list(range(len(base.coordinates)))
-    before, at, result = evidence.held_out(own), len(own), []
-    for c in singles:
-        size = len(c.effect.parameters)
-        index = own + list(range(at, at + size))
-        at += size
-        values, _ = evidence.solve(index)
-        x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
-        result.append((c, before - evidence.held_out(index), x))
-    if "friction_patch" not in drift | motion.untestable:
-        result += _patches(motion, base, before, own)
-    return sorted(result, key=lambda r: -r[1])
+def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
+    """Whether an effect's trace in the path is above the floor; where paths stray anyway, in the windows will do."""
+    if t.strength_m >= VISIBLE * floor_m:
+        return True
+    astray = total([path_rms(track, p) for track, p in zip(motion.tracks, base.predictions, strict=True)])
+    in_windows = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
+    return bool(astray > ASTRAY * floor_m and in_windows > VISIBLE**2)
 
 
-def _patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[tuple[ActiveEffect, float, np.ndarray]]:
-    grid = patch_grid(motion)
-    evidence = _with_patches(motion, base, grid)
-    result = []
-    for i, patch in enumerate(grid):
-        index = [*own, len(own) + i]
-        values, _ = evidence.solve(index)
-        weak = float(np.clip(values[-1], -0.9, 3.0))
-        x = np.concatenate([base.coordinates + values[:-1], [weak, *patch.coordinates[1:-1]]])
-        result.append((patch, before - evidence.held_out(index), x))
-    return result
-
-
-def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
-    rows, columns, labels = [], [], []
-    for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
-        own = predict(base.model, track)
-        jacobian = [own.jacobian]
-        if base.drift is not None:
-            jacobian.append(drift_columns(track))
-        jacobian.append(patch_columns(base.model, track, grid))
-        joined, noise, use = np.concatenate(jacobian, axis=2), motion.noise.of(track), track.usable
-        rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
-        columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
-        labels.append(np.full(len(rows[-1]), label))
-    return held_at_bounds(
-        base.model, base.effects, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
-    )
-
-
-def shortlist(
-    ranked: Sequence[tuple[ActiveEffect, float, np.ndarray]], count: int
-) -> list[tuple[ActiveEffect, float, np.ndarray]]:
-    """The best, but no more than a few of one name (of patches, whose places are fitted, two)."""
-    taken: dict[str, int] = {}
-    result = []
-    for item in ranked:
-        name = item[0].name
-        limit = 2 if name == "friction_patch" else PER_NAME
-        if taken.get(name, 0) < limit:
-            result.append(item)
-            taken[name] = taken.get(name, 0) + 1
-        if len(result) == count:
-            break
-    return result
-
-
-def attempts(motion: Motion, base: Fit, promising: Sequence[tuple[ActiveEffect, float, np.ndarray]]) -> list[Try]:
+def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:
     """A few steps for all, and to the end for the best of them."""
     first = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in promising])
     first.sort(key=lambda t: t.fit.chi2)
@@ -190,8 +124,7 @@ def finished(motion: Motion, base: Fit, t: Try) -> Try:
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
     """Fit the base's effects and one more in full; its strength is what the path loses without it."""
-    effects = [*base.model.effects, *([base.drift] if base.drift else [])]
-    order = [*effects, added]
+    order = [*base.effects, added]
     moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
     sizes = [len(e.effect.parameters) for e in order]
     starts = np.cumsum([1, *sizes])

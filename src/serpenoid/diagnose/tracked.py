@@ -16,8 +16,9 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.geometry import relative
+from serpenoid.diagnose.lead import Lead, Run
 from serpenoid.diagnose.shapes_from_points import Smoothed, States, from_points
-from serpenoid.diagnose.windows import Lead, Track, coasting, predict
+from serpenoid.diagnose.windows import Track, coasting, predict
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign
@@ -28,7 +29,7 @@ WINDOWS_PER_PERIOD = 8
 STEPS_PER_WINDOW = 12
 LEAST_FRAMES = 2  # in a window
 LEAD = 2  # rows: what the momentum's rate looks back on
-DRAWS = 40
+DRAWS = 24
 LEAST_NOISE = 1e-6  # body lengths, rad: rounding
 
 
@@ -90,32 +91,41 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
             f"period ({states.period:.3g} s) each."
         )
     rng, draws = np.random.default_rng(0), []
-    starts = [first + i * each * window for i in range(pieces)]
-    tracks = [_part(recording, states, start, each, step) for start in starts]
+    count = pieces * each
+    tracks = _cut(recording, states, _run(states, first, step, count), pieces)
     base = [_missed(model, t) for t in tracks]
     for _ in range(DRAWS):
         drawn = recording.smoothed.draw(rng)
-        again = [_part(recording, drawn, start, each, step) for start in starts]
+        again = _cut(recording, drawn, _run(drawn, first, step, count), pieces)
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
     least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     noise = [np.maximum(np.sqrt(np.mean([np.square(d[i]) for d in draws], axis=0)), least) for i in range(pieces)]
     return [Track(**(vars(t) | {"noise": n})) for t, n in zip(tracks, noise, strict=True)]
 
 
-def _part(recording: TrackedRecording, states: States, start: float, windows: int, step: float) -> Track:
-    """Windows from a moment on; `time` runs on from one part to the next."""
-    rows: Floats = start + step * np.arange(-LEAD, windows * STEPS_PER_WINDOW + 1, dtype=float)
-    vertices, poses = states.vertices_at(rows), states.poses_at(rows)
-    bounds = STEPS_PER_WINDOW * np.arange(windows + 1)
-    time, own = rows[LEAD:], poses[LEAD:]
-    phase = np.mod((time[bounds[:-1]] + time[bounds[1:]]) / 2 / states.period, 1.0)
-    inside = (states.time >= time[0]) & (states.time <= time[-1])
-    nothing = np.zeros(windows, bool)
-    return Track(
-        recording, time, vertices[LEAD:], bounds, ~nothing, np.zeros(windows, int), phase, own[bounds], own,
-        states.time[inside], states.poses[inside], nothing, np.zeros((windows, 3)),
-        Lead(rows[:LEAD], vertices[:LEAD], poses[:LEAD]),
-    )  # fmt: skip
+def _run(states: States, first: float, step: float, windows: int) -> Run:
+    """The recording on an even mesh, from LEAD rows before its first window on."""
+    rows: Floats = first + step * np.arange(-LEAD, windows * STEPS_PER_WINDOW + 1, dtype=float)
+    return Run(rows, states.vertices_at(rows), states.poses_at(rows), LEAD)
+
+
+def _cut(recording: TrackedRecording, states: States, run: Run, pieces: int) -> list[Track]:
+    """Parts of equal length; what has momentum runs free from the beginning of the run."""
+    windows = (len(run.time) - 1 - LEAD) // STEPS_PER_WINDOW // pieces
+    bounds, nothing = STEPS_PER_WINDOW * np.arange(windows + 1), np.zeros(windows, bool)
+    found = []
+    for i in range(pieces):
+        lead = LEAD + i * windows * STEPS_PER_WINDOW
+        part = slice(lead, lead + windows * STEPS_PER_WINDOW + 1)
+        time, poses = run.time[part], run.poses[part]
+        phase = np.mod((time[bounds[:-1]] + time[bounds[1:]]) / 2 / states.period, 1.0)
+        inside = (states.time >= time[0]) & (states.time <= time[-1])
+        track = Track(
+            recording, time, run.vertices[part], bounds, ~nothing, np.zeros(windows, int), phase, poses[bounds], poses,
+            states.time[inside], states.poses[inside], nothing, np.zeros((windows, 3)), Lead(run, lead),
+        )  # fmt: skip
+        found.append(track)
+    return found
 
 
 def _missed(model: Model, track: Track) -> Floats:

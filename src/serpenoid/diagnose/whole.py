@@ -13,7 +13,8 @@ from serpenoid.diagnose.medium import drift_columns
 from serpenoid.diagnose.noise import path_rms, total
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
-from serpenoid.diagnose.windows import Prediction, Track, make_tracks, predicted_path
+from serpenoid.diagnose.tracks import make_tracks
+from serpenoid.diagnose.windows import Prediction, Track, predicted_path
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.schedule import Schedule
 from serpenoid.model import Model
@@ -21,20 +22,26 @@ from serpenoid.simulation.servos import realise
 
 
 def whole_errors(
-    recordings: Sequence[Recording], seen: Observation, motion: MotionFinding, actuators: Sequence[ActiveEffect]
+    recordings: Sequence[Recording],
+    seen: Observation,
+    motion: MotionFinding,
+    known: Sequence[ActiveEffect],
+    actuators: Sequence[ActiveEffect],
 ) -> tuple[float, float]:
-    """Path RMS [m] of the commanded shapes' motion: baseline against raw data, everything named against mended data."""
+    """Path RMS [m] of the commanded shapes' motion: baseline against raw data, everything named against mended data.
+
+    known, actuators: effects of the servos that were known, and that are named.
+    """
     found = motion.selection
     tracks = found.motion.tracks
     neutral = Observation.neutral(recordings[0].body)
     raw = make_tracks(recordings, neutral, found.null.model) if _corrects(seen) else tracks
-    model = found.best.model
-    extended = Model(model.body, model.medium, (*model.effects, *actuators))
+    extended = _with(_with(found.best.model, known), actuators)
     drift = found.best.drift
     velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
     played = [r.schedule for r in recordings]
-    before = [path_rms(t, from_command(found.null.model, t, s)) for t, s in zip(raw, played, strict=True)]
+    before = [path_rms(t, from_command(_with(found.null.model, known), t, s)) for t, s in zip(raw, played, strict=True)]
     after = [path_rms(t, from_command(extended, t, s, velocity), jumps) for t, s in zip(tracks, played, strict=True)]
     return total(before), total(after)
 
@@ -49,6 +56,11 @@ def from_command(
     path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
     moved = relative(path[:-1], path[1:]) + track.offset + drift_columns(track) @ np.asarray(drift)
     return Prediction(np.asarray(moved), np.zeros((*moved.shape, 0)), ())
+
+
+def _with(model: Model, effects: Sequence[ActiveEffect]) -> Model:
+    given = {(e.name, e.place) for e in effects}
+    return Model(model.body, model.medium, (*(e for e in model.effects if (e.name, e.place) not in given), *effects))
 
 
 def _corrects(seen: Observation) -> bool:

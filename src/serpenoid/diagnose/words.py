@@ -63,9 +63,20 @@ def untestable(record: Record) -> list[str]:
     return [f"{', '.join(names[why])}: {why}" for why in reasons]
 
 
+def reference(record: Record) -> list[str]:
+    """What an earlier campaign, taken as the baseline, had shown."""
+    earlier = record["reference"]
+    if not earlier:
+        return []
+    name, found = earlier["campaign"], ", ".join(title(e) for e in earlier["effects"])
+    said = [f"{name} was {earlier['verdict']}" + (f" ({found})" if found else "") + " and is the baseline here"]
+    return [*said, *(f"{name} already showed: {text}" for text in earlier["residual_pattern"])]
+
+
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
-    found = [f"verdict           {record['verdict']}"]
+    found = [f"reference         {text}" for text in reference(record)]
+    found.append(f"verdict           {record['verdict']}")
     for e in record["effects"]:
         found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors)")
         found += [f"    {name:16}{parameter(p)}" for name, p in e["parameters"].items()]

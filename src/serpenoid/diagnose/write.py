@@ -1,4 +1,4 @@
-"""diagnosis.json and extended-model.toml."""
+"""diagnosis.json, baseline-model.toml and extended-model.toml."""
 
 from __future__ import annotations
 
@@ -14,11 +14,19 @@ from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
 
 
-def write(folder: Path, file: CampaignFile, d: Diagnosis) -> dict[str, Any]:
-    """Write everything but the figures and the report that shows them; returns the record."""
+def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Write everything but the figures and the report that shows them; returns the record.
+
+    reference: what the earlier campaign showed.
+    """
     data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
+    data["reference"] = reference
     comment = f"what the diagnosis of {file.name} found: {d.verdict}"
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
+    before = d.motion.selection.null.model
+    known = {(e.name, e.place): e for e in (*d.baseline.known, *before.effects)}
+    comment = f"what the diagnosis of {file.name} began with, calibrated"
+    write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), comment=comment)
     data["next_experiment"] = _next_experiment(folder, d)
     write_json(folder / "diagnosis.json", data)
     return data

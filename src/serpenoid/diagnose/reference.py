@@ -1,0 +1,159 @@
+"""What was so already: an earlier (healthy) campaign as the baseline of a later one.
+
+Of the earlier campaign its own diagnosis is made first. What it names becomes part of the baseline; what it leaves is
+the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
+window by window from the motion, moment by moment from the servos' readings. A change may change this error too, so a
+share of it stays as doubt, and all of it where the gait is a new one.
+
+Legend: W windows of a trial, R log rows, m joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.actuation import Plays, plays
+from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.diagnose.medium import linearised
+from serpenoid.diagnose.motion import Motion
+from serpenoid.diagnose.noise import residuals, window_noise
+from serpenoid.diagnose.observation import Observation
+from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.windows import Track
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import ActuationEffect
+
+CARRIED, READ = 0.25, 0.5  # shares of the habitual error that a change may change: of motions, of readings
+UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
+Setting = tuple[str, float]
+
+
+@dataclass(frozen=True)
+class Habit:
+    """The model's habitual error in one setting: table (T, m) [rad], mean error and its noise (W, 3), NaN unknown."""
+
+    table: Floats
+    error: Floats
+    noise: Floats
+
+    def fits(self, track: Track) -> bool:
+        """Whether the trial is of the same gait."""
+        table = _played(track)
+        return table.shape == self.table.shape and bool(np.abs(table - self.table).max() < 1e-3)
+
+
+@dataclass(frozen=True)
+class Reference(Baseline):
+    """seen: the earlier observation model; servos: the earlier readings and what explains them; others: effects that
+    were there before, beside the motion's.
+
+    usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
+    """
+
+    seen: Observation
+    habits: dict[Setting, Habit]
+    usual: Floats
+    largest: Floats
+    servos: Plays
+    others: tuple[ActiveEffect, ...]
+
+    @property
+    def known(self) -> tuple[ActiveEffect, ...]:
+        """All effects that were there before."""
+        return (*self.model.effects, *self.others)
+
+    @property
+    def unlike(self) -> Floats:
+        """Repeats differed before, and a change may make them differ more."""
+        return UNLIKE * self.largest
+
+    def observation(self) -> Observation:
+        """As it was before."""
+        return self.seen
+
+    def corrected(self, tracks: Sequence[Track]) -> tuple[Track, ...]:
+        """Tracks whose offset holds the habitual error."""
+        return tuple(self._corrected(t) for t in tracks)
+
+    def _corrected(self, track: Track) -> Track:
+        count = len(track.playing)
+        error, noise = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
+        habit = self.habits.get(track.recording.setting)
+        if habit is not None and habit.fits(track):
+            n = min(count, len(habit.error))
+            error[:n], noise[:n] = habit.error[:n], habit.noise[:n]
+        unknown = np.isnan(error)
+        doubt = np.where(track.playing[:, None], self.usual, 0.0) * np.where(unknown, 1.0, CARRIED)
+        return replace(
+            track,
+            offset=track.offset + np.where(unknown, 0.0, error),
+            doubt=np.hypot(doubt, np.where(unknown, 0.0, noise)),
+        )
+
+    def plays(self, recordings: Sequence[Recording]) -> Plays:
+        """Readings with the earlier ones' error taken out."""
+        now, then = plays(recordings), self.servos
+        left = then.readings - then.realised([])
+        spread = np.sqrt((left**2).mean(axis=0))
+        habit = np.zeros_like(now.readings)
+        matched = np.zeros(len(habit), dtype=bool)
+        for number, r in enumerate(now.recordings):
+            for other, earlier in enumerate(then.recordings):
+                if earlier.setting == r.setting and np.array_equal(earlier.schedule.table, r.schedule.table):
+                    mine, theirs = now.trials == number, then.trials == other
+                    at, known = now.times[number], then.times[other]
+                    habit[mine] = np.stack([np.interp(at, known, c) for c in left[theirs].T], axis=1)
+                    matched |= mine
+        share = np.sqrt(np.where(matched, READ**2, 1.0).mean())
+        return replace(now, known=then.known, habit=habit, noise=np.hypot(np.sqrt(2) * now.noise, share * spread))
+
+
+def reference_of(d: Diagnosis) -> Reference:
+    """From the diagnosis of the earlier campaign."""
+    found = d.motion.selection
+    motion, model = found.motion, found.best.model
+    errors = residuals(motion.tracks, linearised(motion, model, model.effects, None)[1])
+    playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
+    others = tuple(n.effect for n in d.named if n.effect not in model.effects)
+    shown = tuple(e for e in others if isinstance(e.effect, ActuationEffect) and e.effect.shown)
+    servos = replace(plays([t.recording for t in motion.tracks if isinstance(t.recording, Recording)]), known=shown)
+    usual = np.sqrt(np.nanmean(playing**2, axis=0))
+    largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
+    return Reference(model, d.seen, _habits(motion, errors), usual, largest, servos, others)
+
+
+def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:
+    by: dict[Setting, list[int]] = {}
+    for i, track in enumerate(motion.tracks):
+        by.setdefault(track.recording.setting, []).append(i)
+    return {setting: _habit(motion, errors, trials) for setting, trials in by.items()}
+
+
+def _habit(motion: Motion, errors: Sequence[Floats], trials: Sequence[int]) -> Habit:
+    """Mean over the trials of one setting."""
+    count = min(len(errors[i]) for i in trials)
+    own = np.stack([errors[i][:count] for i in trials])
+    times = np.isfinite(own).sum(axis=0)
+    mean = np.where(times > 0, np.nansum(own, axis=0) / np.maximum(times, 1), np.nan)
+    noise = motion.noise.of(motion.tracks[trials[0]])[:count] / np.sqrt(np.maximum(times, 1))
+    return Habit(_played(motion.tracks[trials[0]]), mean, noise)
+
+
+def _played(track: Track) -> Floats:
+    """The joint table of a trial; empty where there is none."""
+    return track.recording.schedule.table if isinstance(track.recording, Recording) else np.empty((0, 0))
+
+
+KEPT = ("verdict", "effects", "alternatives", "anisotropy_ratio", "gain", "noise_floor_m", "left", "residual_pattern")
+
+
+def summary(d: Diagnosis) -> dict[str, Any]:
+    """What the later diagnosis reports about the earlier campaign."""
+    said = record(d)
+    return {key: said[key] for key in KEPT}

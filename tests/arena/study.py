@@ -1,0 +1,149 @@
+"""Hidden changes of the arena's robot, diagnosed with a healthy campaign as reference; resumable.
+
+    python -m arena.study --out results/blind/arena [NAME ...]
+
+For each: six gaits twice (`problems/protocols/six-gaits.toml`, with a seed of its own), the diagnosis, and only then a
+look at what was hidden. One JSON per change, a summary in README.md; a change whose JSON exists is not run again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from arena.hidden import HIDDEN, Hidden, Name
+from arena.table import write_table
+from serpenoid.arena.campaign import run_campaign
+from serpenoid.arena.protocol import load_protocol
+from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose
+from serpenoid.diagnose.recording import read_recordings
+from serpenoid.diagnose.reference import Reference, reference_of, summary
+from serpenoid.diagnose.start import baseline
+from serpenoid.diagnose.write import write
+from serpenoid.files import write_json
+
+KEPT = ("verdict", "effects", "alternatives", "below_the_floor", "left", "residual_pattern", "noise_floor_m", "gain")
+ROOT = Path(__file__).parents[2]
+PROTOCOL = ROOT / "problems" / "protocols" / "six-gaits.toml"
+MODEL = ROOT / "problems" / "snake10.toml"
+
+
+@dataclass(frozen=True)
+class Study:
+    """work: where campaigns and diagnoses are kept (their names tell nothing); key: another one, other seeds."""
+
+    work: Path
+    key: str = "arena-1"
+
+    def digest(self, name: str) -> str:
+        return hashlib.sha256(f"{self.key}:{name}".encode()).hexdigest()
+
+    def folder(self, name: str) -> Path:
+        return self.work / self.digest(name)[:12]
+
+    def play(self, name: str, hidden: Hidden) -> Path:
+        """The campaign and, elsewhere, its noise-free motion."""
+        folder = self.folder(name)
+        text = PROTOCOL.read_text(encoding="utf-8").replace('"six-gaits/', f'"{PROTOCOL.parent}/six-gaits/')
+        seed = int(self.digest(name)[12:18], 16)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "protocol.toml").write_text(text.replace("seed = 11", f"seed = {seed}") + hidden.toml)
+        protocol, tables = load_protocol(folder / "protocol.toml")
+        run_campaign(protocol, tables, folder / "campaign", truth=folder / "truth")
+        return folder / "campaign"
+
+
+def diagnosed(campaign: Path, known: Reference | None, out: Path) -> tuple[Diagnosis, dict[str, Any]]:
+    """The diagnosis as the command makes it, and what it writes."""
+    file, recordings = read_recordings(campaign)
+    found = diagnose(recordings, known or Baseline(baseline(MODEL, file)), lambda text: None)
+    return found, write(out, file, found, figures=False)
+
+
+def judged(said: dict[str, Any], hidden: Hidden) -> dict[str, Any]:
+    """Right: named, and nothing else. For what is outside the catalogue: not explained. For nothing: nothing."""
+    named, rivals = _names(said["effects"]), _names(said["alternatives"])
+    others = [n for n in named if n not in hidden.answers]
+    spare = len(others) - (len(others) == len(named))  # one stands for the truth if that is among its rivals
+    if not hidden.changes:
+        outcome = "right" if said["verdict"] == "nothing" else "wrong"
+    elif hidden.outside:
+        outcome = "wrong" if said["verdict"] == "explained" else "right"
+    elif {*named, *rivals} & set(hidden.answers):
+        outcome = "named beside others" if spare else "right"
+    else:
+        outcome = "wrong" if named else "missed"
+    return {"outcome": outcome, "answers": [list(a) for a in hidden.answers]}
+
+
+def _names(items: list[dict[str, Any]]) -> list[Name]:
+    return [(e["name"], e["place"]) for e in items]
+
+
+def moved_by(changed: Path, healthy: Path) -> tuple[float, float]:
+    """Path RMS [m] between changed and healthy trials, and between healthy repeats, starts laid together."""
+    then, now = ({p.stem: _path(p) for p in sorted((f / "truth").glob("*.npz"))} for f in (healthy, changed))
+    apart = [_apart(now[n], then[n]) for n in then]
+    repeats = [_apart(then[n], then[f"{n[:-1]}2"]) for n in then if n.endswith("-1")]
+    return tuple(float(np.sqrt(np.mean(np.square(x)))) for x in (apart, repeats))  # type: ignore[return-value]
+
+
+def _path(file: Path) -> np.ndarray:
+    """Middle of the markers (F, 2), from the first frame's middle and tail-to-head direction."""
+    markers = np.load(file)["markers"][..., :2]
+    chord = markers[0, -1] - markers[0, 0]
+    c, s = chord / np.hypot(*chord)
+    middle = markers.mean(axis=1)
+    return (middle - middle[0]) @ np.array([[c, -s], [s, c]])
+
+
+def _apart(a: np.ndarray, b: np.ndarray) -> float:
+    n = min(len(a), len(b))
+    return float(np.sqrt(((a[:n] - b[:n]) ** 2).sum(axis=1).mean()))
+
+
+def run_one(study: Study, name: str, known: Reference, out: Path) -> dict[str, Any]:
+    """One change; returns its row, from the file if it was run before."""
+    file = out / f"{name}.json"
+    if file.exists():
+        return json.loads(file.read_text())
+    campaign = study.play(name, HIDDEN[name])
+    began = time.process_time()
+    _, said = diagnosed(campaign, known, study.folder(name) / "diagnosis")
+    change, repeats = moved_by(study.folder(name), study.folder("healthy"))
+    row = {"hidden": HIDDEN[name].changes, **judged(said, HIDDEN[name]), **{k: said[k] for k in KEPT}}
+    row |= {"path_change_m": change, "path_repeats_m": repeats, "seconds": time.process_time() - began}
+    write_json(file, row)
+    return row
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(
+        description="Hidden changes of the arena's robot, diagnosed against a healthy campaign."
+    )
+    p.add_argument("names", nargs="*", metavar="NAME", help=f"default: all of {', '.join(HIDDEN)}")
+    p.add_argument("--out", type=Path, default=Path("results/blind/arena"))
+    p.add_argument("--work", type=Path, default=Path("results/arena-study"))
+    p.add_argument("--key", default=Study.key)
+    a = p.parse_args()
+    study = Study(a.work, a.key)
+    healthy, said = diagnosed(study.play("healthy", Hidden()), None, study.folder("healthy") / "diagnosis")
+    write_json(a.out / "healthy.json", summary(healthy) | {"scores": said["scores"]})
+    known = reference_of(healthy)
+    for name in a.names or HIDDEN:
+        row = run_one(study, name, known, a.out)
+        sys.stderr.write(f"{name}: {row['outcome']} ({row['verdict']})\n")
+        write_table(a.out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+"""The rows of the arena's study as a table in README.md."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from arena.hidden import HIDDEN
+from serpenoid.files import write_text
+
+HEAD = """# Hidden changes of the arena's robot
+
+`python -m arena.study --out results/blind/arena`: six gaits twice, diagnosed with a healthy campaign as reference.
+*Change*: path RMS between changed and healthy trials (healthy repeats: {repeats:.0f} mm), which is what there is to be
+explained. *Left*: floors, on the rung of motion. One campaign each.
+
+| hidden | change [mm] | said | also | verdict | left | outcome |
+| --- | --- | --- | --- | --- | --- | --- |
+"""
+
+
+def write_table(folder: Path) -> None:
+    """README.md from the rows that are there."""
+    rows = {n: json.loads((folder / f"{n}.json").read_text()) for n in HIDDEN if (folder / f"{n}.json").exists()}
+    repeats = 1e3 * next(iter(rows.values()))["path_repeats_m"]
+    lines = [_line(name, row) for name, row in rows.items()]
+    write_text(folder / "README.md", HEAD.format(repeats=repeats) + "\n".join(lines) + "\n\n" + _count(rows) + "\n")
+
+
+def _line(name: str, row: dict[str, Any]) -> str:
+    said, also = (", ".join(_name(e) for e in row[key]) or "-" for key in ("effects", "alternatives"))
+    change, left = f"{1e3 * row['path_change_m']:.0f}", f"{row['left']['motion']:.1f}"
+    return f"| {name} | {change} | {said} | {also} | {row['verdict']} | {left} | {row['outcome']} |"
+
+
+def _name(effect: dict[str, Any]) -> str:
+    return f"`{effect['name']}`" + ("" if effect["place"] is None else f" at {effect['place']}")
+
+
+def _count(rows: dict[str, dict[str, Any]]) -> str:
+    kinds = {
+        "in the catalogue": [n for n in rows if HIDDEN[n].answers],
+        "outside": [n for n in rows if HIDDEN[n].outside],
+    }
+    kinds["nothing hidden"] = [n for n in rows if not HIDDEN[n].changes]
+    parts = []
+    for kind, names in kinds.items():
+        outcomes = [rows[n]["outcome"] for n in names]
+        counts = ", ".join(f"{outcomes.count(o)} {o}" for o in dict.fromkeys(sorted(outcomes)))
+        parts.append(f"{kind}: {counts or 'none'} of {len(names)}")
+    return "; ".join(parts) + "."

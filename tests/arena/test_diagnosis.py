@@ -1,0 +1,134 @@
+"""A healthy campaign as reference: its own discrepancy is no news, and what changed since is named."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arena.hidden import HIDDEN, Hidden
+from arena.study import PROTOCOL, Study, diagnosed, judged
+from serpenoid import in_use
+from serpenoid.arena.campaign import run_campaign
+from serpenoid.arena.protocol import load_protocol
+from serpenoid.arena.trial import plans
+from serpenoid.body import Body
+from serpenoid.cli.main import main
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.noise import residuals
+from serpenoid.diagnose.reference import reference_of
+from serpenoid.errors import InputError
+from serpenoid.medium import Medium
+from serpenoid.model_file import write_model_file
+
+FEW = ("gait-1", "gait-2", "gait-5")  # one of them tail first; two headings
+
+
+def short_campaign(folder, seed, hidden):
+    """Three of the six gaits, one cycle each, two repeats."""
+    folder.mkdir()
+    text = PROTOCOL.read_text(encoding="utf-8").replace('"six-gaits/', f'"{PROTOCOL.parent}/six-gaits/')
+    (folder / "protocol.toml").write_text(text.replace("seed = 11", f"seed = {seed}") + hidden.toml)
+    protocol, tables = load_protocol(folder / "protocol.toml")
+    few = protocol.model_copy(update={"cycles": 1, "gait": tuple(g for g in protocol.gait if g.name in FEW)})
+    return run_campaign(few, {name: tables[name] for name in FEW}, folder / "campaign")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("arena-diagnosis")
+
+
+@pytest.fixture(scope="module")
+def healthy(folder):
+    return short_campaign(folder / "healthy", 21, Hidden())
+
+
+@pytest.fixture(scope="module")
+def then(healthy, folder) -> Diagnosis:
+    return diagnosed(healthy, None, folder / "then")[0]
+
+
+def test_the_healthy_robot_is_not_what_the_model_says(then):
+    assert then.verdict in ("partly explained", "unexplained")
+    assert "servo_lag" in {n.effect.name for n in then.named}  # soft servos, told to jump from row to row
+    assert any("motion: what is left repeats" in text for text in then.words)  # Coulomb contacts
+
+
+def test_another_day_with_the_healthy_robot_brings_no_news(then, folder):
+    campaign = short_campaign(folder / "another", 22, Hidden())
+    _, said = diagnosed(campaign, reference_of(then), folder / "another-out")
+    assert said["verdict"] == "nothing"
+    assert said["effects"] == []
+
+
+def test_a_wrong_zero_is_what_changed(healthy, folder):
+    campaign = short_campaign(folder / "changed", 23, HIDDEN["wrong-zero"])
+    out = folder / "changed-out"
+    options = ["--reference", str(healthy), "--out", str(out), "--no-figures", "--quiet"]
+    assert main(["diagnose", str(campaign), *options]) == 0
+    said = json.loads((out / "diagnosis.json").read_text())
+    assert judged(said, HIDDEN["wrong-zero"])["outcome"] == "right"
+    low, high = said["effects"][0]["parameters"]["offset"]["interval"]
+    assert low < np.radians(6.0) < high
+    assert said["reference"]["verdict"] in ("partly explained", "unexplained")
+
+
+def test_the_habitual_error_is_the_mean_over_repeats(then):
+    known, found = reference_of(then), then.motion.selection
+    errors = residuals(found.motion.tracks, found.best.predictions)
+    first = [e for t, e in zip(found.motion.tracks, errors, strict=True) if t.recording.gait == "gait-1"]
+    np.testing.assert_allclose(known.habits["gait-1", 5.0].error, np.nanmean(first, axis=0), atol=1e-12)
+
+
+def test_a_reference_of_another_body_is_refused(then):
+    lengths = [1.1 * e for e in then.model.body.edges_m]
+    with pytest.raises(InputError, match="another body"):
+        reference_of(then).check(Body(vertices=12, edge_lengths=tuple(lengths)))
+
+
+def test_a_gait_not_played_before_leaves_all_the_habitual_error_in_doubt(then):
+    known = reference_of(then)
+    track = then.motion.selection.motion.tracks[0]
+    new = replace(track, recording=replace(track.recording, gait="new"))
+    old, fresh = known.corrected([track, new])
+    np.testing.assert_array_equal(fresh.offset, track.offset)
+    np.testing.assert_allclose(fresh.doubt[fresh.playing], np.broadcast_to(known.usual, (fresh.playing.sum(), 3)))
+    assert (old.doubt[old.playing] < fresh.doubt[fresh.playing]).all()
+
+
+def test_each_gait_may_have_a_heading_of_its_own():
+    protocol, _ = load_protocol(PROTOCOL)
+    headings = {plan.gait: plan.heading_deg for plan in plans(protocol)}
+    assert sorted(headings.values()) == [0, 0, 120, 120, 240, 240]
+    assert len(plans(protocol)) == 12
+
+
+def test_what_is_hidden_leaves_no_trace_in_the_campaign(folder):
+    campaign = short_campaign(folder / "sealed", 24, HIDDEN["wrong-zero"])
+    texts = [p.read_text() for p in campaign.rglob("*") if p.suffix in (".toml", ".json")]
+    assert not any(word in text for text in texts for word in ("zero", "changes", "seed"))
+    assert "zero" not in str(Study(folder).folder("wrong-zero"))
+
+
+def test_gain_in_use_counts_what_both_gaits_did():
+    gaits = {name: in_use.OptimalGait(np.zeros((50, 10)), 0.5) for name in in_use.MODELS}
+    found = {"baseline": np.array([0.40, 0.42, 0.38]), "extended": np.array([0.50, 0.53, 0.47])}
+    record = in_use.record_of(gaits, found)
+    assert record["gain"] == pytest.approx(0.1)
+    low, high = record["gain_interval"]
+    # Welch by hand: variances 4e-4 and 9e-4 over 3; 3.48 degrees of freedom, t = 2.95
+    assert high - 0.1 == pytest.approx(0.0614, abs=5e-4)
+    assert 0.1 - low == pytest.approx(high - 0.1)
+
+
+def test_use_plays_both_optimal_gaits_on_the_changed_robot(tmp_path, capsys):
+    for name, ratio in (("baseline", 0.19), ("extended", 0.25)):
+        write_model_file(tmp_path / f"{name}-model.toml", Medium(anisotropy_ratio=ratio), ())
+    few = ["--trials", "2", "--cycles", "1", "--starts", "1", "--jobs", "1"]
+    assert main(["arena", "use", str(tmp_path), str(PROTOCOL), *few, "--quiet"]) == 0
+    record = json.loads((tmp_path / "in-use" / "in-use.json").read_text())
+    assert len(record["extended"]["trials"]) == 2
+    for name in in_use.MODELS:
+        assert 0.2 < record[name]["mean"] < 0.9
+        assert record[name]["promised"] > 0.3

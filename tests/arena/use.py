@@ -1,0 +1,63 @@
+"""What the study's diagnoses are worth in use: both optimal gaits played on the changed robot.
+
+    python -m arena.use --out results/blind/arena/in-use --work results/arena-study NAME ...
+
+After `arena.study`, in whose work folder the diagnoses are. One JSON per change, a table in README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+from pathlib import Path
+
+from arena.hidden import HIDDEN
+from arena.study import MODEL, Study
+from serpenoid.cli.main import main as serpenoid
+from serpenoid.files import write_text
+
+HEAD = """# Gain in use
+
+`python -m arena.use`, after `python -m arena.study`: `serpenoid arena use` on the changed robots of the study. The gait
+that is optimal under the baseline (the healthy robot's extended model, eps calibrated on the changed robot's campaign)
+and the one that is optimal under the model that the diagnosis wrote, both played with the change in the robot. Body
+lengths a cycle, mean and SD over trials; in brackets what the gait's own model promised.
+
+| hidden | trials | baseline's gait | extended model's gait | gain, 95 % |
+| --- | --- | --- | --- | --- |
+"""
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
+    p.add_argument("names", nargs="+", choices=sorted(HIDDEN), metavar="NAME")
+    p.add_argument("--out", type=Path, default=Path("results/blind/arena/in-use"))
+    p.add_argument("--work", type=Path, default=Path("results/arena-study"))
+    p.add_argument("--trials", type=int, default=6)
+    p.add_argument("--starts", type=int, default=2)
+    a = p.parse_args()
+    a.out.mkdir(parents=True, exist_ok=True)
+    for name in a.names:
+        if (a.out / f"{name}.json").exists():
+            continue
+        folder = Study(a.work).folder(name)
+        options = ["--problem", str(MODEL), "--trials", str(a.trials), "--starts", str(a.starts), "--jobs", "1"]
+        if serpenoid(["arena", "use", str(folder / "diagnosis"), str(folder / "protocol.toml"), *options]) == 0:
+            shutil.copy(folder / "diagnosis" / "in-use" / "in-use.json", a.out / f"{name}.json")
+    write_text(a.out / "README.md", HEAD + "".join(_line(a.out / f"{n}.json") for n in HIDDEN))
+
+
+def _line(file: Path) -> str:
+    if not file.exists():
+        return ""
+    r = json.loads(file.read_text())
+    gaits = (r["baseline"], r["extended"])
+    cells = [f"{g['mean']:.3f} +- {g['sd']:.3f} ({g['promised']:.3f})" for g in gaits]
+    low, high = r["gain_interval"]
+    gain = f"{r['gain']:+.3f}, {low:+.3f} .. {high:+.3f}"
+    return f"| {file.stem} | {len(gaits[0]['trials'])} | {cells[0]} | {cells[1]} | {gain} |\n"
+
+
+if __name__ == "__main__":
+    main()
