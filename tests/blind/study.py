@@ -25,11 +25,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from blind.campaign import Campaign, make
+from blind.campaign import COMBINATIONS, Campaign, make
 from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
 from blind.follow_up import follow_up
-from blind.handful import HANDFUL
+from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
 from blind.near import draw_near, short
 from blind.pages import TITLES, write_page
 from blind.score import Name, answer, errors, judge
@@ -58,7 +58,9 @@ class Study:
         seed = int(self.digest("seed", index)[:15], 16)
         if self.kind == "followup":
             return short(seed, draw_near(seed), identity)
-        return make(seed, HANDFUL[index] if self.kind == "handful" else HIDDEN[self.kind], identity)
+        if self.kind == "handful":
+            return make(seed, HANDFUL[index], identity, COMBINATIONS[:HANDFUL_COMBINATIONS])
+        return make(seed, HIDDEN[self.kind], identity)
 
     def digest(self, purpose: str, index: int) -> str:
         text = f"{purpose}:{self.kind}:{index}"

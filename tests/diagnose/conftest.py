@@ -10,6 +10,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
+from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.recording import read_recordings
 from serpenoid.diagnose.start import baseline
@@ -30,6 +31,6 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def diagnosed(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Diagnosis, dict[str, Any], Path]:
     """The diagnosis, its record, and the folder of results (no figures)."""
     file, recordings = read_recordings(campaign)
-    found = diagnose(recordings, baseline(None, file, file.body), lambda text: None)
+    found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
     out = tmp_path_factory.mktemp("out")
     return found, write(out, file, found), out

@@ -112,5 +112,6 @@ def test_jumps_of_position_are_found_in_gaps(tmp_path: Path) -> None:
 
 
 def test_a_fast_clock_is_found(tmp_path: Path) -> None:
-    rung, _ = choose_observation(recorded(tmp_path, CLOCK))
+    recordings = recorded(tmp_path, CLOCK)
+    rung, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert [n.effect.name for n in rung.named] == ["clock_offset"]

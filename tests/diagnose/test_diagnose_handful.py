@@ -17,4 +17,5 @@ def test_the_hidden_effect_is_named(index: int, tmp_path: Path) -> None:
     command = f"{sys.executable} -m serpenoid diagnose --quiet --no-figures"
     row = run_one(Study("handful", tmp_path, str(ROOT / "problems" / "snake10.toml"), command), index)
     assert row["outcome"] == "right", row
+    assert min(row["strengths"], default=6) >= 6
     assert row["verdict"] == ("explained" if row["hidden"] else "nothing"), row

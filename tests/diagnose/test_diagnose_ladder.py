@@ -42,6 +42,6 @@ def test_from_command_to_path_the_weak_joint_counts(diagnosed: Diagnosed) -> Non
     whole, motion = (next(s.error for s in d.ladder if s.error.name == name) for name in ("whole", "motion"))
     recordings = [t.recording for t in d.motion.selection.motion.tracks]
     # a payload alone does not bring the commanded motion to the measured one; measured shapes need no weak joint
-    _, payload_alone = whole_errors(recordings, Observation.neutral(recordings[0].body), d.motion, [])
+    _, payload_alone = whole_errors(recordings, Observation.neutral(recordings[0].body), d.motion, [], [])
     assert payload_alone > 1.5 * whole.after
     assert whole.after == pytest.approx(motion.after, abs=0.3 * whole.floor)

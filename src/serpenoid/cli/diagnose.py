@@ -84,7 +84,7 @@ def _diagnosed(
     from serpenoid.diagnose.baseline import Baseline
     from serpenoid.diagnose.diagnose import diagnose, diagnose_tracked
     from serpenoid.diagnose.recording import read_recordings
-    from serpenoid.diagnose.start import baseline
+    from serpenoid.diagnose.start import baseline, check_body
     from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
     from serpenoid.errors import InputError
     from serpenoid.measure.campaign import load_campaign_file
@@ -105,6 +105,7 @@ def _diagnosed(
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
         tracked = tracked_recordings(load_campaign(campaign, reading))
         return file, diagnose_tracked(tracked, baseline(args.model, file, tracked[0].body), say)
+    check_body(args.model, file)
     known = earlier or Baseline(baseline(args.model, file, file.body))
     known.check(file.body)
     return file, diagnose(read_recordings(campaign, reading)[1], known, say)

@@ -20,6 +20,7 @@ from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.windows import Prediction, Track
 
 SPEEDS, TIMES = 8, 6  # bins
+MOST_PHASES = 16
 CELL_M, LEAST_VISITS = 0.1, 8  # squares of the floor
 
 
@@ -131,8 +132,8 @@ def binned(w: Windows, values: Floats, edges: Floats) -> list[Bin]:
 
 
 def by_phase(w: Windows) -> list[Bin]:
-    """Every window of the cycle, then the pauses at phase 1."""
-    count = len(np.unique(w.phase[w.playing]))
+    """Every window of the cycle (where they are alike in all trials), then the pauses at phase 1."""
+    count = min(len(np.unique(w.phase[w.playing])), MOST_PHASES)
     return binned(w, w.phase, np.append(np.arange(count + 1) / count, 1 + 0.5 / count))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from serpenoid import schema
 from serpenoid.body import Body
@@ -20,7 +19,6 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     medium = file.medium or Medium(anisotropy_ratio=FIRST_GUESS)
     if path is not None:
         data = schema.read_toml(path)
-        _check_body(data.get("body"), file, path)
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
     if medium.dissipation != "vertex":
@@ -31,8 +29,9 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     return Model(body, medium)
 
 
-def _check_body(body: Any, file: CampaignFile, path: str | Path) -> None:
-    """InputError where a file describes another robot than the campaign's."""
+def check_body(path: str | Path | None, file: CampaignFile) -> None:
+    """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
+    body = schema.read_toml(path).get("body") if path is not None else None
     vertices = body.get("vertices") if isinstance(body, dict) else None
     if vertices not in (None, file.body.vertices):
         raise InputError(

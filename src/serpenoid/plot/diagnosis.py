@@ -79,7 +79,9 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
                 _draw(ax, travel(np.nan_to_num(predictions[i].displacement), np.zeros(3)), LABELS[name], 1.8)
         _draw(ax, relative(track.poses[0], track.poses), INK, 0.8)
     dress(ax, "", "x [mm]", "y [mm]")
-    ax.set_title(f"{setting[0]}, {setting[1]:.3g} s", fontsize=SMALL, loc="left", color=INK)
+    ax.set_title(
+        f"{setting[0]}, {setting[1]:.3g} s" if setting[1] else setting[0], fontsize=SMALL, loc="left", color=INK
+    )
     fill_equal(ax)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
     return ax

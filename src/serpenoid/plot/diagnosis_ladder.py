@@ -25,7 +25,7 @@ TITLES = {
 
 def ladder_figure(ladder: Sequence[Step]) -> Figure:
     """One panel a rung, since units differ: error before and after, floor, and the share above it."""
-    fig = figure(9.6, 2.9)
+    fig = figure(2.4 * max(len(ladder), 1.5), 2.9)
     for ax, step in zip(fig.subplots(1, len(ladder), squeeze=False).flat, ladder, strict=True):
         rung(step.error, ax)
     return fig
