@@ -46,7 +46,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model",
         metavar="FILE",
-        help="problem or model file whose [medium] is the baseline; eps is calibrated (default: the campaign's)",
+        help="problem or model file: baseline medium (default: the campaign's) and effects that are known; "
+        "eps is calibrated",
     )
     parser.add_argument("--reference", metavar="CAMPAIGN", help="an earlier campaign: say what changed since then")
     options.add_output(parser)

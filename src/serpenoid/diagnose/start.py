@@ -1,4 +1,4 @@
-"""Where a diagnosis begins: the baseline medium."""
+"""Where a diagnosis begins: the baseline medium, and effects of it that are known."""
 
 from __future__ import annotations
 
@@ -6,27 +6,44 @@ from pathlib import Path
 
 from serpenoid import schema
 from serpenoid.body import Body
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.schema import Record
 
 FIRST_GUESS = 0.2
 
 
+class _Known(Record):
+    effects: tuple[ActiveEffect, ...] = ()
+
+
 def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
-    """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess)."""
-    medium = file.medium or Medium(anisotropy_ratio=FIRST_GUESS)
+    """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess).
+
+    Effects of the medium in a model file are known, and no news.
+    """
+    medium, known = file.medium or Medium(anisotropy_ratio=FIRST_GUESS), tuple[ActiveEffect, ...]()
     if path is not None:
         data = schema.read_toml(path)
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
+        known = schema.validate(_Known, {"effects": data.get("effects", [])}, str(path)).effects
+    for effect in known:
+        if not isinstance(effect.effect, MediumEffect):
+            raise InputError(
+                f"{path}: `{effect.name}` is no effect of the medium. What servos and cameras are known to do is taken "
+                "from an earlier campaign: --reference CAMPAIGN."
+            )
     if medium.dissipation != "vertex":
         where = path or f"campaign `{file.name}`"
         raise InputError(
             f'{where}: a diagnosis needs [medium] dissipation = "vertex", where effects have their places.'
         )
-    return Model(body, medium)
+    return Model(body, medium, known)
 
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:
