@@ -24,7 +24,13 @@ needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of oth
 
 def diagnosed(campaign: Path, folder: Path, *more: str) -> dict[str, Any]:
     """The record of a diagnosis in a process of its own, in the water that a slender body allows."""
-    water = ROOT / "problems" / "lamprey-water.toml"
+    water = folder.parent / "water.toml"
+    water.write_text("[medium]\nanisotropy_ratio = 0.5\nanisotropy_ratio_bounds = [0.5, 1.0]\n")
+    return concluded(campaign, water, folder, *more)
+
+
+def concluded(campaign: Path, water: Path, folder: Path, *more: str) -> dict[str, Any]:
+    """The same with a problem or model file."""
     command = [sys.executable, "-m", "serpenoid", "diagnose", campaign, "--model", water, "--out", folder, "--quiet"]
     subprocess.run([*map(str, command), *more], check=True, cwd=ROOT)
     return json.loads((folder / "diagnosis.json").read_text())
@@ -68,7 +74,9 @@ def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, tmp_p
 
 @needs_data
 def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_named(tmp_path: Path) -> None:
-    found = diagnosed(ROOT / "problems" / "campaigns" / "lamprey.toml", tmp_path)
+    found = concluded(
+        ROOT / "problems" / "campaigns" / "lamprey.toml", ROOT / "problems" / "lamprey-water.toml", tmp_path
+    )
     assert found["anisotropy_ratio"] == {"before": 0.5, "after": 0.5}
     assert found["verdict"] == "partly explained"
     assert "added_mass" in {e["name"] for e in found["effects"]}
@@ -81,7 +89,7 @@ def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_nam
 
 @needs_data
 def test_what_the_prickleback_shows_is_not_forced_into_the_catalogue(tmp_path: Path) -> None:
-    found = diagnosed(ROOT / "problems" / "campaigns" / "prickleback.toml", tmp_path, "--no-figures")
+    found = diagnosed(ROOT / "problems" / "campaigns" / "prickleback.toml", tmp_path / "out", "--no-figures")
     assert found["anisotropy_ratio"]["after"] == 0.5
     assert found["verdict"] == "unexplained"
     assert set(found["skipped"]) == {"actuation", "observation"}
