@@ -93,7 +93,7 @@ def finding(found: Selection) -> MotionFinding:
     named = [named_of(found, base, e) for e, base in zip(best.effects, bases, strict=True)]
     swaps = groups(found, bases)
     jumps = find_jumps(motion, best.predictions, floor)
-    faint = [faint_of(t, floor) for t in found.faint]
+    faint = [faint_of(f.attempt, floor) for f in found.faint]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else faint).append(jumps)
     words = _left_over(found, mend=jumps is not None)
@@ -111,8 +111,9 @@ def faint_of(t: Try, floor_m: float) -> Named:
 
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too faint to be named account for; mend: steps across gaps are known."""
-    motion = found.motion
-    predictions = found.faint[-1].fit.predictions if found.faint else found.best.predictions
+    motion, predictions = found.motion, found.best.predictions
+    if found.faint:
+        motion, predictions = found.faint[-1].motion, found.faint[-1].attempt.fit.predictions
     after_m = total([path_rms(t, p, mend) for t, p in zip(motion.tracks, predictions, strict=True)])
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.floor_m)

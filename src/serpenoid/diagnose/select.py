@@ -47,6 +47,14 @@ class Try:
 
 
 @dataclass(frozen=True)
+class Faint:
+    """A try that gains but does not stand out, fitted on tracks made about it."""
+
+    attempt: Try
+    motion: Motion
+
+
+@dataclass(frozen=True)
 class Selection:
     """null: eps alone; best: what was chosen; faint: gains below the floor."""
 
@@ -54,7 +62,7 @@ class Selection:
     null: Fit
     best: Fit
     floor_m: float
-    faint: tuple[Try, ...]
+    faint: tuple[Faint, ...]
     scores: tuple[tuple[str, int | None, float], ...]
 
 
@@ -70,7 +78,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, None, model)
     best = null
-    faint: list[Try] = []
+    faint: list[Faint] = []
     floor: float | None = None
     scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
@@ -93,7 +101,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
         extended, better = calibrated(extended, fit_guided(extended, first.fit), None)
         floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
         if not stands_out(motion, best, first, floor):
-            faint.append(first)
+            faint.append(Faint(replace(first, fit=better), extended))
             break
         motion, floor = extended, None
         null = fit(motion, null.model, [], null.coordinates)

@@ -11,7 +11,7 @@ from serpenoid.effects.catalogue import find
 Record = Mapping[str, Any]
 SCALES = {"m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s")}
 MEANINGS = {
-    "nothing": "nothing beyond chance: the model predicts these motions as well as a repetition does",
+    "nothing": "nothing that stands clear of what chance makes of repeated trials",
     "explained": "what the model got wrong has a name, and nothing beyond chance is left",
     "partly explained": "what is named below is part of the cause; more is left than chance explains",
     "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
