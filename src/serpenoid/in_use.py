@@ -18,6 +18,7 @@ from scipy.stats import t as student
 from serpenoid.arena.protocol import PlayedGait, Protocol
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
+from serpenoid.gaits import EllipseGait
 from serpenoid.gaits.table import write_table
 from serpenoid.problem import Problem, load
 
@@ -31,28 +32,41 @@ Progress = Callable[[int, str], None]
 
 @dataclass(frozen=True)
 class OptimalGait:
-    """Joint table (T, m) [rad] and what its own model promises [body lengths a cycle]."""
+    """Joint table (T, m) [rad], what its own model promises [body lengths a cycle], whether that is certified."""
 
     table: Floats
     promised: float
+    certified: bool
 
 
-def optimal_gaits(problem: Path, diagnosis: Path, starts: int, progress: Progress) -> dict[str, OptimalGait]:
-    """The optimum of the problem under both models of a diagnosis folder; the second search begins at the first's."""
-    from serpenoid.optimise.solve import solve
-
+def optimal_gaits(problem: Path, diagnosis: Path, progress: Progress) -> dict[str, OptimalGait]:
+    """The optimum of the problem under both models of a diagnosis folder; the second search knows the first's gait."""
     found: dict[str, OptimalGait] = {}
-    gait = None
+    begins: list[EllipseGait] = []
     for number, (name, file) in enumerate(MODELS.items()):
         if not (diagnosis / file).is_file():
             raise InputError(f"{diagnosis}: holds no {file}. Name the folder that `serpenoid diagnose` wrote.")
         progress(number, name)
         task = load(problem, model=diagnosis / file)
-        best = solve(task if gait is None else task.model_copy(update={"gait": gait}), starts).best
-        if not best.status.ok:
-            raise InputError(f"{diagnosis / file}: no certified optimum. {best.status.value}")
-        found[name], gait = OptimalGait(best.table, best.trajectory.displacement), best.gait
+        begins += [task.gait] if isinstance(task.gait, EllipseGait) and not begins else []
+        found[name], gait = _optimum(task, begins or [EllipseGait()])
+        begins.append(gait)
     return found
+
+
+def _optimum(task: Problem, begins: list[EllipseGait]) -> tuple[OptimalGait, EllipseGait]:
+    """Searched without derivatives, then solved from there; where that does not converge, what the search found."""
+    from serpenoid.mechanics.tables import joint_table
+    from serpenoid.optimise.search import search
+    from serpenoid.optimise.solve import solve_from
+    from serpenoid.simulation import simulate_joint_angles
+
+    gait, cost = search(task, begins)
+    solved = solve_from(task, gait)
+    if solved.status.ok and solved.cost <= cost:
+        return OptimalGait(solved.table, solved.trajectory.displacement, True), solved.gait
+    table = joint_table(task.model, gait.parameters, task.task.steps)
+    return OptimalGait(table, simulate_joint_angles(task.model, table).displacement, False), gait
 
 
 def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> Protocol:
@@ -99,8 +113,8 @@ def record_of(gaits: dict[str, OptimalGait], found: dict[str, Floats]) -> dict[s
     record: dict[str, Any] = {"unit": "body lengths a cycle"}
     for name, values in found.items():
         record[name] = {
-            "promised": gaits[name].promised, "mean": float(values.mean()), "sd": float(values.std(ddof=1)),
-            "trials": values.tolist(),
+            "promised": gaits[name].promised, "certified": gaits[name].certified,
+            "mean": float(values.mean()), "sd": float(values.std(ddof=1)), "trials": values.tolist(),
         }  # fmt: skip
     before, after = found["baseline"], found["extended"]
     gain = float(after.mean() - before.mean())

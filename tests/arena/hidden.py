@@ -42,7 +42,6 @@ HIDDEN: dict[str, Hidden] = {
     # carried by the wheels at both ends of the link and, as links give a little, by the next
     "payload": _one("payload", ("load", 7), ("load", 8), link=7, mass_kg=0.4),
     "slope": _one("slope", ("slope", None), angle_deg=2.0, downhill_deg=60.0),
-    "steep-slope": _one("slope", ("slope", None), angle_deg=4.0, downhill_deg=60.0),
     "slippery-patch": _one("slippery_patch", ("friction_patch", None), x_m=0.1, y_m=-0.1, radius_m=0.35, factor=0.4),
     "ratchet": _one("ratchet", ("forward_backward_asymmetry", None), torque=0.004),
     "sideways": _one("sideways", ("left_right_asymmetry", None), factor=0.5),

@@ -19,13 +19,29 @@ explained. *Left*: floors, on the rung of motion. One campaign each.
 | --- | --- | --- | --- | --- | --- | --- |
 """
 
+NOTES = """
+The method was developed on the same kinds of changes played with other seeds; there, lifted wheel, smooth tyre, patch
+and battery sag were weaker and stayed below the floor or nearly so, and were made stronger for this table.
+
+What was missed, and what is likely to be behind it:
+
+* Seized wheels: worn wheels at other places do better, below the floor. In the arena such a wheel slides with dry
+  friction, which does not grow with speed as that of the catalogue's `worn_wheel` does.
+* Slope: found, but below the floor. The baseline lacks dry resistance to rolling, which holds the robot in pauses.
+* Slippery patch: it has a rim where the catalogue's fades out; repeats that cross the rim differ as if pushed.
+* Loose joint: the markers show it (17 times their noise), but no effect on the rung of observation is a play.
+* Lifted wheel: the head tilts, and its markers do stand 0.2 mm off; the missing load is not seen.
+"""
+
 
 def write_table(folder: Path) -> None:
     """README.md from the rows that are there."""
     rows = {n: json.loads((folder / f"{n}.json").read_text()) for n in HIDDEN if (folder / f"{n}.json").exists()}
     repeats = 1e3 * next(iter(rows.values()))["path_repeats_m"]
     lines = [_line(name, row) for name, row in rows.items()]
-    write_text(folder / "README.md", HEAD.format(repeats=repeats) + "\n".join(lines) + "\n\n" + _count(rows) + "\n")
+    write_text(
+        folder / "README.md", HEAD.format(repeats=repeats) + "\n".join(lines) + "\n\n" + _count(rows) + "\n" + NOTES
+    )
 
 
 def _line(name: str, row: dict[str, Any]) -> str:

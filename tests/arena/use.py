@@ -35,14 +35,13 @@ def main() -> None:
     p.add_argument("--out", type=Path, default=Path("results/blind/arena/in-use"))
     p.add_argument("--work", type=Path, default=Path("results/arena-study"))
     p.add_argument("--trials", type=int, default=6)
-    p.add_argument("--starts", type=int, default=2)
     a = p.parse_args()
     a.out.mkdir(parents=True, exist_ok=True)
     for name in a.names:
         if (a.out / f"{name}.json").exists():
             continue
         folder = Study(a.work).folder(name)
-        options = ["--problem", str(MODEL), "--trials", str(a.trials), "--starts", str(a.starts), "--jobs", "1"]
+        options = ["--problem", str(MODEL), "--trials", str(a.trials), "--jobs", "1"]
         if serpenoid(["arena", "use", str(folder / "diagnosis"), str(folder / "protocol.toml"), *options]) == 0:
             shutil.copy(folder / "diagnosis" / "in-use" / "in-use.json", a.out / f"{name}.json")
     write_text(a.out / "README.md", HEAD + "".join(_line(a.out / f"{n}.json") for n in HIDDEN))

@@ -30,7 +30,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used.add_argument("--problem", metavar="FILE", type=Path, default=Path("problems/snake10.toml"))
     used.add_argument("--trials", type=options.positive, default=6, metavar="N", help="of each gait (default 6)")
     used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
-    used.add_argument("--starts", type=options.positive, default=12, metavar="N", help="random starts (default 12)")
     used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
     for action in (played, used):
         action.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="trials at a time")
@@ -70,7 +69,7 @@ def _use(args: argparse.Namespace) -> int:
     protocol = in_use.protocol_of(robot, load(args.problem), args.trials, args.cycles)
     folder = args.out or args.diagnosis / "in-use"
     with options.progress_bar(args, "gaits", len(in_use.MODELS)) as advance:
-        gaits = in_use.optimal_gaits(args.problem, args.diagnosis, args.starts, advance)
+        gaits = in_use.optimal_gaits(args.problem, args.diagnosis, advance)
         advance(len(gaits), "")
     with options.progress_bar(args, "trials", args.trials * len(gaits)) as advance:
         found = in_use.play(folder, protocol, gaits, max(1, args.jobs), advance)
