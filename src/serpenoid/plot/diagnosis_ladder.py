@@ -36,7 +36,8 @@ def rung(error: Error, ax: Axes) -> Axes:
     scale, unit = UNITS[error.unit]
     for i, (value, colour) in enumerate(((error.before, ORANGE), (error.after, BLUE))):
         ax.bar(i, scale * value, color=colour, width=0.62)
-        ax.text(i, scale * value, f"{error.share_above(value):.0%}\nabove", ha="center", va="bottom", fontsize=SMALL)
+        top = scale * max(value, error.floor)  # clear of the floor's line
+        ax.text(i, top, f"{error.share_above(value):.0%}\nabove", ha="center", va="bottom", fontsize=SMALL)
     ax.axhline(scale * error.floor, color=INK, lw=1.0, ls="--")
     ax.set_xticks([0, 1], ["before", "after"])
     ax.set_xlim(-0.6, 1.6)
