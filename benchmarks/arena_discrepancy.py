@@ -115,7 +115,7 @@ def main() -> None:
     file, recordings = read_recordings(sys.argv[1])
     _, seen = choose_observation(recordings, Observation.neutral(file.body))
     gaits = list(dict.fromkeys(r.gait for r in recordings))
-    model = baseline(None, file)
+    model = baseline(None, file, file.body)
     for _ in range(2):
         tracks = make_tracks(recordings, seen, model)
         motion = Motion(tracks, GUESS, tuple(gaits.index(r.gait) for r in recordings))

@@ -65,8 +65,8 @@ class Study:
 def diagnosed(campaign: Path, known: Reference | None, out: Path) -> tuple[Diagnosis, dict[str, Any]]:
     """The diagnosis as the command makes it, and what it writes."""
     file, recordings = read_recordings(campaign)
-    found = diagnose(recordings, known or Baseline(baseline(MODEL, file)), lambda text: None)
-    return found, write(out, file, found, figures=False)
+    found = diagnose(recordings, known or Baseline(baseline(MODEL, file, file.body)), lambda text: None)
+    return found, write(out, file, found)
 
 
 def judged(said: dict[str, Any], hidden: Hidden) -> dict[str, Any]:
