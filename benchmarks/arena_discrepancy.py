@@ -18,9 +18,9 @@ import numpy as np
 from serpenoid.diagnose.choose_motion import GUESS
 from serpenoid.diagnose.diagnose import choose_observation
 from serpenoid.diagnose.geometry import relative, travel, turn
-from serpenoid.diagnose.medium import fit
+from serpenoid.diagnose.medium import fit_eps
 from serpenoid.diagnose.motion import Motion
-from serpenoid.diagnose.noise import path_rms, residuals, total
+from serpenoid.diagnose.noise import path_error, residuals
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import read_recordings
 from serpenoid.diagnose.select import calibrated
@@ -107,7 +107,7 @@ def predicted(law: Law, track: Track) -> Prediction:
 def row(name: str, motion: Motion, predictions: list[Prediction]) -> None:
     left_over = residuals(motion.tracks, predictions)
     white = np.concatenate([r / motion.noise.of(t) for r, t in zip(left_over, motion.tracks, strict=True)])
-    path = 1e3 * total([path_rms(t, p) for t, p in zip(motion.tracks, predictions, strict=True)])
+    path = 1e3 * path_error(motion, predictions)
     sys.stdout.write(f"| {name} | {np.sqrt(np.nanmean(white**2)):.1f} | {path:.0f} |\n")
 
 
@@ -119,8 +119,8 @@ def main() -> None:
     for _ in range(2):
         tracks = make_tracks(recordings, seen, model)
         motion = Motion(tracks, GUESS, tuple(gaits.index(r.gait) for r in recordings))
-        model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    motion, null = calibrated(motion, None, model)
+        model = fit_eps(motion, model).model
+    motion, null = calibrated(motion, fit_eps(motion, model))
     sys.stdout.write("`python benchmarks/arena_discrepancy.py`: RMS of what windows leave over chance; path RMS\n\n")
     sys.stdout.write("| law | windows [SD] | paths [mm] |\n| --- | --- | --- |\n")
     row(f"baseline, eps {null.model.medium.anisotropy_ratio:.3f} fitted", motion, list(null.predictions))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from blind.campaign import COMBINATIONS, make
@@ -17,7 +16,7 @@ from serpenoid.diagnose.actuation import attempts, plays
 from serpenoid.diagnose.choose_motion import GUESS
 from serpenoid.diagnose.choose_observation import all_keys, choose_observation
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import fit
+from serpenoid.diagnose.medium import fit_eps
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_floor
 from serpenoid.diagnose.observation import Observation, columns_of, evidence, sample
@@ -75,8 +74,8 @@ def calibrated_motion(recordings: tuple[Recording, ...]) -> tuple[Motion, Fit]:
     model, labels = Model(body, Medium(anisotropy_ratio=0.2)), tuple(int(r.gait[-2:]) for r in recordings)
     for _ in range(2):
         motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
-        model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
-    return calibrated(motion, None, model)
+        model = fit_eps(motion, model).model
+    return calibrated(motion, fit_eps(motion, model))
 
 
 def test_every_effect_is_tried() -> None:

@@ -12,9 +12,9 @@ from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import Fit, fit
+from serpenoid.diagnose.medium import Fit, fit_eps
 from serpenoid.diagnose.motion import Motion, Noise
-from serpenoid.diagnose.noise import path_draws, path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.noise import path_draws, path_error, residuals, strength, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
@@ -71,7 +71,7 @@ def choose_on_tracks(
     barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred))
-        model = fit(motion, model, [], np.array([model.medium.anisotropy_ratio])).model
+        model = fit_eps(motion, model).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))
 
@@ -87,8 +87,8 @@ def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
 def finding(found: Selection) -> MotionFinding:
     """The selection in words and intervals."""
     motion, best, floor = found.motion, found.best, found.floor_m
-    before = total([path_rms(t, p) for t, p in zip(motion.tracks, found.null.predictions, strict=True)])
-    after = total([path_rms(t, p) for t, p in zip(motion.tracks, best.predictions, strict=True)])
+    before = path_error(motion, found.null.predictions)
+    after = path_error(motion, best.predictions)
     bases = [without(found, e) for e in best.effects]
     named = [named_of(found, base, e) for e, base in zip(best.effects, bases, strict=True)]
     swaps = groups(found, bases)
@@ -98,15 +98,14 @@ def finding(found: Selection) -> MotionFinding:
         (named if jumps.strength >= VISIBLE else faint).append(jumps)
     words = _left_over(found, mend=jumps is not None)
     if jumps is not None and jumps in named:
-        after = total([path_rms(t, p, mend=True) for t, p in zip(motion.tracks, best.predictions, strict=True)])
+        after = path_error(motion, best.predictions, mend=True)
     rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
     return MotionFinding(rung, found, swaps, before, after)
 
 
 def faint_of(t: Try, floor_m: float) -> Named:
     """What held-out gaits are better predicted with, though its trace in the path is too faint to name it."""
-    fitted = next(e for e in t.fit.effects if (e.name, e.place) == (t.added.name, t.added.place))
-    return Named(fitted, {}, t.strength_m / floor_m)
+    return Named(t.fitted, {}, t.strength_m / floor_m)
 
 
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
@@ -114,7 +113,7 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     motion, predictions = found.motion, found.best.predictions
     if found.faint:
         motion, predictions = found.faint[-1].motion, found.faint[-1].attempt.fit.predictions
-    after_m = total([path_rms(t, p, mend) for t, p in zip(motion.tracks, predictions, strict=True)])
+    after_m = path_error(motion, predictions, mend)
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.floor_m)
     chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))

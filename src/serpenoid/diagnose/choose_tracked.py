@@ -14,7 +14,7 @@ from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_on_tracks, finding
 from serpenoid.diagnose.gain import held_out
 from serpenoid.diagnose.held_out import Rule, fitted_again
-from serpenoid.diagnose.noise import path_rms, total
+from serpenoid.diagnose.noise import path_error
 from serpenoid.diagnose.select import Selection
 from serpenoid.diagnose.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.untestable import fixed_to_the_room
@@ -42,8 +42,5 @@ def choose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Ca
 def explained_share(found: Selection) -> float:
     """Of the path RMS that eps alone leaves on held-out parts, how much the chosen effects take away."""
     motion = found.motion
-    before, after = (
-        total([path_rms(t, p) for t, p in zip(motion.tracks, held_out(motion, f, RULE.leave_out), strict=True)])
-        for f in (found.null, found.best)
-    )
+    before, after = (path_error(motion, held_out(motion, f, RULE.leave_out)) for f in (found.null, found.best))
     return 1 - after / before

@@ -10,8 +10,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import travel
-from serpenoid.diagnose.held_out import LeaveOut, first_order, part
-from serpenoid.diagnose.medium import Fit, linearised, with_values
+from serpenoid.diagnose.held_out import LeaveOut, each_held_out, first_order
+from serpenoid.diagnose.medium import Fit
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_rms, residuals
 from serpenoid.diagnose.windows import Prediction
@@ -33,11 +33,8 @@ class Scores:
 def held_out(motion: Motion, fit: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:
     """Every trial predicted with parameters fitted to the other gaits."""
     found: list[Prediction | None] = [None] * len(motion.tracks)
-    effects = list(fit.effects)
-    for label in sorted(set(motion.labels)):
-        model, drift = with_values(fit.model, effects, leave_out(motion, fit, label), motion.held)
-        index = [i for i, own in enumerate(motion.labels) if own == label]
-        for i, p in zip(index, linearised(part(motion, index), model, effects, drift)[1], strict=True):
+    for index, _, predictions in each_held_out(motion, fit, leave_out):
+        for i, p in zip(index, predictions, strict=True):
             found[i] = p
     return [p for p in found if p is not None]
 

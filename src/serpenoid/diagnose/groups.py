@@ -11,15 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from serpenoid.diagnose.finding import Rival, excludable
-from serpenoid.diagnose.medium import Fit, fit
+from serpenoid.diagnose.medium import Fit, fit_without
 from serpenoid.diagnose.noise import strength
 from serpenoid.diagnose.patches import Ranked
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.ranking import score, shortlist
-from serpenoid.diagnose.select import SCREENING, Selection, Try, attempt, finished
+from serpenoid.diagnose.select import SCREENING, Selection, attempt, finished
 from serpenoid.effects.active import ActiveEffect
 
 AT_MOST = 10  # full fits for each chosen effect
@@ -36,13 +34,8 @@ class Swap:
 
 
 def without(found: Selection, effect: ActiveEffect) -> Fit:
-    """The choice's fit with one effect left out and everything else fitted again."""
-    best = found.best
-    kept = [e for e in best.effects if e is not effect]
-    if not kept:
-        return found.null
-    x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
-    return fit(found.motion, best.model, kept, x)
+    """The choice's fit without one of its effects."""
+    return fit_without(found.motion, found.best, effect) if len(found.best.effects) > 1 else found.null
 
 
 def groups(found: Selection, bases: Sequence[Fit]) -> tuple[Swap, ...]:
@@ -60,7 +53,7 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     rivals: dict[tuple[str, int | None], Swap] = {}
     for t in in_processes([(finished, (motion, base, t)) for t in tries]):
         apart = strength(motion, best.predictions, t.fit.predictions) / found.floor_m
-        rival = Rival(_fitted(t), effect, apart)
+        rival = Rival(t.fitted, effect, apart)
         key = _key(t.added)
         if excludable(t.fit.chi2, best.chi2, size) or rival.separable:
             continue
@@ -73,10 +66,6 @@ def promising(ranked: Sequence[Ranked], chosen: set[tuple[str, int | None]], sla
     """Candidates other than the chosen whose first-order gain falls short of the largest by no more than the slack."""
     most = max((gain for _, gain, _ in ranked), default=0.0)
     return shortlist([r for r in ranked if _key(r[0]) not in chosen and most - r[1] <= slack], AT_MOST)
-
-
-def _fitted(t: Try) -> ActiveEffect:
-    return next(e for e in t.fit.effects if _key(e) == _key(t.added))
 
 
 def _key(effect: ActiveEffect) -> tuple[str, int | None]:

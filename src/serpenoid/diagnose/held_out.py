@@ -6,15 +6,17 @@ neither: there a parameter may run far without one of the parts.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.bounds import overstrained
+from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.medium import Fit, fit, linearised, with_values
 from serpenoid.diagnose.motion import Motion
+from serpenoid.diagnose.windows import Prediction
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
 
@@ -39,6 +41,18 @@ def part(motion: Motion, index: list[int]) -> Motion:
     return replace(motion, tracks=tuple(motion.tracks[i] for i in index), labels=tuple(motion.labels[i] for i in index))
 
 
+def each_held_out(
+    motion: Motion, found: Fit, leave_out: LeaveOut
+) -> Iterator[tuple[list[int], Evidence, tuple[Prediction, ...]]]:
+    """What is held out together, one after the other: indices of the tracks, evidence and predictions without them."""
+    effects = list(found.effects)
+    for label in sorted(set(motion.labels)):
+        index = [i for i, own in enumerate(motion.labels) if own == label]
+        model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
+        evidence, predictions, _ = linearised(part(motion, index), model, effects, drift)
+        yield index, evidence, predictions
+
+
 @dataclass(frozen=True)
 class Rule:
     """How effects are chosen: by which prediction of held-out gaits, and what each must be worth.
@@ -58,13 +72,8 @@ class Rule:
         if self.leave_out is first_order:
             return found.held_out
         total = 0.0
-        for label in sorted(set(motion.labels)):
-            own = part(motion, [i for i, other in enumerate(motion.labels) if other == label])
-            model, drift = with_values(
-                found.model, list(found.effects), self.leave_out(motion, found, label), motion.held
-            )
-            evidence, _, _ = linearised(own, model, list(found.effects), drift)
-            whole = 3 * sum(int(t.usable.sum()) for t in own.tracks)
+        for index, evidence, _ in each_held_out(motion, found, self.leave_out):
+            whole = 3 * sum(int(motion.tracks[i].usable.sum()) for i in index)
             total += float(evidence.constant.sum()) if evidence.count.sum() == whole else np.inf
         return total
 

@@ -168,6 +168,18 @@ def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
     return fit(motion, found.model, list(found.effects), found.coordinates, steps)
 
 
+def fit_eps(motion: Motion, start: Model) -> Fit:
+    """The plain calibration: eps alone, from the model's."""
+    return fit(motion, start, [], np.array([start.medium.anisotropy_ratio]))
+
+
+def fit_without(motion: Motion, found: Fit, effect: ActiveEffect) -> Fit:
+    """A fit with one effect left out and everything else fitted again."""
+    kept = [e for e in found.effects if e is not effect]
+    x = np.array([found.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
+    return fit(motion, found.model, kept, x)
+
+
 def _values(fitted: Sequence[ActiveEffect], model: Model, drift: ActiveEffect | None) -> Floats:
     effects = [*fitted, *(() if drift is None else (drift,))]
     return np.array([model.medium.anisotropy_ratio, *(c for e in effects for c in e.coordinates[:-1])])

@@ -116,6 +116,11 @@ def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
     return float(np.sqrt(_mean_in_time(track, np.interp(np.arange(len(miss)), np.flatnonzero(known), miss[known]))))
 
 
+def path_error(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> float:
+    """The same over all trials [m]."""
+    return total([path_rms(t, p, mend) for t, p in zip(motion.tracks, predictions, strict=True)])
+
+
 def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Floats]]:
     """(boundary before, boundary after, unaccounted displacement (3,)) of every gap of all markers."""
     known = np.isfinite(track.measured[:, 0])

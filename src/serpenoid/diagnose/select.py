@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.held_out import Rule
-from serpenoid.diagnose.medium import STEPS, Fit, fit, fit_guided
+from serpenoid.diagnose.medium import STEPS, Fit, fit, fit_eps, fit_guided, fit_without
 from serpenoid.diagnose.motion import Motion
-from serpenoid.diagnose.noise import path_floor, path_rms, residuals, strength, total, window_noise
+from serpenoid.diagnose.noise import path_error, path_floor, residuals, strength, window_noise
 from serpenoid.diagnose.patches import Ranked
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.ranking import score, shortlist
@@ -24,7 +24,6 @@ from serpenoid.model import Model
 
 AT_MOST = 3
 FULL_FITS = (10, 6, 4)
-PER_NAME = 4
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
@@ -44,6 +43,11 @@ class Try:
     fit: Fit
     added: ActiveEffect
     strength_m: float
+
+    @property
+    def fitted(self) -> ActiveEffect:
+        """The added effect with its fitted values."""
+        return next(e for e in self.fit.effects if (e.name, e.place) == (self.added.name, self.added.place))
 
 
 @dataclass(frozen=True)
@@ -66,17 +70,16 @@ class Selection:
     scores: tuple[tuple[str, int | None, float], ...]
 
 
-def calibrated(motion: Motion, start: Fit | None, model: object) -> tuple[Motion, Fit]:
-    """eps alone, noise from repeats about it."""
-    base = start or fit(motion, model, [], np.array([model.medium.anisotropy_ratio]))  # type: ignore
+def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
+    """Noise from repeats about a fit, and the fit with it."""
     noise, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
     motion = replace(motion, noise=noise)
     return motion, fit(motion, base.model, list(base.effects), base.coordinates)
 
 
-def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
+def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
-    motion, null = calibrated(motion, None, model)
+    motion, null = calibrated(motion, fit_eps(motion, model))
     best = null
     faint: list[Faint] = []
     floor: float | None = None
@@ -98,7 +101,7 @@ def select(motion: Motion, model: object, retrack: Retrack, say: Progress, rule:
         if least >= goal:
             break
         extended = replace(motion, tracks=retrack(first.fit.model))
-        extended, better = calibrated(extended, fit_guided(extended, first.fit), None)
+        extended, better = calibrated(extended, fit_guided(extended, first.fit))
         floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
         if not stands_out(motion, best, first, floor):
             faint.append(Faint(replace(first, fit=better), extended))
@@ -116,7 +119,7 @@ def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
     """Whether an effect's trace in the path is above the floor; where paths stray anyway, in the windows will do."""
     if t.strength_m >= VISIBLE * floor_m:
         return True
-    astray = total([path_rms(track, p) for track, p in zip(motion.tracks, base.predictions, strict=True)])
+    astray = path_error(motion, base.predictions)
     in_windows = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
     return bool(astray > ASTRAY * floor_m and in_windows > VISIBLE**2)
 
@@ -157,9 +160,7 @@ def pruned(motion: Motion, best: Fit, rule: Rule) -> Fit:
         return best
     score = rule.held_out(motion, best)
     for left_out in best.effects:
-        kept = [e for e in best.effects if e is not left_out]
-        x = np.array([best.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
-        without = fit(motion, best.model, kept, x)
+        without = fit_without(motion, best, left_out)
         before = rule.held_out(motion, without)
         if before - score < rule.needed(without, before, GAIN):
             return pruned(motion, without, rule)
