@@ -22,8 +22,8 @@ from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
-AT_MOST = 3
-FULL_FITS = (10, 6, 4)
+AT_MOST = 7
+FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit

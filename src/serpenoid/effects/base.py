@@ -28,7 +28,8 @@ USES = ("simulate", "nlp", "fit", "diagnose")
 class Parameter:
     """One number of an effect, in `unit`; `neutral` None: it only matters beside the others (where a patch lies).
 
-    power: the coordinate is value ** power; 1 (the value itself), or negative where the neutral value is infinite.
+    power: the coordinate is value ** power; 1 (the value itself), 2 where only the square matters, or negative where the
+    neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
     """
 
@@ -49,6 +50,8 @@ class Parameter:
         """The public value of a coordinate; a coordinate of zero stands for infinity where the power is negative."""
         if self.power == 1:
             return coordinate
+        if self.power > 1:
+            return max(coordinate, 0.0) ** (1 / self.power)
         return math.inf if coordinate <= 0 else coordinate ** (1 / self.power)
 
     @property

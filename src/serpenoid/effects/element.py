@@ -1,12 +1,14 @@
 """One vertex during one step, and the drag on it: what medium effects transform.
 
-    F_i = -m w (eps f_t v_t T_i + f_n v_n N_i)          at the ends i = 0, 1 of the step, with v = (c_1 - c_0) / dt
-    wrench = 1/2 sum_k (F_0 + F_1,  c_1 x F_0 + c_0 x F_1)
+    F_i = -m w ((eps f_t + f_l) v_t T_i + f_n v_n N_i)  at the ends i = 0, 1 of the step, with v = (c_1 - c_0) / dt
+    M_i = -m w f_n h^2 Omega                            Omega: mean turning rate of the wheels
+    wrench = 1/2 sum_k (F_0 + F_1,  c_1 x F_0 + c_0 x F_1 + M_0 + M_1)
 
-c: contact point, T, N: rolling direction and its left normal, w: weight, eps: anisotropy ratio; the multipliers m, f_t,
-f_n are 1 in the baseline. Each end's force acts at the other end's contact point: for any law that comes from a
-potential of (v, T_i) that is exactly the derivative of the step energy by the pose, because the potential does not
-change when everything turns. World frame, SI: metres, seconds; forces divided by the drag level are speeds.
+c: contact point, T, N: rolling direction and its left normal, w: weight, eps: anisotropy ratio, h: half the distance of
+the wheels on the axle; the multipliers m, f_t, f_n are 1 in the baseline, f_l (of a wheel that is locked) and h are 0.
+Each end's force acts at the other end's contact point: for any law that comes from a potential of (v, T_i) that is
+exactly the derivative of the step energy by the pose, because the potential does not change when everything turns.
+World frame, SI: metres, seconds; forces divided by the drag level are speeds.
 """
 
 from __future__ import annotations
@@ -33,6 +35,11 @@ def turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
     return ca.cos(angle) * vector + ca.sin(angle) * left(vector)
 
 
+def angle_between(a: ca.SX, b: ca.SX) -> ca.SX:
+    """From direction a to direction b, counter-clockwise."""
+    return ca.atan2(cross(a, b), ca.dot(a, b))
+
+
 def cross(a: ca.SX, b: ca.SX) -> ca.SX:
     """a x b in the plane."""
     return a[0] * b[1] - a[1] * b[0]
@@ -42,20 +49,24 @@ def cross(a: ca.SX, b: ca.SX) -> ca.SX:
 class Element:
     """A vertex during a step. Pairs hold (before, after) the step.
 
-    points: the vertex [m]; tangents: of the body; contacts: where the drag acts [m]; wheels: directions in which it
-    rolls; origin: what points and contacts are counted from [m]; weight: share of the body's weight; grip: the weight
-    in the drag law; anisotropy_ratio: eps; time: middle of the step, seconds since the start; duration [s]; push: force
-    on the vertex [m/s]; momentum: of the vertex [m].
+    points: the vertex [m]; tangents: of the body; links: direction of the edge on the tail's side; contacts: where the
+    drag acts [m]; wheels: directions in which it rolls; origin: what points and contacts are counted from [m]; weight:
+    share of the body's weight; grip: the weight in the drag law; anisotropy_ratio: eps; locked: share of the wheel that
+    slides instead of rolling; axle: square of the distance from its middle to a wheel [m^2]; time: middle of the step, seconds
+    since the start; duration [s]; push: force on the vertex [m/s]; momentum: of the vertex [m].
     """
 
     points: tuple[ca.SX, ca.SX]
     tangents: tuple[ca.SX, ca.SX]
+    links: tuple[ca.SX, ca.SX]
     contacts: tuple[ca.SX, ca.SX]
     wheels: tuple[ca.SX, ca.SX]
     origin: ca.SX
     weight: ca.SX
     grip: ca.SX
     anisotropy_ratio: ca.SX
+    locked: ca.SX
+    axle: ca.SX
     time: ca.SX
     duration: ca.SX
     push: ca.SX
@@ -81,29 +92,46 @@ class Element:
         """Velocity of the contact point [m/s]."""
         return (self.contacts[1] - self.contacts[0]) / self.duration
 
+    @property
+    def turning(self) -> ca.SX:
+        """Turning rate of the wheels [rad/s]."""
+        return angle_between(*self.wheels) / self.duration
+
 
 @dataclass(frozen=True)
 class Drag:
-    """The law at one end: velocity along the wheel and to its left [m/s], soft speed, and multipliers.
+    """The law at one end: velocity along the wheel and to its left, soft speed [m/s], and multipliers.
 
-    magnitude multiplies the whole force, tangential and normal its two parts.
+    magnitude multiplies the whole force and the moment, tangential what rolls, sliding what is locked, normal the force
+    across and the moment of the axle. scrub: square of the speed at which wheels of a turning axle slide [m^2/s^2];
+    locked: the share of the wheel that does not roll.
     """
 
     forward: ca.SX
     sideways: ca.SX
+    scrub: ca.SX
+    locked: ca.SX
     speed: ca.SX
     magnitude: ca.SX
     tangential: ca.SX
+    sliding: ca.SX
     normal: ca.SX
 
     @classmethod
-    def baseline(cls, velocity: ca.SX, wheel: ca.SX) -> Drag:
+    def baseline(cls, element: Element, wheel: ca.SX) -> Drag:
         """The linear law."""
-        speed = ca.sqrt(ca.dot(velocity, velocity) + CREEP**2)
-        one = ca.SX(1)
-        return cls(ca.dot(wheel, velocity), ca.dot(left(wheel), velocity), speed, one, one, one)
+        velocity, scrub, one = element.contact_velocity, element.axle * element.turning**2, ca.SX(1)
+        speed = ca.sqrt(ca.dot(velocity, velocity) + scrub + CREEP**2)
+        forward, sideways = ca.dot(wheel, velocity), ca.dot(left(wheel), velocity)
+        return cls(forward, sideways, scrub, element.locked, speed, one, one, one, one)
 
     def resistance(self, wheel: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
         """The force per weight, against the drag (2,) [m/s]."""
-        along = anisotropy_ratio * self.tangential * self.forward * wheel
-        return self.magnitude * (along + self.normal * self.sideways * left(wheel))
+        rolling = (1 - self.locked) * anisotropy_ratio * self.tangential
+        along = (rolling + self.locked * self.sliding) * self.forward
+        return self.magnitude * (along * wheel + self.normal * self.sideways * left(wheel))
+
+    @property
+    def scrubbing(self) -> ca.SX:
+        """The axle's moment per weight, its square half track and its turning rate."""
+        return self.magnitude * self.normal

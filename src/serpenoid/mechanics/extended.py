@@ -23,8 +23,9 @@ from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.effects.element import Drag, Element, cross
 from serpenoid.mechanics.compile import compiled
-from serpenoid.mechanics.energy import move
+from serpenoid.mechanics.energy import move, planar_rotation
 from serpenoid.mechanics.functions import CSE
+from serpenoid.mechanics.kinematics import unit_edges
 
 SETTING = 5  # body length [m], duration of the step [s], its middle [s since the start], origin of the poses (x, y)
 Kinds = tuple[MediumEffect, ...]
@@ -38,21 +39,27 @@ def coordinate_count(kinds: Kinds) -> int:
 def wrench(
     kinds: Kinds, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX, theta: ca.SX
 ) -> ca.SX:
-    """Drag (3), momentum (3) and energy of one vertex; elements (4) in their body frames, medium = (weight, eps)."""
+    """Drag (3), momentum (3) and energy of one vertex; elements (6, `with_links`) in their body frames.
+
+    medium = (weight, eps).
+    """
     length, duration = setting[0], setting[1]
     element = _element(before, after, poses, medium, setting)
     offsets = [0, *(sum(len(k.parameters) + 1 for k in kinds[: i + 1]) for i in range(len(kinds)))]
     symbols = [kind.symbols(part) for kind, part in zip(kinds, ca.vertsplit(theta, offsets), strict=True)]
     for kind, p in zip(kinds, symbols, strict=True):
         element = kind.on_element(element, p)
-    force, moment = ca.SX.zeros(2), ca.SX(0)
+    force, moment, axle = ca.SX.zeros(2), ca.SX(0), ca.SX(0)
     for wheel, arm in zip(element.wheels, reversed(element.contacts), strict=True):
-        drag = Drag.baseline(element.contact_velocity, wheel)
+        drag = Drag.baseline(element, wheel)
         for kind, p in zip(kinds, symbols, strict=True):
             drag = kind.on_drag(drag, p)
         resistance = element.grip * drag.resistance(wheel, element.anisotropy_ratio) / 2
-        force, moment = force + resistance, moment + cross(arm, resistance)
-    energy = ca.dot(force, element.contact_velocity) / 2 * (duration / length) ** 2
+        scrub = element.grip * drag.scrubbing / 2 * element.axle * element.turning
+        force, moment, axle = force + resistance, moment + cross(arm, resistance), axle + scrub
+    power = ca.dot(force, element.contact_velocity) + axle * element.turning
+    energy = power / 2 * (duration / length) ** 2
+    moment += axle
     force, moment = force - element.push, moment - cross(element.middle, element.push)
     resisted = ca.vertcat(force, moment / length) * duration / length
     momentum = ca.vertcat(element.momentum, cross(element.middle, element.momentum) / length) / length
@@ -61,12 +68,34 @@ def wrench(
 
 def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX) -> Element:
     length, duration, time = ca.vertsplit(setting[:3])
-    b, a = move(poses[:3], before), move(poses[3:], after)
+    b, a = move(poses[:3], before[:4]), move(poses[3:], after[:4])
     points, tangents = (length * b[:2], length * a[:2]), (b[2:], a[2:])
+    links = (planar_rotation(poses[2]) @ before[4:], planar_rotation(poses[5]) @ after[4:])
     weight, eps = ca.vertsplit(medium)
-    zero = ca.SX.zeros(2)
-    origin = length * setting[3:]
-    return Element(points, tangents, points, tangents, origin, weight, weight, eps, time, duration, zero, zero)
+    nothing, zero = ca.SX(0), ca.SX.zeros(2)
+    return Element(
+        points=points,
+        tangents=tangents,
+        links=links,
+        contacts=points,
+        wheels=tangents,
+        origin=length * setting[3:],
+        weight=weight,
+        grip=weight,
+        anisotropy_ratio=eps,
+        locked=nothing,
+        axle=nothing,
+        time=time,
+        duration=duration,
+        push=zero,
+        momentum=zero,
+    )
+
+
+def with_links(elements: ca.SX) -> ca.SX:
+    """Elements (4, M) at vertices, with the direction of the edge on the tail's side below (6, M); tail: its own."""
+    links = unit_edges(elements[:2, :])
+    return ca.vertcat(elements, ca.horzcat(links[:, 0], links))
 
 
 @dataclass(frozen=True)
@@ -121,7 +150,7 @@ def step_functions(elements: int) -> StepFunctions:
 
 
 def _symbols(coordinates: int) -> list[ca.SX]:
-    shapes = {"before": 4, "after": 4, "poses": 6, "medium": 2, "setting": SETTING, "theta": coordinates}
+    shapes = {"before": 6, "after": 6, "poses": 6, "medium": 2, "setting": SETTING, "theta": coordinates}
     return [ca.SX.sym(name, size) for name, size in shapes.items()]
 
 
@@ -130,5 +159,7 @@ def _summed(name: str, function: ca.Function, elements: int, outputs: list[int])
     poses, setting = ca.MX.sym("poses", 6), ca.MX.sym("setting", SETTING)
     medium, theta = ca.MX.sym("medium", 2, elements), ca.MX.sym("theta", function.size1_in(5), elements)
     mapped = function.map(f"all_{name}", "serial", elements, [2, 4], outputs)
-    results = mapped(before, after, poses, medium, setting, theta)
+    chain = ca.SX.sym("elements", 4, elements)
+    linked = ca.Function("linked", [chain], [with_links(chain)], CSE)
+    results = mapped(linked(before), linked(after), poses, medium, setting, theta)
     return ca.Function(name, [before, after, poses, setting, medium, theta], list(results))

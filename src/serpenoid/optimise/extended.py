@@ -21,7 +21,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.base import Wave
 from serpenoid.effects.catalogue import actuation_effects, medium_effects
 from serpenoid.mechanics import kinematics
-from serpenoid.mechanics.extended import SETTING, wrench
+from serpenoid.mechanics.extended import SETTING, with_links, wrench
 from serpenoid.mechanics.functions import CSE, split_parameters
 from serpenoid.model import Model
 from serpenoid.optimise.assembly import GAIT, scatter_jacobian
@@ -129,7 +129,7 @@ def step_function(model: Model, steps: int) -> ca.Function:
     kinds = tuple(kind for kind in medium_effects() if kind.name in present)
     theta = ca.SX(ca.DM(coordinates(model, kinds=kinds)))
     shares = kinematics.element_weights(weights, model.structure)
-    before, after = (ca.horzsplit(_row(model, q, t, parameters, steps)) for t in (t0, t1))
+    before, after = (ca.horzsplit(with_links(_row(model, q, t, parameters, steps))) for t in (t0, t1))
     total = ca.SX.zeros(7)
     for k, (b, a) in enumerate(zip(before, after, strict=True)):
         medium = ca.vertcat(shares[k], eps)

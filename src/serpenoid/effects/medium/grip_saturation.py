@@ -1,4 +1,7 @@
-"""Lateral grip that gives way: normal force v_n / sqrt(1 + (v_n / saturation_speed)^2); along the wheel unchanged."""
+"""Grip that gives way: normal force v_n / sqrt(1 + (u / saturation_speed)^2); along a rolling wheel unchanged.
+
+The slip u is v_n; with a seized wheel or an axle that scrubs it is (v_n, seizure v_t, scrub), whose forces give way alike.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,10 @@ class GripSaturation(MediumEffect):
     """Wheels that slip sideways when asked for too much. The coordinate is 1 / saturation_speed^2."""
 
     def on_drag(self, drag: Drag, p: Symbols) -> Drag:
-        """Bound the normal force."""
-        return replace(drag, normal=drag.normal / ca.sqrt(1 + p.saturation_speed * drag.sideways**2))
+        """Bound the force of what slides."""
+        slip = drag.sideways**2 + drag.scrub + (drag.locked * drag.forward) ** 2
+        share = ca.sqrt(1 + p.saturation_speed * slip)
+        return replace(drag, normal=drag.normal / share, sliding=drag.sliding / share)
 
 
 EFFECT = GripSaturation(

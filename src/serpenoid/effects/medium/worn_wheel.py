@@ -1,4 +1,7 @@
-"""A wheel that no longer rolls freely: eps -> eps + seizure (1 - eps) at one vertex; 1 = seized, no direction left."""
+"""A wheel that no longer rolls freely: eps -> eps + seizure (1 - eps) at one vertex; 1 = seized, no direction left.
+
+What is locked slides, and its force is limited by the grip; what the other effects say of rolling concerns the rest.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,8 @@ class WornWheel(MediumEffect):
     """One vertex resists along the body as well."""
 
     def on_element(self, element: Element, p: Symbols) -> Element:
-        """Mix the vertex's anisotropy ratio with 1."""
-        eps = element.anisotropy_ratio
-        return replace(element, anisotropy_ratio=eps + p.seizure * (1 - eps))
+        """Lock a share of the wheel."""
+        return replace(element, locked=p.seizure)
 
 
 EFFECT = WornWheel(

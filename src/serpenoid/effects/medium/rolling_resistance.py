@@ -1,0 +1,30 @@
+"""Dry resistance to rolling: tangential force eps (v_t + crossover_speed v_t / |v_t|); across the wheel unchanged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+
+from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.element import CREEP, Drag
+
+
+class RollingResistance(MediumEffect):
+    """Bearings and tyres that resist at any speed; the norm is softened below 1 mm/s."""
+
+    def on_drag(self, drag: Drag, p: Symbols) -> Drag:
+        """Add the part that does not know speed."""
+        dry = p.crossover_speed / ca.sqrt(drag.forward**2 + CREEP**2)
+        return replace(drag, tangential=drag.tangential * (1 + dry))
+
+
+EFFECT = RollingResistance(
+    name="rolling_resistance",
+    place=None,
+    parameters=(Parameter("crossover_speed", "m/s", 0.0, 5.0, 0.0, 0.05, "speed at which both parts are equal"),),
+    looks_like="slow cycles slip back more than quick ones, though nothing slides sideways; a body on a slope stays put",
+    what_to_do="clean and oil the axles; expect it with ball bearings and soft tyres",
+    rank=31,
+    knows=frozenset({"speed"}),
+)
