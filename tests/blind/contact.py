@@ -10,12 +10,15 @@ A pair of wheels on an axle adds a third row, the scrub: half-track times turnin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from blind.ground import Ground
+from blind.ground import CREEP, Ground
 from blind.snake import Floats, Shape
+
+SETTLED = 1e-8  # m/s, forces left over that count as balanced
+SOFTENED = CREEP * 2.0 ** np.arange(9, -0.1, -0.25)  # m/s
 
 
 @dataclass(frozen=True)
@@ -114,16 +117,50 @@ def balance(
     momentum: Momentum | None = None,
     guess: Floats | None = None,
 ) -> Floats:
-    """Body velocities xi (S, 3) that balance all forces; damped Newton where the law is not linear."""
+    """Body velocities xi (S, 3) that balance all forces; damped Newton where the law is not linear.
+
+    Rolling resistance and track, together with laws that resist less the faster a wheel goes or jump with its side, have
+    folds where Newton stalls. There the law is softened and sharpened again step by step, which leads around most folds.
+    Without these two nothing is softened: campaigns without them keep their paths.
+    """
     tangential = rolling + ground.locked
     if ground.linear:
         return _linear_balance(k, level, tangential, external, momentum)
-    xi = _linear_balance(k, level, tangential, external, momentum) if guess is None else guess.copy()
+    xi = _linear_balance(k, level, tangential, external, momentum) if guess is None else guess
+    xi, left = _newton(ground, k, level, rolling, external, momentum, xi)
+    stalled = np.flatnonzero(left > SETTLED)
+    if len(stalled) == 0 or not (ground.rolling_crossover or ground.half_track):
+        return xi
+    kk, ll, rr, ext = _take(k, stalled), level[stalled], rolling[stalled], external[stalled]
+    m = _taken(momentum, stalled)
+    around = _linear_balance(kk, ll, tangential[stalled], ext, m)
+    for creep in SOFTENED:
+        around, now = _newton(replace(ground, creep=float(creep)), kk, ll, rr, ext, m, around)
+    better = now < left[stalled]
+    xi[stalled[better]] = around[better]
+    return xi
+
+
+def _taken(m: Momentum | None, i: np.ndarray) -> Momentum | None:
+    return m and Momentum(m.matrix[i], m.constant[i], m.half_step[i])
+
+
+def _newton(
+    ground: Ground,
+    k: Contacts,
+    level: Floats,
+    rolling: Floats,
+    external: Floats,
+    momentum: Momentum | None,
+    xi: Floats,
+) -> tuple[Floats, Floats]:
+    """xi (S, 3) improved from the given one, and the size (S,) of what is left over."""
+    xi, left = xi.copy(), np.zeros(len(xi))
     todo = np.arange(len(xi))
     damping = np.ones(len(xi))
     for _ in range(80):
         kk, ll, ee, xx, ext = _take(k, todo), level[todo], rolling[todo], xi[todo], external[todo]
-        m = momentum and Momentum(momentum.matrix[todo], momentum.constant[todo], momentum.half_step[todo])
+        m = _taken(momentum, todo)
         v, f = _drag(ground, kk, ll, ee, xx)
         r = _residual(kk, f, ext, xx, m)
         slope = _slope(ground, kk, ll, ee, v, f)
@@ -132,11 +169,13 @@ def balance(
         step = -np.linalg.solve(slope, r[..., None])[..., 0]
         size = np.linalg.norm(r, axis=1)
         trial = xx + damping[todo, None] * step
-        better = np.linalg.norm(_residual(kk, _drag(ground, kk, ll, ee, trial)[1], ext, trial, m), axis=1) < size
+        after = np.linalg.norm(_residual(kk, _drag(ground, kk, ll, ee, trial)[1], ext, trial, m), axis=1)
+        better = after < size
         xi[todo[better]] = trial[better]
+        left[todo] = np.where(better, after, size)
         damping[todo] = np.where(better, np.minimum(1.0, 2 * damping[todo]), damping[todo] / 3)
         still = (np.abs(step).max(axis=1) > 1e-9) & (damping[todo] > 1e-6)
         todo = todo[still]
         if len(todo) == 0:
-            return xi
-    return xi
+            break
+    return xi, left

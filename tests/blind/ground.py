@@ -43,6 +43,7 @@ class Ground:
     """Everything medium; defaults are neutral and give F_k = -w_k (eps v_t T_k + v_n N_k)."""
 
     eps: float
+    creep: float = CREEP
     seizure: dict[int, float] = field(default_factory=dict)
     share: dict[int, float] = field(default_factory=dict)
     crossover_speed: float = 0.0
@@ -118,20 +119,20 @@ class Ground:
         across = (v_n,) if s is None else (v_n, s)
         factor = level
         if self.crossover_speed or self.exponent != 1:
-            speed = np.sqrt(sum((u**2 for u in across), v_t**2) + CREEP**2)
+            speed = np.sqrt(sum((u**2 for u in across), v_t**2) + self.creep**2)
             factor = factor * ((speed / POWER_SPEED) ** (self.exponent - 1) + self.crossover_speed / speed)
         rolls, grips = -factor * rolling * v_t, -factor
         if self.forward_backward:
-            rolls = rolls * (1 - self.forward_backward * v_t / np.sqrt(v_t**2 + CREEP**2))
+            rolls = rolls * (1 - self.forward_backward * v_t / np.sqrt(v_t**2 + self.creep**2))
         if self.rolling_crossover:
-            rolls = rolls * (1 + self.rolling_crossover / np.sqrt(v_t**2 + CREEP**2))
+            rolls = rolls * (1 + self.rolling_crossover / np.sqrt(v_t**2 + self.creep**2))
         slides = self.locked * v_t
         if np.isfinite(self.saturation_speed):
             slip2 = sum((u**2 for u in across), slides**2)
             grips = grips / np.sqrt(1 + slip2 / self.saturation_speed**2)
         f_t = rolls + grips * slides
         if self.left_right:
-            grips = grips * (1 + self.left_right * v_n / np.sqrt(v_n**2 + CREEP**2))
+            grips = grips * (1 + self.left_right * v_n / np.sqrt(v_n**2 + self.creep**2))
         return f_t, *(grips * u for u in across)
 
     def external_force(self, world: Floats, time: Floats) -> Floats | None:
