@@ -119,9 +119,9 @@ def balance(
 ) -> Floats:
     """Body velocities xi (S, 3) that balance all forces; damped Newton where the law is not linear.
 
-    Rolling resistance and track, together with laws that resist less the faster a wheel goes or jump with its side, have
-    folds where Newton stalls. There the law is softened and sharpened again step by step, which leads around most folds.
-    Without these two nothing is softened: campaigns without them keep their paths.
+    Rolling resistance and track, together with laws that resist less the faster a wheel goes or jump with its side,
+    have folds where Newton stalls. There the law is softened and sharpened again step by step, which leads around most
+    folds. Without these two nothing is softened: campaigns without them keep their paths.
     """
     tangential = rolling + ground.locked
     if ground.linear:
