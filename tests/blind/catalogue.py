@@ -152,6 +152,12 @@ CATALOGUE: dict[str, Kind] = {
     "dry_friction": Kind(
         MEDIUM, GLOBAL, _one("crossover_speed", 0.003, 0.5), _ground(crossover_speed=lambda k, p: p["crossover_speed"])
     ),
+    "rolling_resistance": Kind(
+        MEDIUM,
+        GLOBAL,
+        _one("crossover_speed", 0.003, 0.5),
+        _ground(rolling_crossover=lambda k, p: p["crossover_speed"]),
+    ),
     "grip_saturation": Kind(
         MEDIUM,
         GLOBAL,
@@ -164,6 +170,10 @@ CATALOGUE: dict[str, Kind] = {
     "left_right_asymmetry": Kind(
         MEDIUM, GLOBAL, _either("asymmetry", 0.01, 0.5), _ground(left_right=lambda k, p: p["asymmetry"])
     ),
+    "track_width": Kind(
+        MEDIUM, GLOBAL, _one("half_track", 0.02, 0.2), _ground(half_track=lambda k, p: p["half_track"])
+    ),
+    "wheel_mount": Kind(MEDIUM, GLOBAL, _either("share", 0.1, 1.0), _ground(mount=lambda k, p: p["share"])),
     "toe": Kind(MEDIUM, GLOBAL, _either("angle", 0.004, 0.2), _ground(toe=lambda k, p: p["angle"])),
     "slope": Kind(
         MEDIUM, GLOBAL, _arrow("pull_x", "pull_y", 2e-4, 0.015), _ground(pull=lambda k, p: (p["pull_x"], p["pull_y"]))

@@ -1,6 +1,7 @@
 """Friction laws: what the floor does to a contact point. Formulas and names in EFFECTS.md.
 
-v_t, v_n: velocity along the tangent and to its left [m/s]; forces divided by the drag level, so in m/s.
+v_t, v_n: velocity along the rolling direction and to its left [m/s], s: scrub, half-track times turning rate [m/s];
+forces divided by the drag level, so in m/s; a scrub force times the half-track is a moment.
 """
 
 from __future__ import annotations
@@ -42,12 +43,16 @@ class Ground:
     """Everything medium; defaults are neutral and give F_k = -w_k (eps v_t T_k + v_n N_k)."""
 
     eps: float
+    creep: float = CREEP
     seizure: dict[int, float] = field(default_factory=dict)
     share: dict[int, float] = field(default_factory=dict)
     crossover_speed: float = 0.0
+    rolling_crossover: float = 0.0
     saturation_speed: float = np.inf
     forward_backward: float = 0.0
     left_right: float = 0.0
+    half_track: float = 0.0
+    mount: float = 0.0
     toe: float = 0.0
     pull: tuple[float, float] = (0.0, 0.0)
     patches: tuple[Patch, ...] = ()
@@ -63,7 +68,7 @@ class Ground:
     @property
     def linear(self) -> bool:
         """Is the force linear in the velocity?"""
-        odd = self.forward_backward, self.left_right, self.crossover_speed
+        odd = self.forward_backward, self.left_right, self.crossover_speed, self.rolling_crossover
         return not any(odd) and np.isinf(self.saturation_speed) and self.exponent == 1
 
     @property
@@ -82,12 +87,17 @@ class Ground:
             w[vertex] = max(w[vertex] + share, 0.0)
         return w
 
-    def tangential(self, time: Floats) -> Floats:
-        """Anisotropy ratio of each vertex, (S, N)."""
-        eps = np.broadcast_to(self.eps * np.exp(self.drift_rate * time[..., None]), (*time.shape, len(WEIGHTS))).copy()
+    @property
+    def locked(self) -> Floats:
+        """The part of each wheel that slides and does not roll, (N,)."""
+        part = np.zeros(len(WEIGHTS))
         for vertex, s in self.seizure.items():
-            eps[..., vertex] += s * (1 - eps[..., vertex])
-        return eps
+            part[vertex] = s
+        return part
+
+    def rolling(self, time: Floats) -> Floats:
+        """Tangential coefficient of the part of each wheel that rolls, (S, N)."""
+        return self.eps * np.exp(self.drift_rate * time[..., None]) * (1 - self.locked)
 
     def level(self, world: Floats, phase: Floats) -> Floats:
         """Weight of each contact (S, N): load, patch, gradient, phase slip."""
@@ -102,20 +112,28 @@ class Ground:
             w[..., s.vertex] *= np.where(away < s.width / 2, s.left_over, 1.0)
         return w
 
-    def force(self, level: Floats, eps: Floats, v_t: Floats, v_n: Floats) -> tuple[Floats, Floats]:
-        """Tangential and normal force on each contact."""
+    def force(
+        self, level: Floats, rolling: Floats, v_t: Floats, v_n: Floats, s: Floats | None = None
+    ) -> tuple[Floats, ...]:
+        """Tangential and normal force on each contact; with a scrub `s`, its force too."""
+        across = (v_n,) if s is None else (v_n, s)
         factor = level
         if self.crossover_speed or self.exponent != 1:
-            speed = np.sqrt(v_t**2 + v_n**2 + CREEP**2)
+            speed = np.sqrt(sum((u**2 for u in across), v_t**2) + self.creep**2)
             factor = factor * ((speed / POWER_SPEED) ** (self.exponent - 1) + self.crossover_speed / speed)
-        f_t, f_n = -factor * eps * v_t, -factor * v_n
+        rolls, grips = -factor * rolling * v_t, -factor
         if self.forward_backward:
-            f_t = f_t * (1 - self.forward_backward * v_t / np.sqrt(v_t**2 + CREEP**2))
-        if self.left_right:
-            f_n = f_n * (1 + self.left_right * v_n / np.sqrt(v_n**2 + CREEP**2))
+            rolls = rolls * (1 - self.forward_backward * v_t / np.sqrt(v_t**2 + self.creep**2))
+        if self.rolling_crossover:
+            rolls = rolls * (1 + self.rolling_crossover / np.sqrt(v_t**2 + self.creep**2))
+        slides = self.locked * v_t
         if np.isfinite(self.saturation_speed):
-            f_n = f_n / np.sqrt(1 + (v_n / self.saturation_speed) ** 2)
-        return f_t, f_n
+            slip2 = sum((u**2 for u in across), slides**2)
+            grips = grips / np.sqrt(1 + slip2 / self.saturation_speed**2)
+        f_t = rolls + grips * slides
+        if self.left_right:
+            grips = grips * (1 + self.left_right * v_n / np.sqrt(v_n**2 + self.creep**2))
+        return f_t, *(grips * u for u in across)
 
     def external_force(self, world: Floats, time: Floats) -> Floats | None:
         """World-frame forces on the vertices (S, N, 2), or None."""

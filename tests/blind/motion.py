@@ -56,8 +56,8 @@ def _massless(
 ) -> Floats:
     h = np.diff(time)
     middle_time, middle_phase = (time[1:] + time[:-1]) / 2, (phase[1:] + phase[:-1]) / 2
-    k = contacts(shape((phi[1:] + phi[:-1]) / 2, np.diff(phi, axis=0) / h[:, None]), ground.toe, ground.contact_offset)
-    eps = ground.tangential(middle_time)
+    k = contacts(shape((phi[1:] + phi[:-1]) / 2, np.diff(phi, axis=0) / h[:, None]), ground)
+    rolling = ground.rolling(middle_time)
     windows = int(np.ceil((time[-1] - time[0]) / WINDOW_S)) if ground.knows_place else 1
     edges = np.linspace(0, len(h), windows + 1).astype(int)
     pieces = [start[None]]
@@ -67,7 +67,7 @@ def _massless(
         def improved(path: Floats, xi: Floats | None, part: slice = part) -> tuple[Floats, Floats]:
             kk = Contacts(k.g_matrix[part], k.g[part], k.r[part])
             level, external = _world(ground, kk, (path[1:] + path[:-1]) / 2, middle_time[part], middle_phase[part])
-            xi = balance(ground, kk, level, eps[part], external, guess=xi)
+            xi = balance(ground, kk, level, rolling[part], external, guess=xi)
             return _advance(xi + slip[part], h[part], path[0]), xi
 
         pieces.append(
@@ -100,9 +100,9 @@ def _inertial(ground: Ground, time: Floats, phi: Floats, phase: Floats, start: F
     steps = np.diff(time, axis=1)
     middle_time, middle_phase = (time[:, 1:] + time[:, :-1]) / 2, (phase[:, 1:] + phase[:, :-1]) / 2
     s = shape((phi[:, 1:] + phi[:, :-1]) / 2, np.diff(phi, axis=1) / steps[..., None])
-    touching = contacts(s, ground.toe, ground.contact_offset)
-    plain = contacts(s, 0.0, 0.0)
-    eps_all = ground.tangential(middle_time)
+    touching = contacts(s, ground)
+    plain = contacts(s, Ground(ground.eps))
+    rolling = ground.rolling(middle_time)
     weighted = mass[:, None] * plain.g_matrix
     matrices = np.swapaxes(plain.g_matrix, -1, -2) @ weighted
     constants = np.einsum("bsij,bsi->bsj", weighted, plain.g)
@@ -115,7 +115,7 @@ def _inertial(ground: Ground, time: Floats, phi: Floats, phase: Floats, start: F
         about = known[:, 2] - (half[:, 0] * known[:, 1] - half[:, 1] * known[:, 0])
         old = np.column_stack([linear, about])
         m = Momentum(matrices[:, i], constants[:, i] - old, h / 2)
-        xi = balance(ground, k, level, eps_all[:, i], external, m, guess=xi if i else None)
+        xi = balance(ground, k, level, rolling[:, i], external, m, guess=xi if i else None)
         gained = 2 * (np.einsum("sij,sj->si", m.matrix, xi) + m.constant)  # impulse of the forces over the step
         c, sn = np.cos(half[:, 2]), np.sin(half[:, 2])
         px, py = c * gained[:, 0] - sn * gained[:, 1], sn * gained[:, 0] + c * gained[:, 1]

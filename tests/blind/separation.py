@@ -34,6 +34,7 @@ LOGARITHMIC = {
     "max_speed",
     "saturation_speed",
     "crossover_speed",
+    "half_track",
     "relaxation_time",
     "radius",
     "width",
@@ -49,9 +50,12 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "worn_wheel": [{"seizure": 0.3}],
     "load": [{"share": 0.0}],
     "dry_friction": [{"crossover_speed": 0.02}, {"crossover_speed": 0.2}],
+    "rolling_resistance": [{"crossover_speed": 0.02}, {"crossover_speed": 0.2}],
     "grip_saturation": [{"saturation_speed": 0.2}, {"saturation_speed": 0.05}],
     "forward_backward_asymmetry": [{"asymmetry": 0.0}],
     "left_right_asymmetry": [{"asymmetry": 0.0}],
+    "track_width": [{"half_track": 0.05}],
+    "wheel_mount": [{"share": 0.0}],
     "toe": [{"angle": 0.0}],
     "slope": [{"pull_x": 0.0, "pull_y": 0.0}],
     "friction_patch": [{"strength": s, "x": s / 4, "y": s / 4, "radius": 0.2} for s in (0.8, -0.5)],
@@ -73,6 +77,8 @@ SCALE |= {"offset": 0.01, "angle": 0.05, "rate": 0.01, "error": 0.01, "loss": 0.
 def _bounds(name: str, parameter: str, place: int | None) -> tuple[float, float]:
     if parameter in ("seizure", "loss"):
         return 0.0, 1.0
+    if name == "wheel_mount":
+        return -1.0, 1.0
     if parameter == "share":
         return -float(WEIGHTS[place or 0]), 1.0
     if parameter == "strength":

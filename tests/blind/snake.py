@@ -1,7 +1,8 @@
 """The ten-servo snake and the kinematics of its shapes, by angles.
 
 r_k: vertex k about the weighted centroid, in the frame of the mean edge angle; alpha_j: angle of edge j in that frame;
-tau_k: angle of the vertex tangent = mean of the adjacent edge angles. S: any leading dimensions.
+tau_k: angle of the vertex tangent = mean of the adjacent edge angles; bend_k: from the edge behind to the edge ahead,
+zero at head and tail. S: any leading dimensions.
 """
 
 from __future__ import annotations
@@ -26,16 +27,24 @@ VERTICES, JOINTS = 12, 10
 
 @dataclass(frozen=True)
 class Shape:
-    """r, r_rate (S, N, 2) [m, m/s]; tau, tau_rate (S, N) [rad, rad/s]."""
+    """r, r_rate (S, N, 2) [m, m/s]; tau, bend and their rates (S, N) [rad, rad/s]."""
 
     r: Floats
     r_rate: Floats
     tau: Floats
     tau_rate: Floats
+    bend: Floats
+    bend_rate: Floats
 
 
 def _vertex_mean(edge: Floats) -> Floats:
     return np.concatenate([edge[..., :1], (edge[..., :-1] + edge[..., 1:]) / 2, edge[..., -1:]], axis=-1)
+
+
+def _at_joints(phi: Floats) -> Floats:
+    """(S, N) of joint values (S, 10): zero at head and tail."""
+    end = np.zeros((*phi.shape[:-1], 1))
+    return np.concatenate([end, phi, end], axis=-1)
 
 
 def _edge_angles(phi: Floats) -> Floats:
@@ -56,7 +65,7 @@ def shape(phi: Floats, phi_rate: Floats) -> Shape:
     turned = np.stack([-unit[..., 1], unit[..., 0]], axis=-1)
     r = _chain(EDGES[:, None] * unit)
     r_rate = _chain((EDGES * alpha_rate)[..., None] * turned)
-    return Shape(r, r_rate, _vertex_mean(alpha), _vertex_mean(alpha_rate))
+    return Shape(r, r_rate, _vertex_mean(alpha), _vertex_mean(alpha_rate), _at_joints(phi), _at_joints(phi_rate))
 
 
 def vertices(phi: Floats, pose: Floats) -> Floats:

@@ -49,7 +49,7 @@ class Study:
     out: Path
     model: str
     diagnose: str = f"{sys.executable} -m serpenoid diagnose"
-    key: str = "blind-4"
+    key: str = "blind-5"
     timeout_s: float = 600.0
     keep: bool = False
 
