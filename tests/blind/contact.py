@@ -119,9 +119,8 @@ def balance(
 ) -> Floats:
     """Body velocities xi (S, 3) that balance all forces; damped Newton where the law is not linear.
 
-    Rolling resistance and track, together with laws that resist less the faster a wheel goes or jump with its side,
-    have folds where Newton stalls. There the law is softened and sharpened again step by step, which leads around most
-    folds. Without these two nothing is softened: campaigns without them keep their paths.
+    Laws that resist less the faster a wheel goes, or jump with its side, have folds where Newton stalls. There the law
+    is softened and sharpened again step by step, which leads around most folds.
     """
     tangential = rolling + ground.locked
     if ground.linear:
@@ -129,7 +128,7 @@ def balance(
     xi = _linear_balance(k, level, tangential, external, momentum) if guess is None else guess
     xi, left = _newton(ground, k, level, rolling, external, momentum, xi)
     stalled = np.flatnonzero(left > SETTLED)
-    if len(stalled) == 0 or not (ground.rolling_crossover or ground.half_track):
+    if len(stalled) == 0:
         return xi
     kk, ll, rr, ext = _take(k, stalled), level[stalled], rolling[stalled], external[stalled]
     m = _taken(momentum, stalled)

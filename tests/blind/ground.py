@@ -122,10 +122,10 @@ class Ground:
             speed = np.sqrt(sum((u**2 for u in across), v_t**2) + self.creep**2)
             factor = factor * ((speed / POWER_SPEED) ** (self.exponent - 1) + self.crossover_speed / speed)
         rolls, grips = -factor * rolling * v_t, -factor
+        if self.rolling_crossover:
+            rolls = rolls - level * rolling * v_t * self.rolling_crossover / np.sqrt(v_t**2 + self.creep**2)
         if self.forward_backward:
             rolls = rolls * (1 - self.forward_backward * v_t / np.sqrt(v_t**2 + self.creep**2))
-        if self.rolling_crossover:
-            rolls = rolls * (1 + self.rolling_crossover / np.sqrt(v_t**2 + self.creep**2))
         slides = self.locked * v_t
         if np.isfinite(self.saturation_speed):
             slip2 = sum((u**2 for u in across), slides**2)

@@ -218,14 +218,14 @@ def left_over(ground: Ground, d: Drive) -> Floats:
     w = WEIGHTS + [ground.share.get(k, 0.0) for k in range(12)]
     w = w * np.exp(p.real * ground.gradient[0] + p.imag * ground.gradient[1])
     speed = np.sqrt(v_t**2 + v_n**2 + s**2 + CREEP**2)
-    w = w * (1 + ground.crossover_speed / speed) * (speed / POWER_SPEED) ** (ground.exponent - 1)
+    d = (speed / POWER_SPEED) ** (ground.exponent - 1) + ground.crossover_speed / speed
     grip = 1 / np.sqrt(1 + (v_n**2 + s**2 + (z * v_t) ** 2) / ground.saturation_speed**2)
     sided = 1 + ground.left_right * v_n / np.sqrt(v_n**2 + CREEP**2)
     e = EPS * np.exp(ground.drift_rate * time[:, None])
     e = e * (1 - ground.forward_backward * v_t / np.sqrt(v_t**2 + CREEP**2))
-    e = e * (1 + ground.rolling_crossover / np.sqrt(v_t**2 + CREEP**2))
-    force = -w * ((1 - z) * e * v_t + grip * z * v_t + 1j * grip * sided * v_n) * along
-    moment = (np.conj(c) * force).imag - w * grip * sided * s * ground.half_track
+    rolls = (1 - z) * e * (d + ground.rolling_crossover / np.sqrt(v_t**2 + CREEP**2))
+    force = -w * (rolls * v_t + d * grip * z * v_t + 1j * d * grip * sided * v_n) * along
+    moment = (np.conj(c) * force).imag - w * d * grip * sided * s * ground.half_track
     return np.column_stack([force.sum(axis=1).real, force.sum(axis=1).imag, moment.sum(axis=1)])
 
 
@@ -236,6 +236,7 @@ TOGETHER = [
     ("track_width", "grip_saturation", "worn_wheel"),
     ("track_width", "dry_friction", "load"),
     ("track_width", "power_law_drag", "wheel_mount"),
+    ("rolling_resistance", "dry_friction", "power_law_drag"),
     ("track_width", "left_right_asymmetry", "grip_saturation"),
     ("wheel_mount", "toe", "contact_offset", "track_width"),
     ("track_width", "friction_gradient", "anisotropy_drift"),

@@ -58,6 +58,9 @@ MOTION = (
     Effect("inertia", None, {"relaxation_time": 0.05}),
     Effect("added_mass", None, {"relaxation_time": 0.1}),
     Effect("contact_offset", None, {"offset": 0.012}),
+    Effect("rolling_resistance", None, {"crossover_speed": 0.02}),
+    Effect("track_width", None, {"half_track": 0.1}),
+    Effect("wheel_mount", None, {"share": 0.4}),
     Effect("frame_drift", None, {"velocity_x": 1e-3, "velocity_y": 1.5e-3}),
 )
 JUMPS, CLOCK = Effect("position_jumps", None, {"size": 0.012}), Effect("clock_offset", None, {"rate": 0.01})

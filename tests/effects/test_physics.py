@@ -14,8 +14,25 @@ from serpenoid.trajectory import Trajectory
 
 MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium"]
 KNOW_SIDES = {"left_right_asymmetry", "toe", "slope", "friction_patch", "friction_gradient"}
-HOMOGENEOUS = ["worn_wheel", "load", "toe", "contact_offset", "friction_patch", "friction_gradient"]
-KNOW_SPEED = ["dry_friction", "grip_saturation", "slope", "inertia", "added_mass", "anisotropy_drift"]
+HOMOGENEOUS = [
+    "worn_wheel",
+    "load",
+    "toe",
+    "contact_offset",
+    "track_width",
+    "wheel_mount",
+    "friction_patch",
+    "friction_gradient",
+]
+KNOW_SPEED = [
+    "dry_friction",
+    "rolling_resistance",
+    "grip_saturation",
+    "slope",
+    "inertia",
+    "added_mass",
+    "anisotropy_drift",
+]
 MIRROR = np.array([1, -1, -1])
 
 

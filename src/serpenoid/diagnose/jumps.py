@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ive
 
 from serpenoid.diagnose.finding import Named, interval
@@ -17,7 +17,7 @@ from serpenoid.diagnose.noise import gap_steps
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.effects.active import ActiveEffect
 
-CERTAIN = 12.0  # log-likelihood ratio
+CERTAIN, DROP = 12.0, 2.2  # log-likelihood: ratio that names it, drop at the ends of the interval
 MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
 
 
@@ -43,11 +43,12 @@ def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float
         return float((np.log(ive(0, z)) + z - (lengths**2 + size**2) / (2 * noises**2)).sum())
 
     most = float(lengths.max() + 3 * noises.max())
-    found = minimize_scalar(lambda x: -log_likelihood(x), bounds=(0.0, most), method="bounded")
+    options = {"xatol": 1e-3 * float(noises.min())}
+    found = minimize_scalar(lambda x: -log_likelihood(x), bounds=(0.0, most), method="bounded", options=options)
     size = float(found.x)
-    if log_likelihood(size) - log_likelihood(0.0) < CERTAIN:
+    best = log_likelihood(size)
+    if best - log_likelihood(0.0) < CERTAIN:
         return None
-    grid = np.linspace(0, 2 * size, 400)
-    inside = grid[np.array([log_likelihood(x) for x in grid]) > log_likelihood(size) - 2.2]
+    ends = [brentq(lambda x: log_likelihood(x) - best + DROP, size, end) for end in (0.0, size + 2 * most)]
     effect = ActiveEffect.neutral("position_jumps").with_coordinates([size])
-    return Named(effect, {"size": interval((inside[0], inside[-1]))}, MEAN_SHARE * size / floor_m)
+    return Named(effect, {"size": interval(ends)}, MEAN_SHARE * size / floor_m)

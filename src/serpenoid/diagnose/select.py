@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.held_out import Rule
-from serpenoid.diagnose.medium import STEPS, Fit, fit, fit_eps, fit_guided, fit_without
+from serpenoid.diagnose.medium import STEPS, Fit, candidates_of, fit, fit_eps, fit_guided, fit_without
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_error, path_floor, residuals, strength, window_noise
 from serpenoid.diagnose.patches import Ranked
@@ -30,6 +30,7 @@ PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a ful
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 ASTRAY = 5.0  # floors: such a path says little about small traces
+FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
 
 FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
@@ -92,6 +93,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
             r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
         ]
         tries = attempts(motion, best, promising)
+        if all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
+            tries += attempts(motion, best, from_typical(motion, best))
         before = rule.held_out(motion, best)
         goal = before - rule.needed(best, before, GAIN)
         tries = [t for t in tries if t.fit.chi2 < goal]  # nothing is predicted better than what is fitted
@@ -130,6 +133,13 @@ def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try
     first.sort(key=lambda t: t.fit.chi2)
     ahead = [t for t in first[:FINALISTS] if t.fit.chi2 < OUT_OF_REACH * first[0].fit.chi2]
     return in_processes([(finished, (motion, base, t)) for t in ahead])
+
+
+def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
+    """Effects without a place, from moderate values: where neutral ones are too far off to point to the right ones."""
+    absent = (c for c in candidates_of(base) if c.place is None and c.name not in motion.untestable)
+    typical = [ActiveEffect.typical(c.name) for c in absent if c.name not in {e.name for e in base.effects}]
+    return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 
 def finished(motion: Motion, base: Fit, t: Try) -> Try:

@@ -28,8 +28,8 @@ USES = ("simulate", "nlp", "fit", "diagnose")
 class Parameter:
     """One number of an effect, in `unit`; `neutral` None: it only matters beside the others (where a patch lies).
 
-    power: the coordinate is value ** power; 1 (the value itself), 2 where only the square matters, or negative where the
-    neutral value is infinite.
+    power: the coordinate is value ** power; 1 (the value itself), 2 where only the square matters, or negative where
+    the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
     """
 

@@ -1,11 +1,12 @@
 """One vertex during one step, and the drag on it: what medium effects transform.
 
-    F_i = -m w ((eps f_t + f_l) v_t T_i + f_n v_n N_i)  at the ends i = 0, 1 of the step, with v = (c_1 - c_0) / dt
-    M_i = -m w f_n h^2 Omega                            Omega: mean turning rate of the wheels
+    F_i = -w (((1 - l) eps f_t (m + f_d) + l m f_l) v_t T_i + m f_n v_n N_i)  at the step's ends, v = (c_1 - c_0) / dt
+    M_i = -w m f_n h^2 Omega                                                 Omega: mean turning rate of the wheels
     wrench = 1/2 sum_k (F_0 + F_1,  c_1 x F_0 + c_0 x F_1 + M_0 + M_1)
 
-c: contact point, T, N: rolling direction and its left normal, w: weight, eps: anisotropy ratio, h: half the distance of
-the wheels on the axle; the multipliers m, f_t, f_n are 1 in the baseline, f_l (of a wheel that is locked) and h are 0.
+c: contact point, T, N: rolling direction and its left normal, w: weight, eps: anisotropy ratio, l: share of the wheel
+that is locked, h: half the distance of the wheels on the axle. The multipliers m, f_t, f_l, f_n are 1 in the baseline;
+l, h and f_d are 0.
 Each end's force acts at the other end's contact point: for any law that comes from a potential of (v, T_i) that is
 exactly the derivative of the step energy by the pose, because the potential does not change when everything turns.
 World frame, SI: metres, seconds; forces divided by the drag level are speeds.
@@ -51,9 +52,9 @@ class Element:
 
     points: the vertex [m]; tangents: of the body; links: direction of the edge on the tail's side; contacts: where the
     drag acts [m]; wheels: directions in which it rolls; origin: what points and contacts are counted from [m]; weight:
-    share of the body's weight; grip: the weight in the drag law; anisotropy_ratio: eps; locked: share of the wheel that
-    slides instead of rolling; axle: square of the distance from its middle to a wheel [m^2]; time: middle of the step, seconds
-    since the start; duration [s]; push: force on the vertex [m/s]; momentum: of the vertex [m].
+    share of the body's weight; grip: the weight in the drag law; anisotropy_ratio: eps; locked: share of the wheel
+    that slides instead of rolling; axle: square of the distance from its middle to a wheel [m^2]; time: middle of the
+    step, seconds since the start; duration [s]; push: force on the vertex [m/s]; momentum: of the vertex [m].
     """
 
     points: tuple[ca.SX, ca.SX]
@@ -102,9 +103,9 @@ class Element:
 class Drag:
     """The law at one end: velocity along the wheel and to its left, soft speed [m/s], and multipliers.
 
-    magnitude multiplies the whole force and the moment, tangential what rolls, sliding what is locked, normal the force
-    across and the moment of the axle. scrub: square of the speed at which wheels of a turning axle slide [m^2/s^2];
-    locked: the share of the wheel that does not roll.
+    magnitude multiplies force and moment, dry adds to it where a wheel rolls; tangential multiplies what rolls, sliding
+    what is locked, normal the force across and the moment of the axle. scrub: square of the speed at which wheels of a
+    turning axle slide [m^2/s^2]; locked: the share of the wheel that does not roll.
     """
 
     forward: ca.SX
@@ -113,6 +114,7 @@ class Drag:
     locked: ca.SX
     speed: ca.SX
     magnitude: ca.SX
+    dry: ca.SX
     tangential: ca.SX
     sliding: ca.SX
     normal: ca.SX
@@ -123,13 +125,13 @@ class Drag:
         velocity, scrub, one = element.contact_velocity, element.axle * element.turning**2, ca.SX(1)
         speed = ca.sqrt(ca.dot(velocity, velocity) + scrub + CREEP**2)
         forward, sideways = ca.dot(wheel, velocity), ca.dot(left(wheel), velocity)
-        return cls(forward, sideways, scrub, element.locked, speed, one, one, one, one)
+        return cls(forward, sideways, scrub, element.locked, speed, one, ca.SX(0), one, one, one)
 
     def resistance(self, wheel: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
         """The force per weight, against the drag (2,) [m/s]."""
-        rolling = (1 - self.locked) * anisotropy_ratio * self.tangential
-        along = (rolling + self.locked * self.sliding) * self.forward
-        return self.magnitude * (along * wheel + self.normal * self.sideways * left(wheel))
+        rolling = (1 - self.locked) * anisotropy_ratio * self.tangential * (self.magnitude + self.dry)
+        along = (rolling + self.magnitude * self.locked * self.sliding) * self.forward
+        return along * wheel + self.magnitude * self.normal * self.sideways * left(wheel)
 
     @property
     def scrubbing(self) -> ca.SX:

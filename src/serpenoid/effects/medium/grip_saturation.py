@@ -1,6 +1,6 @@
 """Grip that gives way: normal force v_n / sqrt(1 + (u / saturation_speed)^2); along a rolling wheel unchanged.
 
-The slip u is v_n; with a seized wheel or an axle that scrubs it is (v_n, seizure v_t, scrub), whose forces give way alike.
+The slip u is v_n; where a wheel is seized or an axle scrubs, it is (v_n, seizure v_t, scrub) and all of it gives way.
 """
 
 from __future__ import annotations

@@ -15,15 +15,14 @@ class RollingResistance(MediumEffect):
 
     def on_drag(self, drag: Drag, p: Symbols) -> Drag:
         """Add the part that does not know speed."""
-        dry = p.crossover_speed / ca.sqrt(drag.forward**2 + CREEP**2)
-        return replace(drag, tangential=drag.tangential * (1 + dry))
+        return replace(drag, dry=p.crossover_speed / ca.sqrt(drag.forward**2 + CREEP**2))
 
 
 EFFECT = RollingResistance(
     name="rolling_resistance",
     place=None,
     parameters=(Parameter("crossover_speed", "m/s", 0.0, 5.0, 0.0, 0.05, "speed at which both parts are equal"),),
-    looks_like="slow cycles slip back more than quick ones, though nothing slides sideways; a body on a slope stays put",
+    looks_like="slow cycles slip back more than quick ones, though nothing slides sideways; slopes do not matter",
     what_to_do="clean and oil the axles; expect it with ball bearings and soft tyres",
     rank=31,
     knows=frozenset({"speed"}),
