@@ -3,7 +3,9 @@
     chi2_g(theta) = c_g - 2 b_g theta + theta A_g theta        (g: gaits; residuals in units of their noise)
 
 Any candidate is a few of the columns; all of them are scored from the same sums. What decides is how well a gait is
-predicted by a fit to the others.
+predicted by a fit to the others. Where the others say nothing about a parameter (how wheels roll backward, without the
+only gait that goes tail first), it stays near the value that changes nothing: as if that had been seen once, with an
+error as large as the parameter in the fit to all.
 """
 
 from __future__ import annotations
@@ -21,12 +23,17 @@ SILENT = 1e-9
 
 @dataclass(frozen=True)
 class Evidence:
-    """Sums over each gait: matrices A (G, P, P), vectors b (G, P), constants c (G,), numbers of residuals (G,)."""
+    """Sums over each gait: matrices A (G, P, P), vectors b (G, P), constants c (G,), numbers of residuals (G,).
+
+    neutral, certainty (P): values that change nothing and the inverse square of their error, for fits without a gait.
+    """
 
     matrix: Floats
     vector: Floats
     constant: Floats
     count: Floats
+    neutral: Floats | None = None
+    certainty: Floats | None = None
 
     @classmethod
     def of(cls, residuals: Floats, columns: Floats, labels: np.ndarray) -> Evidence:
@@ -55,11 +62,28 @@ class Evidence:
         keep = [g for g in range(len(self.constant)) if g != without]
         matrix = self.matrix[keep].sum(axis=0)[np.ix_(index, index)]
         vector = self.vector[keep].sum(axis=0)[index]
+        if without is not None and self.neutral is not None and self.certainty is not None:
+            matrix = matrix + np.diag(self.certainty[index])
+            vector = vector + self.certainty[index] * self.neutral[index]
         scale = np.sqrt(np.diag(matrix))
         scale = np.where(scale > SILENT, scale, 1.0)  # a column that says nothing stays at zero
         regular = matrix / np.outer(scale, scale) + RIDGE * np.eye(len(index))
         inverse = np.linalg.inv(regular) / np.outer(scale, scale)
         return inverse @ vector, inverse
+
+    def shrinking(self, columns: Sequence[int], values: Floats, neutral: Floats) -> Evidence:
+        """With what a fit without a gait takes the columns for: `neutral`, give or take their distance to `values`.
+
+        NaN: nothing is known of that column.
+        """
+        empty = np.zeros(self.matrix.shape[1])
+        mean = empty.copy() if self.neutral is None else self.neutral.copy()
+        certainty = empty if self.certainty is None else self.certainty.copy()
+        away = values - neutral
+        told = np.isfinite(away) & (away != 0)
+        mean[list(columns)] = np.where(told, neutral, 0.0)
+        certainty[list(columns)] = np.where(told, 1 / np.where(told, away, 1.0) ** 2, 0.0)
+        return replace(self, neutral=mean, certainty=certainty)
 
     def chi2(self, chosen: Sequence[int]) -> float:
         """Chi squared after the best fit of the chosen columns."""

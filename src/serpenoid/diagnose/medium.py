@@ -17,7 +17,7 @@ from serpenoid.diagnose.geometry import turn
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import MediumEffect
+from serpenoid.effects.base import MediumEffect, Parameter
 from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
 
@@ -50,6 +50,11 @@ class Fit:
     def coordinates(self) -> Floats:
         """eps and the coordinates of all fitted effects."""
         return np.array([self.model.medium.anisotropy_ratio, *(c for e in self.effects for c in e.coordinates[:-1])])
+
+    def shrinking(self, evidence: Evidence) -> Evidence:
+        """Evidence about this fit, whose first columns are its own, for fits without a gait."""
+        rest = np.array([np.nan, *(_resting(p) for e in self.effects for p in e.effect.parameters)])
+        return evidence.shrinking(range(len(rest)), np.zeros(len(rest)), rest - self.coordinates)
 
 
 def with_values(
@@ -159,8 +164,14 @@ def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    columns = range(len(x))
-    return Fit(model, drift, evidence, predictions, best, evidence.held_out(columns), held)
+    found = Fit(model, drift, evidence, predictions, best, np.inf, held)
+    evidence = found.shrinking(evidence)
+    return replace(found, evidence=evidence, held_out=evidence.held_out(range(len(x))))
+
+
+def _resting(p: Parameter) -> float:
+    """The coordinate that changes nothing; NaN where there is none."""
+    return np.nan if p.neutral is None else p.resting
 
 
 def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:

@@ -39,14 +39,15 @@ def patch_grid(motion: Motion) -> list[ActiveEffect]:
 def score_patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[Ranked]:
     """Each patch of the grid: gain on held-out gaits to first order, and where its full fit begins."""
     grid = patch_grid(motion)
-    evidence = _with_patches(motion, base, grid)
+    evidence = base.shrinking(_with_patches(motion, base, grid))
     result = []
     for i, patch in enumerate(grid):
         index = [*own, len(own) + i]
         values, _ = evidence.solve(index)
         weak = float(np.clip(values[-1], -0.9, 3.0))
         x = np.concatenate([base.coordinates + values[:-1], [weak, *patch.coordinates[1:-1]]])
-        result.append((patch, before - evidence.held_out(index), x))
+        shrunk = evidence.shrinking(index[-1:], values[-1:], np.zeros(1))
+        result.append((patch, before - shrunk.held_out(index), x))
     return result
 
 

@@ -19,16 +19,18 @@ def score(motion: Motion, base: Fit) -> list[Ranked]:
     singles = [c for c in candidates_of(base) if c.name not in drift or c.place is not None]
     singles = [c for c in singles if c.name not in motion.untestable]
     evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
-    own = list(range(len(base.coordinates)))
+    evidence, own = base.shrinking(evidence), list(range(len(base.coordinates)))
     before, at, result = evidence.held_out(own), len(own), []
     for c in singles:
         size = len(c.effect.parameters)
-        index = own + list(range(at, at + size))
+        new = list(range(at, at + size))
+        index = own + new
         at += size
         values, _ = evidence.solve(index)
         x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
         if c.with_coordinates(x[len(own) :].tolist()).coordinates != c.coordinates:  # else all of it is out of bounds
-            result.append((c, before - evidence.held_out(index), x))
+            shrunk = evidence.shrinking(new, values[len(own) :], np.zeros(size))
+            result.append((c, before - shrunk.held_out(index), x))
     if "friction_patch" not in drift | motion.untestable:
         result += score_patches(motion, base, before, own)
     return sorted(result, key=lambda r: -r[1])

@@ -31,6 +31,7 @@ SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, ste
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 ASTRAY = 5.0  # floors: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
+UNCLEAR = 2.0  # the same: with the right effects there is less
 
 FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
@@ -84,6 +85,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
     best = null
     faint: list[Faint] = []
     floor: float | None = None
+    rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
         say(f"looking for effect {level + 1}")
@@ -95,6 +97,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         tries = attempts(motion, best, promising)
         if all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
+        if rival is not None and min((t.fit.chi2 for t in tries), default=np.inf) > UNCLEAR * best.evidence.count.sum():
+            tries += beside(motion, rival, FULL_FITS[level])
         before = rule.held_out(motion, best)
         goal = before - rule.needed(best, before, GAIN)
         tries = [t for t in tries if t.fit.chi2 < goal]  # nothing is predicted better than what is fitted
@@ -103,6 +107,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         least, first = min(((rule.held_out(motion, t.fit), t) for t in tries), key=lambda scored: scored[0])
         if least >= goal:
             break
+        others = [t for t in tries if t.added.name != first.added.name and not best.effects]
+        rival = min(others, key=lambda t: t.fit.chi2, default=None)
         extended = replace(motion, tracks=retrack(first.fit.model))
         extended, better = calibrated(extended, fit_guided(extended, first.fit))
         floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
@@ -133,6 +139,12 @@ def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try
     first.sort(key=lambda t: t.fit.chi2)
     ahead = [t for t in first[:FINALISTS] if t.fit.chi2 < OUT_OF_REACH * first[0].fit.chi2]
     return in_processes([(finished, (motion, base, t)) for t in ahead])
+
+
+def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
+    """What goes with another first effect: the first choice may have bent itself around a second that was missing."""
+    base = fit_guided(motion, rival.fit)
+    return attempts(motion, base, shortlist(score(motion, base), count))
 
 
 def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
