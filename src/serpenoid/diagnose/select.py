@@ -97,7 +97,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         tries = attempts(motion, best, promising)
         if all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
-        if rival is not None and min((t.fit.chi2 for t in tries), default=np.inf) > UNCLEAR * best.evidence.count.sum():
+        least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
+        if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
             tries += beside(motion, rival, FULL_FITS[level])
         before = rule.held_out(motion, best)
         goal = before - rule.needed(best, before, GAIN)
