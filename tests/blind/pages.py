@@ -39,7 +39,9 @@ def _proportions(kind: str, s: Summary) -> list[list[str]]:
     if kind in ("one", "two"):
         rows.append(_share(f"{TITLES[kind]}, each S >= 3", s["right_where_required"], TARGETS[kind]))
         rows.append(_share(f"{TITLES[kind]}: intervals cover", s["intervals_cover"], "90-98 %"))
-        rows.append(_share(f"{TITLES[kind]}: held out within 1.2 F", s["held_out_within_1.2_floors"], "all"))
+        rows.append(
+            _share(f"{TITLES[kind]}: rightly named, held out within 1.2 F", s["held_out_within_1.2_floors"], "all")
+        )
     return [*rows, _share(f"{TITLES[kind]}: within 20 s", s["within_20_s"], "all")]
 
 

@@ -105,7 +105,7 @@ def summarise(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
     scored = [r for r in rows if r["outcome"] != "unscored"]
     named = [r for r in rows if _named(r)]
     intervals = [{"outcome": "right" if inside else "wrong"} for r in rows for inside in r.get("covered", {}).values()]
-    held_out = [r for r in rows if r.get("held_out_over_floor") is not None and _right(r)]
+    held_out = [r for r in named if r.get("held_out_over_floor") is not None and _right(r)]
     seconds = [float(r["seconds"]) for r in rows]
     summary: dict[str, Any] = {
         "kind": kind,

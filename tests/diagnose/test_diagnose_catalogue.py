@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from serpenoid.diagnose import jumps
 from serpenoid.diagnose.actuation import attempts, plays
 from serpenoid.diagnose.choose_motion import GUESS
 from serpenoid.diagnose.choose_observation import all_keys, choose_observation
@@ -117,3 +119,15 @@ def test_a_fast_clock_is_found(tmp_path: Path) -> None:
     recordings = recorded(tmp_path, CLOCK)
     rung, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert [n.effect.name for n in rung.named] == ["clock_offset"]
+
+
+def test_jumps_far_above_their_noise_have_a_narrow_interval(monkeypatch: pytest.MonkeyPatch) -> None:
+    noises = np.full(16, 1e-5)
+    lengths = np.hypot(0.03 + np.random.default_rng(1).normal(0, 1e-5, 16), 1e-5)
+    monkeypatch.setattr(jumps, "gap_lengths", lambda motion, predictions: (lengths, noises))
+    found = find_jumps(None, (), 1e-3)  # type: ignore[arg-type]
+    assert found is not None
+    low, high = found.intervals["size"]
+    assert low is not None
+    assert high is not None
+    assert low < 0.03 < high < low + 2e-5

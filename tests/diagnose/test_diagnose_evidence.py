@@ -43,3 +43,26 @@ def test_a_column_that_says_nothing_stays_at_zero() -> None:
     x = np.column_stack([np.ones(6), np.zeros(6)])
     values, _ = Evidence.of(np.ones(6), x, np.arange(6) // 3).solve([0, 1])
     assert values == pytest.approx([1.0, 0.0], abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_the_other_gaits_cannot_tell_stays_nearly_neutral_while_one_gait_is_held_out(
+    problem: tuple, seed: int
+) -> None:
+    """A parameter that only gait 0 shows: gait 0 is predicted about as well as without it, not five times worse."""
+    _, x, labels = problem
+    x = np.where((labels == 0)[:, None] | (np.arange(4) != 2), x, 1e-3 * x)
+    r = x @ [1.0, 0.0, -2.0, 0.0] + 0.1 * np.random.default_rng(seed).normal(size=60)
+    e = Evidence.of(r / 0.1, x / 0.1, labels)
+    values, _ = e.solve([0, 2])
+    shrunk = e.shrinking([2], values[1:], np.zeros(1))
+    assert e.held_out([0, 2]) > 5 * e.held_out([0])
+    assert shrunk.held_out([0, 2]) < 1.3 * e.held_out([0])
+    np.testing.assert_array_equal(shrunk.solve([0, 2])[0], values)
+
+
+def test_what_the_other_gaits_do_tell_is_hardly_shrunk(problem: tuple) -> None:
+    e = Evidence.of(*problem)
+    values, _ = e.solve([0, 2])
+    shrunk = e.shrinking([2], values[1:], np.zeros(1))
+    assert shrunk.held_out([0, 2]) == pytest.approx(e.held_out([0, 2]), rel=0.01)

@@ -12,7 +12,7 @@ from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups, without
 from serpenoid.diagnose.held_out import Rule
 from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.medium import Fit, fit_eps
+from serpenoid.diagnose.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.noise import path_draws, path_error, residuals, strength, window_noise
 from serpenoid.diagnose.observation import Observation
@@ -123,7 +123,8 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
     """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
     best = found.best
-    _, covariance = best.evidence.solve(range(len(best.coordinates)))
+    columns = range(len(best.coordinates))
+    _, covariance = best.evidence.solve(columns)
     spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     at = 1
     for e in best.effects:
@@ -133,13 +134,15 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
     ends, bound = {}, []
     for i, p in enumerate(effect.effect.parameters):
         x = effect.coordinates[i]
+        value = effect.parameters[p.name]
+        if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
+            bound.append(p.name)  # how far it may be from there: the fit itself held it
+            held, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
+            _, covariance = held.solve(columns)
         half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
-        value = effect.parameters[p.name]
-        if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
-            bound.append(p.name)
     return Named(effect, ends, strength(found.motion, best.predictions, base.predictions) / found.floor_m, tuple(bound))
 
 

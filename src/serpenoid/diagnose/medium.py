@@ -105,8 +105,12 @@ def linearised(
     effects: Sequence[ActiveEffect],
     drift: ActiveEffect | None,
     candidates: Sequence[ActiveEffect] = (),
+    hold: bool = True,
 ) -> tuple[Evidence, tuple[Prediction, ...], tuple[tuple[str, int | None], ...]]:
-    """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions."""
+    """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions.
+
+    hold: without what sits at a bound and is pushed outwards.
+    """
     rows, columns, labels, predictions = [], [], [], []
     names: list[tuple[str, int | None]] = []
     listed = [*at_values(model, effects, drift), *candidates]
@@ -130,7 +134,8 @@ def linearised(
         labels.append(np.full(len(rows[-1]), label))
         predictions.append(p)
     joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
-    return held_at_bounds(model, listed, joined), tuple(predictions), tuple(names)
+    evidence = held_at_bounds(model, listed, joined) if hold else joined
+    return evidence, tuple(predictions), tuple(names)
 
 
 def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
