@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
@@ -12,6 +13,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from serpenoid.cli.main import main
 from serpenoid.diagnose.actuation import plays
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.choose_actuation import choose_actuation
@@ -23,6 +25,7 @@ from serpenoid.diagnose.groups import without
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording, read_recordings
 from serpenoid.diagnose.start import baseline
+from serpenoid.gaits.table import read_table
 
 GRADIENT = Effect("friction_gradient", None, {"gradient_x": 0.5, "gradient_y": 0.3})
 TOE = Effect("toe", None, {"angle": 0.05})
@@ -82,6 +85,17 @@ def test_gradient_and_wide_patch_are_one_group(undecided: MotionFinding) -> None
     assert {("friction_gradient", None), ("friction_patch", None)} <= members(undecided.rung)
     assert all(s.rival.separation < 3 for s in undecided.swaps)
     assert [s.fit.chi2 for s in undecided.swaps] == sorted(s.fit.chi2 for s in undecided.swaps)
+
+
+def test_the_report_says_which_experiment_tells_the_group_apart(tmp_path: Path) -> None:
+    write(make(972, [GRADIENT], combinations=COMBINATIONS[:2]), tmp_path / "campaign")
+    out = tmp_path / "out"
+    assert main(["diagnose", str(tmp_path / "campaign"), "--out", str(out), "--quiet"]) == 0
+    proposed = json.loads((out / "diagnosis.json").read_text())["next_experiment"]
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert len(read_table(out / proposed["joint_table"])) > 1
+    assert f"<code>{proposed['joint_table']}</code> with {proposed['cycle_duration_s']:.3g} s per cycle" in page
+    assert all(f"{rival['name']}: {rival['expected_chi2']:.0f}" in page for rival in proposed["tells_apart"])
 
 
 def test_an_experiment_for_the_group_stays_near_what_the_campaign_did(undecided: MotionFinding) -> None:

@@ -159,11 +159,12 @@ def _experiment(record: Record) -> str:
     e: dict[str, Any] | None = record["next_experiment"]
     if e is None:
         return "" if record["alternatives"] else "<p>None needed: no two explanations are left to tell apart.</p>"
+    apart = ", ".join(f"{title(rival)}: {rival['expected_chi2']:.0f}" for rival in e["tells_apart"])
     return (
-        f"<p>Play <code>{html.escape(e['joint_table'])}</code> with {e['cycle_duration_s']:.3g} s per cycle, twice, "
-        f"{_start(e['start_pose'])}, "
-        "and diagnose again: there the explanations' predictions are "
-        f"{e['predictions_apart_sd']:.1f} standard deviations apart.</p>"
+        f"<p>Play <code>{html.escape(e['joint_table'])}</code> with {e['cycle_duration_s']:.3g} s per cycle, "
+        f"{e['cycles']} cycles with pauses of {e['pause_s']:.3g} s, {e['repeats']} times, {_start(e['start_pose'])}, "
+        "and diagnose again. What each other explanation is expected to leave there, fitted again, in chi squared more "
+        f"than chance: {html.escape(apart)}.</p>"
     )
 
 
