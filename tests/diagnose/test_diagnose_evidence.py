@@ -66,3 +66,10 @@ def test_what_the_other_gaits_do_tell_is_hardly_shrunk(problem: tuple) -> None:
     values, _ = e.solve([0, 2])
     shrunk = e.shrinking([2], values[1:], np.zeros(1))
     assert shrunk.held_out([0, 2]) == pytest.approx(e.held_out([0, 2]), rel=0.01)
+
+
+def test_a_column_held_at_its_bound_is_not_shrunk(problem: tuple) -> None:
+    e = Evidence.of(*problem).without(2)
+    shrunk = e.shrinking([2], np.zeros(1), np.array([-1.0]))
+    assert shrunk.solve([0, 2], without=0)[0][1] == 0.0
+    assert shrunk.held_out([0, 2]) == pytest.approx(e.held_out([0]))

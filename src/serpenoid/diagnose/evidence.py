@@ -74,13 +74,14 @@ class Evidence:
     def shrinking(self, columns: Sequence[int], values: Floats, neutral: Floats) -> Evidence:
         """With what a fit without a gait takes the columns for: `neutral`, give or take their distance to `values`.
 
-        NaN: nothing is known of that column.
+        NaN: nothing is known of that column. One that says nothing (held at a bound) stays where it is.
         """
         empty = np.zeros(self.matrix.shape[1])
         mean = empty.copy() if self.neutral is None else self.neutral.copy()
         certainty = empty if self.certainty is None else self.certainty.copy()
         away = values - neutral
-        told = np.isfinite(away) & (away != 0)
+        speaks = np.diag(self.matrix.sum(axis=0))[list(columns)] > SILENT
+        told = np.isfinite(away) & (away != 0) & speaks
         mean[list(columns)] = np.where(told, neutral, 0.0)
         certainty[list(columns)] = np.where(told, 1 / np.where(told, away, 1.0) ** 2, 0.0)
         return replace(self, neutral=mean, certainty=certainty)
