@@ -93,6 +93,15 @@ def test_readings_fit_the_hidden_effect_of_the_servos_best(hidden: Effect, tmp_p
     assert (best.effect.name, best.effect.place) == (hidden.name, hidden.place)
 
 
+@pytest.mark.parametrize("share", [0.93, 0.6, 0.4])
+def test_a_saturation_is_found_wherever_it_lies_below_the_quickest_set_point(share: float, tmp_path: Path) -> None:
+    quickest = plays(recorded(tmp_path / "plain", Effect("toe", None, {"angle": 0.01}))).quickest
+    hidden = Effect("speed_saturation", None, {"max_speed": share * quickest})
+    best = min(attempts(plays(recorded(tmp_path / "hidden", hidden)), []), key=lambda a: a.chi2.sum())
+    assert best.effect.name == "speed_saturation"
+    assert best.effect.parameters["max_speed"] == pytest.approx(share * quickest, rel=0.01)
+
+
 @pytest.mark.parametrize("hidden", MARKERS, ids=lambda e: e.name)
 def test_markers_of_held_out_gaits_are_best_predicted_with_the_hidden_effect(hidden: Effect, tmp_path: Path) -> None:
     data = sample(recorded(tmp_path, hidden))

@@ -26,7 +26,8 @@ from serpenoid.simulation.servos import realise
 TICK = 2 * np.pi / 4096
 STEPS = 7
 SMOOTHED_ROWS = 9
-STARTS = {"servo_lag": (0.03,), "speed_saturation": (0.9,), "backlash": (0.02,)}
+STARTS = {"servo_lag": (0.03,), "backlash": (0.02,)}
+SATURATED = (0.9, 0.7, 0.5)  # of the quickest set-point: above it a saturation changes nothing
 REACH = 3.0  # largest change of a positive scale in one step
 
 
@@ -47,6 +48,14 @@ class Plays:
     noise: Floats
     known: tuple[ActiveEffect, ...] = ()
     habit: Floats | float = 0.0
+
+    @property
+    def quickest(self) -> float:
+        """Largest speed of a set-point [rad/s]."""
+        pairs = zip(self.recordings, self.meshes, strict=True)
+        return max(
+            float((np.abs(np.diff(r.schedule.commanded(t), axis=0)).max(axis=1) / np.diff(t)).max()) for r, t in pairs
+        )
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
@@ -114,8 +123,11 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
     for kind in actuation_effects():
         if not kind.shown or (kind.place is None and any(e.name == kind.name for e in base)):
             continue
-        for start in STARTS.get(kind.name, (0.0,)):
-            found += fit_everywhere(data, kind.name, base, start)
+        starts = STARTS.get(kind.name, (0.0,))
+        if kind.name == "speed_saturation":
+            starts = tuple(share * data.quickest for share in SATURATED)
+        fits = [fit_everywhere(data, kind.name, base, start) for start in starts]
+        found += min(fits, key=lambda tries: sum(t.chi2.sum() for t in tries))
     return found
 
 
