@@ -123,11 +123,11 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
     for kind in actuation_effects():
         if not kind.shown or (kind.place is None and any(e.name == kind.name for e in base)):
             continue
-        starts = STARTS.get(kind.name, (0.0,))
+        starts: tuple[float, ...] = STARTS.get(kind.name, (0.0,))
         if kind.name == "speed_saturation":
             starts = tuple(share * data.quickest for share in SATURATED)
         fits = [fit_everywhere(data, kind.name, base, start) for start in starts]
-        found += min(fits, key=lambda tries: sum(t.chi2.sum() for t in tries))
+        found += min(fits, key=lambda tries: float(sum(t.chi2.sum() for t in tries)))
     return found
 
 

@@ -22,7 +22,7 @@ from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
-AT_MOST = 7
+AT_MOST, MANY, WORTH = 7, 3, 0.15  # after the first three each must take a share of what is left above chance
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
@@ -101,12 +101,13 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
             tries += beside(motion, rival, FULL_FITS[level])
         before = rule.held_out(motion, best)
-        goal = before - rule.needed(best, before, GAIN)
+        least = GAIN if level < MANY else max(GAIN, WORTH * (before - float(best.evidence.count.sum())))
+        goal = before - rule.needed(best, before, least)
         tries = [t for t in tries if t.fit.chi2 < goal]  # nothing is predicted better than what is fitted
         if not tries:
             break
-        least, first = min(((rule.held_out(motion, t.fit), t) for t in tries), key=lambda scored: scored[0])
-        if least >= goal:
+        predicted, first = min(((rule.held_out(motion, t.fit), t) for t in tries), key=lambda scored: scored[0])
+        if predicted >= goal:
             break
         others = [t for t in tries if t.added.name != first.added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
