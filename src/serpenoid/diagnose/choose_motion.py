@@ -9,8 +9,9 @@ import numpy as np
 
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
+from serpenoid.diagnose.gain import held_out
 from serpenoid.diagnose.groups import Swap, groups, without
-from serpenoid.diagnose.held_out import Rule
+from serpenoid.diagnose.held_out import LeaveOut, Rule, first_order
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.motion import Motion, Noise
@@ -18,7 +19,7 @@ from serpenoid.diagnose.noise import path_draws, path_error, residuals, strength
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import FIRST_ORDER, VISIBLE, Selection, Try, select
+from serpenoid.diagnose.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select
 from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds
 from serpenoid.diagnose.windows import Track
@@ -52,7 +53,7 @@ def choose_motion(
     def track(about: Model) -> tuple[Track, ...]:
         return baseline.corrected(make_tracks(recordings, seen, about))
 
-    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
+    return causes(choose_on_tracks(track, held_out_labels(recordings), baseline, say), MINOR)
 
 
 def choose_on_tracks(
@@ -74,6 +75,25 @@ def choose_on_tracks(
         model = fit_eps(motion, model).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))
+
+
+def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order) -> MotionFinding:
+    """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
+    chosen, share = found.selection.best.effects, explained_share(found.selection, leave_out)
+    if not chosen or found.rung.settled or share >= least:
+        return found
+    bare = finding(replace(found.selection, best=found.selection.null, faint=()))
+    names = " and ".join(e.name for e in chosen)
+    would = f"would take away {share:.0%} of" if share > 0 else "would add to"
+    words = (*bare.rung.words, f"{names} {would} the path's error: too little to be the cause")
+    return replace(bare, rung=replace(bare.rung, words=words, untestable=found.rung.untestable))
+
+
+def explained_share(found: Selection, leave_out: LeaveOut) -> float:
+    """Of the path RMS that eps alone leaves on held-out parts, how much the chosen effects take away."""
+    motion = found.motion
+    before, after = (path_error(motion, held_out(motion, f, leave_out)) for f in (found.null, found.best))
+    return 1 - after / before
 
 
 def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:

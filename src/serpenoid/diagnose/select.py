@@ -28,6 +28,7 @@ GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing st
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
+MINOR = 0.1  # of the path's error: what takes away less while much is left is not the cause
 VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
 ASTRAY = 5.0  # floors: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
@@ -120,6 +121,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         motion, floor = extended, None
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better, rule)
+        if level and path_error(motion, best.predictions) > (1 - MINOR) * path_error(motion, null.predictions):
+            break  # two effects that leave the path as wrong as it was: more of the kind would not mend it
         if not any((e.name, e.place) == (first.added.name, first.added.place) for e in best.effects):
             break
     floor = floor or path_floor(motion, best.predictions)
