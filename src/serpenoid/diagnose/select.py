@@ -96,7 +96,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
             r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
         ]
         tries = attempts(motion, best, promising)
-        if all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
+        if not level and all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
@@ -153,9 +153,10 @@ def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
 
 
 def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
-    """Effects without a place, from moderate values: where neutral ones are too far off to point to the right ones."""
-    absent = (c for c in candidates_of(base) if c.place is None and c.name not in motion.untestable)
-    typical = [ActiveEffect.typical(c.name) for c in absent if c.name not in {e.name for e in base.effects}]
+    """Effects without a place or a memory, from moderate values: neutral ones are too far off to tell."""
+    barred = motion.untestable | {e.name for e in base.effects}
+    absent = (c for c in candidates_of(base) if c.place is None and c.name not in barred)
+    typical = [ActiveEffect.typical(c.name) for c in absent if "history" not in getattr(c.effect, "knows", ())]
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 
