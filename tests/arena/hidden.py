@@ -45,7 +45,7 @@ HIDDEN: dict[str, Hidden] = {
     "slippery-patch": _one("slippery_patch", ("friction_patch", None), x_m=0.1, y_m=-0.1, radius_m=0.35, factor=0.4),
     "ratchet": _one("ratchet", ("forward_backward_asymmetry", None), torque=0.004),
     "sideways": _one("sideways", ("left_right_asymmetry", None), factor=0.5),
-    "loose-joint": _one("loose_joint", ("backlash", 5), joint=5, play_deg=8.0),
+    "loose-joint": _one("loose_joint", ("loose_joint", 5), joint=5, play_deg=8.0),
     "wrong-zero": _one("wrong_zero", ("zero_offset", 3), joint=3, angle_deg=6.0),
     "short-stroke": _one("short_stroke", ("gain_loss", 8), joint=8, factor=0.6),
     "stuck-joint": _one("stuck_joint", ("stuck_joint", 6), joint=6, angle_deg=10.0),

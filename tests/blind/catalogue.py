@@ -144,6 +144,7 @@ CATALOGUE: dict[str, Kind] = {
     ),
     "stuck_joint": Kind(ACTUATION, AT_JOINT, _either("angle", 0.01, 0.35), _servos(stuck=lambda k, p: {k: p["angle"]})),
     "backlash": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _servos(width=lambda k, p: {k: p["width"]})),
+    "loose_joint": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _servos(loose=lambda k, p: {k: p["width"]})),
     "speed_saturation": Kind(
         ACTUATION, GLOBAL, _one("max_speed", 0.4, 2.0), _servos(max_speed=lambda k, p: p["max_speed"])
     ),

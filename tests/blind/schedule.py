@@ -44,6 +44,7 @@ class Servos:
     loss: dict[int, float] = field(default_factory=dict)
     stuck: dict[int, float] = field(default_factory=dict)
     offset: dict[int, float] = field(default_factory=dict)
+    loose: dict[int, float] = field(default_factory=dict)
     varying_lag: tuple[float, float, float] | None = None  # mean lag [s], period [s], phase [rad]
 
 
@@ -122,10 +123,11 @@ def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
     for joint, angle in servos.stuck.items():
         q[:, joint - 1] = angle
     reading = q
-    if servos.offset:
-        q = q.copy()
-        for joint, offset in servos.offset.items():
-            q[:, joint - 1] += offset
+    q = q.copy()  # from here on the servos know nothing of it
+    for joint, offset in servos.offset.items():
+        q[:, joint - 1] += offset
+    for joint, width in servos.loose.items():
+        q[:, joint - 1] = _play(q[:, joint - 1], width)
     if q.shape[1] != JOINTS:
         raise ValueError(f"the table needs {JOINTS} joints, got {q.shape[1]}")
     return q, reading

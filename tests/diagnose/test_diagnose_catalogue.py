@@ -41,6 +41,7 @@ SERVOS = (
 )
 MARKERS = (
     Effect("zero_offset", 6, {"offset": 0.06}),
+    Effect("loose_joint", 5, {"width": 0.06}),
     Effect("marker_offset", 4, {"along": 4e-3, "left": -5e-3}),
     Effect("length_scale", None, {"error": 0.015}),
 )

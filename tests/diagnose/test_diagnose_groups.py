@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
@@ -21,10 +22,13 @@ from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, held_
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.finding import BAND, Rung, excludable
-from serpenoid.diagnose.groups import without
+from serpenoid.diagnose.medium import fit
+from serpenoid.diagnose.noise import strength
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording, read_recordings
+from serpenoid.diagnose.select import trace, visible
 from serpenoid.diagnose.start import baseline
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.gaits.table import read_table
 
 GRADIENT = Effect("friction_gradient", None, {"gradient_x": 0.5, "gradient_y": 0.3})
@@ -118,10 +122,31 @@ def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(t
     found = motion(tmp_path, 950, SLOPE, TOE)
     assert members(found.rung) == {("slope", None), ("toe", None)}
     best = found.selection.best
-    for effect in best.effects:
-        left = without(found.selection, effect)
+    for effect, left in zip(best.effects, found.selection.bases, strict=True):
         assert {e.name for e in left.effects} == {e.name for e in best.effects} - {effect.name}
         assert excludable(left.chi2, best.chi2, float(best.evidence.count.sum()))
+
+
+def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Path) -> None:
+    found = motion(tmp_path, 951, SLOPE).selection
+    assert [e.name for e in found.best.effects] == ["slope"]
+    slope, toe = found.best.effects[0], ActiveEffect.of("toe", angle=1e-4)
+    both = fit(found.motion, found.best.model, [slope, toe], np.array([*found.best.coordinates, 1e-4]))
+    best, bases, lost = visible(found.motion, found.null, both, found.floor_m)
+    assert [e.name for e in best.effects] == ["slope"]
+    assert [(f.attempt.added.name, f.attempt.strength_m < found.floor_m) for f in lost] == [("toe", True)]
+    assert [b.effects for b in bases] == [()]
+
+
+def test_where_eps_is_known_it_does_not_take_the_place_of_an_effect(tmp_path: Path) -> None:
+    found = motion(tmp_path, 952, Effect("worn_wheel", 5, {"seizure": 0.7})).selection
+    (wheel,) = found.best.effects
+    true = found.best.model.medium.anisotropy_ratio
+    assert found.null.model.medium.anisotropy_ratio > 1.1 * true
+    usual = trace(found.motion, found.best, found.null, wheel)
+    assert usual == strength(found.motion, found.best.predictions, found.null.predictions)
+    assert trace(replace(found.motion, ratio=true), found.best, found.null, wheel) > 1.5 * usual
+    assert trace(replace(found.motion, ratio=2 * true), found.best, found.null, wheel) == usual
 
 
 @pytest.mark.parametrize(("left_per_residual", "excluded"), [(0.5, True), (1.0, True), (4.0, False)])

@@ -115,6 +115,17 @@ def test_zero_offset_is_not_shown_by_the_servo(problem: Problem, table: np.ndarr
     np.testing.assert_allclose((realised.angles - table)[:, 2], 0.05, atol=1e-15)
 
 
+def test_a_loose_joint_is_backlash_that_the_servo_does_not_show(problem: Problem, table: np.ndarray) -> None:
+    times = np.arange(50) * 0.1
+    loose, played = (
+        realise(extended(problem, ActiveEffect.of(name, 3, width=0.1)), table, times)
+        for name in ("loose_joint", "backlash")
+    )
+    np.testing.assert_array_equal(loose.readings, table)
+    np.testing.assert_array_equal(loose.angles, played.angles)
+    assert np.abs((loose.angles - table)[:, 2]).max() == pytest.approx(0.05, abs=1e-12)
+
+
 def test_bounds_of_coordinates_are_those_of_values(problem: Problem) -> None:
     (low, high) = find("grip_saturation").coordinate_bounds(problem.body, None)[0]
     assert (low, high) == (0.0, 1e6)  # 1 / speed^2 of infinity and of 1 mm/s

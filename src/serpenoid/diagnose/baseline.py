@@ -35,6 +35,11 @@ class Baseline:
         """The largest difference between two repeats' windows that is no news (3,) [m, m, rad]."""
         return 0.0
 
+    @property
+    def ratio(self) -> float | None:
+        """eps, where it was measured before; the calibration still begins at the model's."""
+        return None
+
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""
         mine = self.model.body

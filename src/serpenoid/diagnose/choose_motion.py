@@ -10,16 +10,16 @@ import numpy as np
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.gain import held_out
-from serpenoid.diagnose.groups import Swap, groups, without
+from serpenoid.diagnose.groups import Swap, groups
 from serpenoid.diagnose.held_out import LeaveOut, Rule, first_order
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.motion import Motion, Noise
-from serpenoid.diagnose.noise import path_draws, path_error, residuals, strength, window_noise
+from serpenoid.diagnose.noise import path_draws, path_error, residuals, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
-from serpenoid.diagnose.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select
+from serpenoid.diagnose.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
 from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds
 from serpenoid.diagnose.windows import Track
@@ -71,7 +71,7 @@ def choose_on_tracks(
     model = baseline.model
     barred = {**beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
-        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred))
+        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred), baseline.ratio)
         model = fit_eps(motion, model).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))
@@ -82,7 +82,7 @@ def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order
     chosen, share = found.selection.best.effects, explained_share(found.selection, leave_out)
     if not chosen or found.rung.settled or share >= least:
         return found
-    bare = finding(replace(found.selection, best=found.selection.null, faint=()))
+    bare = finding(replace(found.selection, best=found.selection.null, bases=(), faint=()))
     names = " and ".join(e.name for e in chosen)
     would = f"would take away {share:.0%} of" if share > 0 else "would add to"
     words = (*bare.rung.words, f"{names} {would} the path's error: too little to be the cause")
@@ -109,9 +109,8 @@ def finding(found: Selection) -> MotionFinding:
     motion, best, floor = found.motion, found.best, found.floor_m
     before = path_error(motion, found.null.predictions)
     after = path_error(motion, best.predictions)
-    bases = [without(found, e) for e in best.effects]
-    named = [named_of(found, base, e) for e, base in zip(best.effects, bases, strict=True)]
-    swaps = groups(found, bases)
+    named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
+    swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, floor)
     faint = [faint_of(f.attempt, floor) for f in found.faint]
     if jumps is not None:
@@ -163,7 +162,7 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
-    return Named(effect, ends, strength(found.motion, best.predictions, base.predictions) / found.floor_m, tuple(bound))
+    return Named(effect, ends, trace(found.motion, best, base, effect) / found.floor_m, tuple(bound))
 
 
 def _clipped(value: float, low: float, high: float) -> float:

@@ -1,4 +1,4 @@
-"""Which observation effects the markers show: zeros, displaced markers, length scale, clock rate."""
+"""Which effects the markers show and the servos do not: zeros, play, displaced markers, length scale, clock rate."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from serpenoid.effects.active import ActiveEffect
 AT_MOST = 3
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
-SHARE = 0.2  # of what is left above chance: less, and the cause is another
+SHARE, MORE = 0.2, 0.4  # of what is left above chance, the first and each further one: less, and the cause is another
 VISIBLE = 1.6  # floors
 SETTLED = 1.35  # chi squared per marker coordinate
 Key = tuple[str, int | None]
@@ -33,8 +33,8 @@ Key = tuple[str, int | None]
 def all_keys(body: Body) -> list[Key]:
     """Every effect that moves markers against the servos' chain."""
     joints, vertices = range(1, body.joint_count + 1), range(body.vertices)
-    zero: list[Key] = [("zero_offset", j) for j in joints]
-    return [*zero, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
+    unread: list[Key] = [(name, j) for name in ("zero_offset", "loose_joint") for j in joints]
+    return [*unread, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
 
 
 def choose_observation(recordings: Sequence[Recording], now: Observation) -> tuple[Rung, Observation]:
@@ -77,7 +77,8 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
         columns = columns_of(body, *key)
         gains.append((before - sums.held_out([*own, *columns]), key))
     gains.sort(key=lambda g: -g[0])
-    if gains[0][0] < max(GAIN, SHARE * (before - SETTLED * sums.count.sum())):
+    share = MORE if chosen else SHARE  # what the law of the first gets wrong looks like a second
+    if gains[0][0] < max(GAIN, share * (before - SETTLED * sums.count.sum())):
         return None
     tries = []
     for gain, key in gains[:6]:
@@ -142,6 +143,8 @@ def values_of(body: Body, now: Observation, key: Key) -> list[float]:
     """Parameters of one effect in an observation model."""
     if key[0] == "zero_offset":
         return [float(now.zeros[int(key[1] or 1) - 1])]
+    if key[0] == "loose_joint":
+        return [float(now.gaps[int(key[1] or 1) - 1])]
     return [float(v) for v in now.markers[int(key[1] or 0)]] if key[0] == "marker_offset" else [now.scale]
 
 
@@ -159,7 +162,7 @@ def _named(data: Sample, now: Observation, chosen: list[Key], key: Key) -> Named
     return Named(effect, ends, float(signature(data, only(data.body, now, key)).max()))
 
 
-SYSTEMATIC = {"offset": 5e-5, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep, smoothing
+SYSTEMATIC = {"offset": 5e-5, "width": 2e-4, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep, smoothing
 
 
 def _clock(recordings: Sequence[Recording]) -> Named | None:

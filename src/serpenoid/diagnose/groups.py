@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from serpenoid.diagnose.finding import Rival, excludable
-from serpenoid.diagnose.medium import Fit, fit_without
+from serpenoid.diagnose.medium import Fit
 from serpenoid.diagnose.noise import strength
 from serpenoid.diagnose.patches import Ranked
 from serpenoid.diagnose.processes import in_processes
@@ -33,14 +33,9 @@ class Swap:
     fit: Fit
 
 
-def without(found: Selection, effect: ActiveEffect) -> Fit:
-    """The choice's fit without one of its effects."""
-    return fit_without(found.motion, found.best, effect) if len(found.best.effects) > 1 else found.null
-
-
-def groups(found: Selection, bases: Sequence[Fit]) -> tuple[Swap, ...]:
-    """Rivals of every chosen effect, best fit first; bases: the fits without each."""
-    swaps = [s for e, base in zip(found.best.effects, bases, strict=True) for s in _of(found, e, base)]
+def groups(found: Selection) -> tuple[Swap, ...]:
+    """Rivals of every chosen effect, best fit first."""
+    swaps = [s for e, base in zip(found.best.effects, found.bases, strict=True) for s in _of(found, e, base)]
     return tuple(sorted(swaps, key=lambda s: s.fit.chi2))
 
 

@@ -34,7 +34,7 @@ class Motion:
     """The tracks and their noise; labels: gait numbers, one per track; held: known effects, not up for fitting.
 
     unlike (3,): the largest difference between two repeats' windows that is no news [m, m, rad]. untestable: effects
-    that are no candidates.
+    that are no candidates. ratio: eps, where it is known.
     """
 
     tracks: tuple[Track, ...]
@@ -43,3 +43,4 @@ class Motion:
     held: tuple[ActiveEffect, ...] = ()
     unlike: Floats | float = 0.0
     untestable: frozenset[str] = frozenset()
+    ratio: float | None = None

@@ -73,6 +73,11 @@ class Reference(Baseline):
         """Repeats differed before, and a change may make them differ more."""
         return UNLIKE * self.largest
 
+    @property
+    def ratio(self) -> float:
+        """The earlier campaign's."""
+        return self.model.medium.anisotropy_ratio
+
     def observation(self) -> Observation:
         """As it was before."""
         return self.seen

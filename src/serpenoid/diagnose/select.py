@@ -12,7 +12,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.held_out import Rule
-from serpenoid.diagnose.medium import STEPS, Fit, candidates_of, fit, fit_eps, fit_guided, fit_without
+from serpenoid.diagnose.medium import (
+    STEPS,
+    Fit,
+    candidates_of,
+    fit,
+    fit_eps,
+    fit_guided,
+    fit_without,
+    linearised,
+    with_values,
+)
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_error, path_floor, residuals, strength, window_noise
 from serpenoid.diagnose.patches import Ranked
@@ -26,10 +36,12 @@ AT_MOST, MANY, WORTH = 7, 3, 0.15  # after the first three each must take a shar
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
 GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
+TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 MINOR = 0.1  # of the path's error: what takes away less while much is left is not the cause
-VISIBLE = 1.6  # floors: a trace below is not told from chance by its path
+VISIBLE, STILL_VISIBLE = 1.6, 1.0  # floors: traces that may come in, and stay; a fainter one is not told from chance
+MARKED = 1.3  # floors, for what the windows show as clearly
 ASTRAY = 5.0  # floors: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
 UNCLEAR = 2.0  # the same: with the right effects there is less
@@ -63,11 +75,12 @@ class Faint:
 
 @dataclass(frozen=True)
 class Selection:
-    """null: eps alone; best: what was chosen; faint: gains below the floor."""
+    """null: eps alone; best: what was chosen; bases: it without each of its effects; faint: gains below the floor."""
 
     motion: Motion
     null: Fit
     best: Fit
+    bases: tuple[Fit, ...]
     floor_m: float
     faint: tuple[Faint, ...]
     scores: tuple[tuple[str, int | None, float], ...]
@@ -77,7 +90,7 @@ def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
     """Noise from repeats about a fit, and the fit with it."""
     noise, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
     motion = replace(motion, noise=noise)
-    return motion, fit(motion, base.model, list(base.effects), base.coordinates)
+    return motion, fit(motion, base.model, list(base.effects), base.coordinates, TO_THE_END)
 
 
 def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
@@ -126,16 +139,51 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         if not any((e.name, e.place) == (first.added.name, first.added.place) for e in best.effects):
             break
     floor = floor or path_floor(motion, best.predictions)
-    return Selection(motion, null, best, floor, tuple(faint), scores)
+    best, bases, lost = visible(motion, null, best, floor)
+    return Selection(motion, null, best, bases, floor, (*lost, *faint), scores)
 
 
-def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
-    """Whether an effect's trace in the path is above the floor; where paths stray anyway, in the windows will do."""
-    if t.strength_m >= VISIBLE * floor_m:
+def visible(motion: Motion, null: Fit, best: Fit, floor_m: float) -> tuple[Fit, tuple[Fit, ...], tuple[Faint, ...]]:
+    """Without effects whose trace the later ones took over, the faintest first; the fits without each of the others."""
+    lost: list[Faint] = []
+    while True:
+        effects = best.effects
+        bases = tuple(null if len(effects) == 1 else fit_without(motion, best, e) for e in effects)
+        tries = [Try(best, e, trace(motion, best, b, e)) for e, b in zip(effects, bases, strict=True)]
+        hidden = [i for i, t in enumerate(tries) if not stands_out(motion, bases[i], t, floor_m, STILL_VISIBLE)]
+        if len(effects) < 2 or not hidden:
+            return best, bases, tuple(lost[::-1])
+        faintest = min(hidden, key=lambda i: tries[i].strength_m)
+        lost.append(Faint(tries[faintest], motion))
+        best = bases[faintest]
+
+
+def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float, least: float = VISIBLE) -> bool:
+    """Whether a trace in the path is above the floor; less will do, or paths that stray, if windows show it."""
+    if t.strength_m >= least * floor_m:
         return True
-    astray = path_error(motion, base.predictions)
     in_windows = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
-    return bool(astray > ASTRAY * floor_m and in_windows > VISIBLE**2)
+    marked = t.strength_m >= MARKED * floor_m or path_error(motion, base.predictions) > ASTRAY * floor_m
+    return bool(marked and in_windows > VISIBLE**2)
+
+
+def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
+    """Path RMS [m] that `effect` of a fit is worth: against the fit without it.
+
+    Where eps is known, and nearer to that with the effect, eps is not let run to take its place.
+    """
+    fitted_again = strength(motion, full.predictions, base.predictions)
+    ratios = [f.model.medium.anisotropy_ratio for f in (full, base)]
+    if motion.ratio is None or np.ptp(np.abs(np.log(ratios) - np.log(motion.ratio))) == 0:
+        return fitted_again
+    near, far = np.abs(np.log(ratios) - np.log(motion.ratio))
+    kept = [e for e in full.effects if (e.name, e.place) != (effect.name, effect.place)]
+    if near > far or len(kept) == len(full.effects):
+        return fitted_again
+    x = np.array([ratios[0], *(c for e in kept for c in e.coordinates[:-1])])
+    model, drift = with_values(base.model, kept, x, motion.held)
+    _, predictions, _ = linearised(motion, model, kept, drift)
+    return max(fitted_again, strength(motion, full.predictions, predictions))
 
 
 def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:
@@ -163,7 +211,7 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
 def finished(motion: Motion, base: Fit, t: Try) -> Try:
     """Fitted to the end."""
     found = fit_guided(motion, t.fit, steps=STEPS)
-    return Try(found, t.added, strength(motion, found.predictions, base.predictions))
+    return Try(found, t.added, trace(motion, found, base, t.added))
 
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:

@@ -35,7 +35,7 @@ def whole_errors(
     found = motion.selection
     tracks = found.motion.tracks
     neutral = Observation.neutral(recordings[0].body)
-    raw = make_tracks(recordings, neutral, found.null.model) if _corrects(seen) else tracks
+    raw = make_tracks(recordings, neutral, found.null.model) if seen.corrects else tracks
     extended = _with(_with(found.best.model, known), actuators)
     drift = found.best.drift
     velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
@@ -61,7 +61,3 @@ def from_command(
 def _with(model: Model, effects: Sequence[ActiveEffect]) -> Model:
     given = {(e.name, e.place) for e in effects}
     return Model(model.body, model.medium, (*(e for e in model.effects if (e.name, e.place) not in given), *effects))
-
-
-def _corrects(seen: Observation) -> bool:
-    return bool(np.any(seen.zeros) or np.any(seen.markers) or seen.scale)
