@@ -20,6 +20,7 @@ from serpenoid.diagnose.ladder import Step, climb, motion_step
 from serpenoid.diagnose.maps import residual_maps
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
+from serpenoid.diagnose.select import unclear
 from serpenoid.diagnose.tracked import TrackedRecording
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.model import Model
@@ -102,6 +103,8 @@ def concluded(
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
+    if unclear(found.best):
+        leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(tuple(held_out(found.motion, f, leave_out)) for f in (found.null, found.best))
     before, after = scores(found.motion, predicted[0]), scores(found.motion, predicted[1], jumps)
     return Diagnosis(verdict(rungs), baseline, seen, rungs, motion, before, after, (predicted[0], predicted[1]), ladder)

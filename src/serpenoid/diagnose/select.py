@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.held_out import Rule
+from serpenoid.diagnose.gain import held_out
+from serpenoid.diagnose.held_out import Rule, first_order
 from serpenoid.diagnose.medium import (
     STEPS,
     Fit,
@@ -40,7 +41,7 @@ TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against d
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 MINOR = 0.1  # of the path's error: what takes away less while much is left is not the cause
-VISIBLE, STILL_VISIBLE = 1.6, 1.0  # floors: traces that may come in, and stay; a fainter one is not told from chance
+VISIBLE = 1.6  # floors: a fainter trace is not told from chance, and does not stay below one floor
 MARKED = 1.3  # floors, for what the windows show as clearly
 ASTRAY = 5.0  # floors: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
@@ -128,7 +129,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         extended = replace(motion, tracks=retrack(first.fit.model))
         extended, better = calibrated(extended, fit_guided(extended, first.fit))
         floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
-        if not stands_out(motion, best, first, floor):
+        astray = level > 0 and motion.ratio is None and unclear(better)  # then it may stay until the end
+        if not astray and not stands_out(motion, best, first, floor):
             faint.append(Faint(replace(first, fit=better), extended))
             break
         motion, floor = extended, None
@@ -149,22 +151,35 @@ def visible(motion: Motion, null: Fit, best: Fit, floor_m: float) -> tuple[Fit, 
     while True:
         effects = best.effects
         bases = tuple(null if len(effects) == 1 else fit_without(motion, best, e) for e in effects)
-        tries = [Try(best, e, trace(motion, best, b, e)) for e, b in zip(effects, bases, strict=True)]
-        hidden = [i for i, t in enumerate(tries) if not stands_out(motion, bases[i], t, floor_m, STILL_VISIBLE)]
+        traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
+        hidden = [i for i, b in enumerate(bases) if traces[i] < floor_m and not needed(motion, best, b)]
         if len(effects) < 2 or not hidden:
             return best, bases, tuple(lost[::-1])
-        faintest = min(hidden, key=lambda i: tries[i].strength_m)
-        lost.append(Faint(tries[faintest], motion))
-        best = bases[faintest]
+        faintest = min(hidden, key=lambda i: traces[i])
+        lost.append(Faint(Try(best, effects[faintest], traces[faintest]), motion))
+        best = fit_guided(motion, bases[faintest], TO_THE_END)
 
 
-def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float, least: float = VISIBLE) -> bool:
+def unclear(found: Fit) -> bool:
+    """Whether windows are left with much more than chance."""
+    return bool(found.chi2 > UNCLEAR * found.evidence.count.sum())
+
+
+def needed(motion: Motion, full: Fit, base: Fit) -> bool:
+    """Whether held-out paths are predicted better with an effect: where a model is far off, faint ones may do that."""
+    if not unclear(full) or motion.ratio is not None:
+        return False
+    error, without = (path_error(motion, held_out(motion, f, first_order)) for f in (full, base))
+    return error < without
+
+
+def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
     """Whether a trace in the path is above the floor; less will do, or paths that stray, if windows show it."""
-    if t.strength_m >= least * floor_m:
+    if t.strength_m >= VISIBLE * floor_m:
         return True
-    in_windows = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
+    gained = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
     marked = t.strength_m >= MARKED * floor_m or path_error(motion, base.predictions) > ASTRAY * floor_m
-    return bool(marked and in_windows > VISIBLE**2)
+    return bool(marked and gained > VISIBLE**2)
 
 
 def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
