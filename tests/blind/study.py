@@ -49,7 +49,7 @@ class Study:
     out: Path
     model: str
     diagnose: str = f"{sys.executable} -m serpenoid diagnose"
-    key: str = "blind-5"
+    key: str = "blind-6"
     timeout_s: float = 600.0
     keep: bool = False
 
