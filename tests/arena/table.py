@@ -22,7 +22,7 @@ explained. *Left*: floors, on the rung of motion. One campaign each.
 NOTES = """
 The method was developed on the same kinds of changes played with other seeds; there, lifted wheel, smooth tyre, patch
 and battery sag were weaker and stayed below the floor or nearly so, and were made stronger for this table. Once there,
-it served to develop, too. At first 9 of 15 were right; with `rolling_resistance`, `track_width` and `wheel_mount` in the
+it served to develop, too. At first 9 of 15 were right; with `rolling_resistance`, `track_width`, `wheel_mount` in the
 catalogue and a seized wheel's force limited by the grip 11; what was missed then led to `loose_joint`, to eps that is
 known from the reference, and to effects that leave again when others take their place.
 
