@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from serpenoid.diagnose.report import lead, left_over
-from serpenoid.diagnose.words import faint, lines, parameter, shown, title
+from serpenoid.diagnose.words import faint, lines, parameter, ratio, shown, title
 
 
 @pytest.mark.parametrize(
@@ -45,6 +45,14 @@ def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tup
     assert faint(record) == ["too faint to name: friction_patch (1.4 floors)"]
     assert "  too faint to name: friction_patch (1.4 floors)" in lines(record)
     assert any(text.startswith("Too faint to name: friction_patch (1.4 floors)") for text in lead(record))
+
+
+def test_the_calibration_is_told_of_beside_the_reference() -> None:
+    eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226}}
+    earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}
+    assert ratio(eps | {"reference": None, "effects": []}) == "0.02871 calibrated alone"
+    said = ratio(eps | {"reference": earlier, "effects": [{}]})
+    assert said == "0.0195 in healthy, 0.02871 calibrated alone, 0.0226 with what is named"
 
 
 def test_what_is_left_is_gathered_by_rung() -> None:

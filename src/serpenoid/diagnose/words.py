@@ -73,13 +73,21 @@ def reference(record: Record) -> list[str]:
     return [*said, *(f"{name} already showed: {text}" for text in earlier["residual_pattern"])]
 
 
+def ratio(record: Record) -> str:
+    """eps: of the reference, calibrated alone, with what is named. A calibration is no diagnosis, but may be news."""
+    eps, earlier = record["anisotropy_ratio"], record["reference"]
+    said = [f"{earlier['anisotropy_ratio']['after']:.4g} in {earlier['campaign']}"] if earlier else []
+    said.append(f"{eps['before']:.4g} calibrated alone")
+    return ", ".join([*said, f"{eps['after']:.4g} with what is named"] if record["effects"] else said)
+
+
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"reference         {text}" for text in reference(record)]
     found.append(f"verdict           {record['verdict']}")
     for e in record["effects"]:
         found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors)")
-        found += [f"    {name:16}{parameter(p)}" for name, p in e["parameters"].items()]
+        found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
     found += [f"  or {title(e)} ({e['separation_floors']:.1f} floors apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in faint(record)]
     found += [_rung(s) for s in record["ladder"]]
@@ -87,6 +95,7 @@ def lines(record: Record) -> list[str]:
     found += [f"not tested        {text}" for text in untestable(record)]
     rms = record["gain"]["path_rms_m"]
     found.append(f"held-out gaits    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
+    found.append(f"anisotropy ratio  {ratio(record)}")
     if record["next_experiment"]:
         e = record["next_experiment"]
         pose = e["start_pose"]
