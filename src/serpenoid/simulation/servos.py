@@ -26,7 +26,7 @@ FADED = 1e-14
 
 @dataclass(frozen=True)
 class Realised:
-    """True joint angles and what the servos read of them (R, m) [rad]; zero offsets and loose joints make the difference."""
+    """True joint angles and what servos read of them (R, m) [rad]; zero offsets and loose joints are not read."""
 
     angles: Floats
     readings: Floats
