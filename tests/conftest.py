@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import signal
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
-HERE = Path(__file__).parent
 PROBLEMS = Path(__file__).parents[1] / "problems"
 
-if (
-    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-):  # as shells start what runs in the background; children inherit it
+# as shells start what runs in the background; children inherit it
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -22,16 +22,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    for item in items:
-        # an unplugged port's number is free for the next one that is opened: such tests run one after the other
-        if item.path.is_relative_to(HERE / "robot") or item.path == HERE / "arena" / "test_bus.py":
-            item.add_marker(pytest.mark.xdist_group("serial ports"))
     if config.getoption("--run-slow"):
         return
     skip = pytest.mark.skip(reason="slow: run with --run-slow")
     for item in items:
         if "slow" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.fixture
+def serial_ports() -> Iterator[None]:
+    """One test at a time on this machine: the number of a port that a test unplugs goes to the next one opened."""
+    with FileLock(Path(tempfile.gettempdir()) / "serpenoid-tests-serial-ports.lock", mode=0o666):
+        yield
 
 
 @pytest.fixture(scope="module")

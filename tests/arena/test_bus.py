@@ -13,6 +13,8 @@ from arena.support import LENGTH, serpenoid_table
 from serpenoid.cli.main import main
 from serpenoid.gaits.table import write_table
 
+pytestmark = pytest.mark.usefixtures("serial_ports")
+
 ROOT = Path(__file__).parents[2]
 ROBOT_FILE = ROOT / "problems" / "robots" / "snake10-robot.toml"
 

@@ -34,6 +34,8 @@ from emulated import (
 
 from serpenoid.robot.ticks import to_radians, to_ticks
 
+pytestmark = pytest.mark.usefixtures("serial_ports")
+
 GROUPS = ("command", "position", "voltage", "load", "temperature", "error")
 
 
@@ -128,7 +130,8 @@ def test_fault_ends_with_torque_off_a_message_and_a_readable_log(tmp_path, fault
 
 def test_error_bits_of_an_overheated_servo_are_in_the_log(tmp_path):
     with emulator(tmp_path, "overheat:4@0.6=81") as rig:
-        serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
+        done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
+    assert done.returncode == 1, done.stderr
     _, rows = read_log(tmp_path / "log" / "servo.csv")
     assert int(rows[-1]["error_4"]) & 0x04
     assert rows[-1]["temperature_4"] == "81"
