@@ -9,9 +9,8 @@ import numpy as np
 
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.finding import Named, Rung, interval
-from serpenoid.diagnose.gain import held_out
 from serpenoid.diagnose.groups import Swap, groups
-from serpenoid.diagnose.held_out import LeaveOut, Rule, first_order
+from serpenoid.diagnose.held_out import LeaveOut, Rule, first_order, held_out_error
 from serpenoid.diagnose.jumps import find_jumps
 from serpenoid.diagnose.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.motion import Motion, Noise
@@ -79,8 +78,11 @@ def choose_on_tracks(
 
 def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order) -> MotionFinding:
     """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
-    chosen, share = found.selection.best.effects, explained_share(found.selection, leave_out)
-    if not chosen or found.rung.settled or share >= least:
+    chosen = found.selection.best.effects
+    if not chosen or found.rung.settled:
+        return found
+    share = explained_share(found.selection, leave_out)
+    if share >= least:
         return found
     bare = finding(replace(found.selection, best=found.selection.null, bases=(), faint=()))
     names = " and ".join(e.name for e in chosen)
@@ -91,8 +93,7 @@ def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order
 
 def explained_share(found: Selection, leave_out: LeaveOut) -> float:
     """Of the path RMS that eps alone leaves on held-out parts, how much the chosen effects take away."""
-    motion = found.motion
-    before, after = (path_error(motion, held_out(motion, f, leave_out)) for f in (found.null, found.best))
+    before, after = (held_out_error(found.motion, f, leave_out) for f in (found.null, found.best))
     return 1 - after / before
 
 

@@ -14,8 +14,8 @@ from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.choose_tracked import choose_tracked
 from serpenoid.diagnose.finding import Named, Rival, Rung
-from serpenoid.diagnose.gain import Scores, gain_record, held_out, scores
-from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again
+from serpenoid.diagnose.gain import Scores, gain_record, scores
+from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again, held_out
 from serpenoid.diagnose.ladder import Step, climb, motion_step
 from serpenoid.diagnose.maps import residual_maps
 from serpenoid.diagnose.observation import Observation

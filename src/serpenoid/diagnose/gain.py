@@ -10,8 +10,6 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import travel
-from serpenoid.diagnose.held_out import LeaveOut, each_held_out, first_order
-from serpenoid.diagnose.medium import Fit
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_rms, residuals
 from serpenoid.diagnose.windows import Prediction
@@ -28,15 +26,6 @@ class Scores:
     heading: Floats
     log_ratio: Floats
     log_likelihood: Floats
-
-
-def held_out(motion: Motion, fit: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:
-    """Every trial predicted with parameters fitted to the other gaits."""
-    found: list[Prediction | None] = [None] * len(motion.tracks)
-    for index, _, predictions in each_held_out(motion, fit, leave_out):
-        for i, p in zip(index, predictions, strict=True):
-            found[i] = p
-    return [p for p in found if p is not None]
 
 
 def scores(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> Scores:

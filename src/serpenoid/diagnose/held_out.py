@@ -16,6 +16,7 @@ from serpenoid.diagnose.bounds import overstrained
 from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.medium import Fit, fit, linearised, with_values
 from serpenoid.diagnose.motion import Motion
+from serpenoid.diagnose.noise import path_error
 from serpenoid.diagnose.windows import Prediction
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
@@ -51,6 +52,18 @@ def each_held_out(
         model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
         evidence, predictions, _ = linearised(part(motion, index), model, effects, drift)
         yield index, evidence, predictions
+
+
+def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:
+    """Every trial predicted with parameters fitted to the other gaits."""
+    each = (zip(index, p, strict=True) for index, _, p in each_held_out(motion, found, leave_out))
+    by_track = {i: p for pairs in each for i, p in pairs}
+    return [by_track[i] for i in range(len(motion.tracks))]
+
+
+def held_out_error(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> float:
+    """Path RMS of these over all trials [m]."""
+    return path_error(motion, held_out(motion, found, leave_out))
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ class Fit:
     @property
     def coordinates(self) -> Floats:
         """eps and the coordinates of all fitted effects."""
-        return np.array([self.model.medium.anisotropy_ratio, *(c for e in self.effects for c in e.coordinates[:-1])])
+        return _coordinates(self.model, self.effects)
 
     def shrinking(self, evidence: Evidence) -> Evidence:
         """Evidence about this fit, whose first columns are its own, for fits without a gait."""
@@ -191,13 +191,27 @@ def fit_eps(motion: Motion, start: Model) -> Fit:
 
 def fit_without(motion: Motion, found: Fit, effect: ActiveEffect) -> Fit:
     """A fit with one effect left out and everything else fitted again."""
-    kept = [e for e in found.effects if e is not effect]
-    x = np.array([found.model.medium.anisotropy_ratio, *(c for e in kept for c in e.coordinates[:-1])])
-    return fit(motion, found.model, kept, x)
+    kept = _others(found, effect)
+    return fit(motion, found.model, kept, _coordinates(found.model, kept))
+
+
+def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple[Prediction, ...]:
+    """What a fit predicts with one effect taken out and nothing fitted again."""
+    kept = _others(found, effect)
+    model, drift = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
+    return linearised(motion, model, kept, drift)[1]
+
+
+def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:
+    return [e for e in found.effects if (e.name, e.place) != (effect.name, effect.place)]
 
 
 def _values(fitted: Sequence[ActiveEffect], model: Model, drift: ActiveEffect | None) -> Floats:
-    effects = [*fitted, *(() if drift is None else (drift,))]
+    return _coordinates(model, [*fitted, *(() if drift is None else (drift,))])
+
+
+def _coordinates(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
+    """eps and the coordinates of effects, as fits take them (1 + P,)."""
     return np.array([model.medium.anisotropy_ratio, *(c for e in effects for c in e.coordinates[:-1])])
 
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.gain import held_out
-from serpenoid.diagnose.held_out import Rule, first_order
+from serpenoid.diagnose.held_out import Rule, held_out_error
 from serpenoid.diagnose.medium import (
     STEPS,
     Fit,
@@ -21,8 +20,7 @@ from serpenoid.diagnose.medium import (
     fit_eps,
     fit_guided,
     fit_without,
-    linearised,
-    with_values,
+    predicted_without,
 )
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_error, path_floor, residuals, strength, window_noise
@@ -98,7 +96,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, fit_eps(motion, model))
     best = null
-    faint: list[Faint] = []
+    faint: tuple[Faint, ...] = ()
     floor: float | None = None
     rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
@@ -131,7 +129,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
         astray = level > 0 and motion.ratio is None and unclear(better)  # then it may stay until the end
         if not astray and not stands_out(motion, best, first, floor):
-            faint.append(Faint(replace(first, fit=better), extended))
+            faint = (Faint(replace(first, fit=better), extended),)
             break
         motion, floor = extended, None
         null = fit(motion, null.model, [], null.coordinates)
@@ -169,8 +167,7 @@ def needed(motion: Motion, full: Fit, base: Fit) -> bool:
     """Whether held-out paths are predicted better with an effect: where a model is far off, faint ones may do that."""
     if not unclear(full) or motion.ratio is not None:
         return False
-    error, without = (path_error(motion, held_out(motion, f, first_order)) for f in (full, base))
-    return error < without
+    return held_out_error(motion, full) < held_out_error(motion, base)
 
 
 def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
@@ -188,17 +185,12 @@ def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
     Where eps is known, and nearer to that with the effect, eps is not let run to take its place.
     """
     fitted_again = strength(motion, full.predictions, base.predictions)
-    ratios = [f.model.medium.anisotropy_ratio for f in (full, base)]
-    if motion.ratio is None or np.ptp(np.abs(np.log(ratios) - np.log(motion.ratio))) == 0:
+    if motion.ratio is None:
         return fitted_again
-    near, far = np.abs(np.log(ratios) - np.log(motion.ratio))
-    kept = [e for e in full.effects if (e.name, e.place) != (effect.name, effect.place)]
-    if near > far or len(kept) == len(full.effects):
+    near, far = (abs(np.log(f.model.medium.anisotropy_ratio / motion.ratio)) for f in (full, base))
+    if near >= far:
         return fitted_again
-    x = np.array([ratios[0], *(c for e in kept for c in e.coordinates[:-1])])
-    model, drift = with_values(base.model, kept, x, motion.held)
-    _, predictions, _ = linearised(motion, model, kept, drift)
-    return max(fitted_again, strength(motion, full.predictions, predictions))
+    return max(fitted_again, strength(motion, full.predictions, predicted_without(motion, full, effect)))
 
 
 def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:
