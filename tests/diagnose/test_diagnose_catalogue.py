@@ -18,10 +18,11 @@ from serpenoid.diagnose.actuation import attempts, plays
 from serpenoid.diagnose.choose_motion import GUESS
 from serpenoid.diagnose.choose_observation import all_keys, choose_observation
 from serpenoid.diagnose.jumps import find_jumps
+from serpenoid.diagnose.marker_evidence import evidence, sample
 from serpenoid.diagnose.medium import fit_eps
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_floor
-from serpenoid.diagnose.observation import Observation, columns_of, evidence, sample
+from serpenoid.diagnose.observation import Observation, columns_of
 from serpenoid.diagnose.ranking import score
 from serpenoid.diagnose.recording import Recording, read_recordings
 from serpenoid.diagnose.select import Fit, calibrated

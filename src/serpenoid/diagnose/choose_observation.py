@@ -8,16 +8,8 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.finding import Named, Rival, Rung, excludable, interval
-from serpenoid.diagnose.observation import (
-    ANGLE_FLOOR,
-    Observation,
-    Sample,
-    apart,
-    columns_of,
-    evidence,
-    sample,
-    signature,
-)
+from serpenoid.diagnose.marker_evidence import ANGLE_FLOOR, Sample, apart, evidence, misfit, sample, signature
+from serpenoid.diagnose.observation import Observation, columns_of
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
 
@@ -51,8 +43,7 @@ def choose_observation(recordings: Sequence[Recording], now: Observation) -> tup
     for key in chosen:
         named = _named(data, now, chosen, key)
         (shown if named.strength >= VISIBLE else faint).append(named)
-    rung = evidence(data, now)
-    left = float(rung.constant.sum() / rung.count.sum())
+    left = misfit(data, now) / data.count
     clock = _clock(recordings)
     if clock is not None:
         (shown if clock.strength >= VISIBLE else faint).append(clock)
@@ -78,15 +69,15 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
         gains.append((before - sums.held_out([*own, *columns]), key))
     gains.sort(key=lambda g: -g[0])
     share = MORE if chosen else SHARE  # what the law of the first gets wrong looks like a second
-    if gains[0][0] < max(GAIN, share * (before - SETTLED * sums.count.sum())):
+    if gains[0][0] < max(GAIN, share * (before - SETTLED * data.count)):
         return None
     tries = []
     for gain, key in gains[:6]:
         if gain > 0.3 * gains[0][0]:
             fitted = solved(data, now, [*chosen, key])
-            tries.append((evidence(data, fitted).constant.sum(), len(columns_of(body, *key)), key, fitted))
+            tries.append((misfit(data, fitted), len(columns_of(body, *key)), key, fitted))
     least = min(t[0] for t in tries)
-    close = [t for t in tries if not excludable(t[0], least, sums.count.sum())]
+    close = [t for t in tries if not excludable(t[0], least, data.count)]
     _, _, key, fitted = min(close, key=lambda t: (t[1], t[0]))
     return [*chosen, key], fitted
 
@@ -97,8 +88,7 @@ def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -
     kept = [k for k in chosen if k != key]
     base = cleared(body, now, key)
     base = solved(data, base, kept) if kept else base
-    sums, after = evidence(data, base), evidence(data, now)
-    least, count = float(after.constant.sum()), float(after.count.sum())
+    sums, least, count = evidence(data, base), misfit(data, now), data.count
     slack = FIRST_ORDER * (float(sums.constant.sum()) - least)
     found = []
     for other in all_keys(body):
@@ -109,7 +99,7 @@ def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -
         effect = ActiveEffect.neutral(*other).with_coordinates(values_of(body, fitted, other))
         mine = ActiveEffect.neutral(*key).with_coordinates(values_of(body, now, key))
         rival = Rival(effect, mine, apart(data, now, fitted))
-        if not rival.separable and not excludable(float(evidence(data, fitted).constant.sum()), least, count):
+        if not rival.separable and not excludable(misfit(data, fitted), least, count):
             found.append(rival)
     return found
 
@@ -118,7 +108,7 @@ def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4)
     """Gauss-Newton in the numbers of the given effects."""
     columns = [c for k in keys for c in columns_of(data.body, *k)]
     for _ in range(rounds):
-        step, _ = evidence(data, now).solve(columns)
+        step, _ = evidence(data, now, columns).solve(range(len(columns)))
         for column, amount in zip(columns, step, strict=True):
             now = now.with_column(column, float(amount))
     return now
@@ -150,8 +140,8 @@ def values_of(body: Body, now: Observation, key: Key) -> list[float]:
 
 def _named(data: Sample, now: Observation, chosen: list[Key], key: Key) -> Named:
     own = [c for k in chosen for c in columns_of(data.body, *k)]
-    sums = evidence(data, now)
-    _, covariance = sums.solve(own)
+    sums = evidence(data, now, own)
+    _, covariance = sums.solve(range(len(own)))
     spread = np.sqrt(sums.constant.sum() / sums.count.sum())
     values = values_of(data.body, now, key)
     effect = ActiveEffect.neutral(key[0], key[1]).with_coordinates(values)

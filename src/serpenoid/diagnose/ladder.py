@@ -23,8 +23,9 @@ from serpenoid.diagnose.actuation import Plays
 from serpenoid.diagnose.choose_motion import MotionFinding
 from serpenoid.diagnose.finding import Rung
 from serpenoid.diagnose.geometry import register
+from serpenoid.diagnose.marker_evidence import sample
 from serpenoid.diagnose.noise import residuals, total
-from serpenoid.diagnose.observation import Observation, sample
+from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.whole import whole_errors
 
