@@ -1,8 +1,8 @@
 """What all benchmarks share: timing side by side, switching compilation, and a Markdown report with its versions.
 
-Everything here runs on one core, and seconds are processor seconds of the process: on a machine that others use, wall
-time measures them. What is left of their noise goes upwards only, so alternatives are timed in turn, round after round,
-and both the fastest and the median round are kept. Ratios are of the fastest rounds.
+What is timed with `clock` runs on one core, and seconds are processor seconds of the process: on a machine that others
+use, wall time measures them. What is left of their noise goes upwards only, so alternatives are timed in turn, round
+after round, and both the fastest and the median round are kept. Ratios are of the fastest rounds.
 """
 
 from __future__ import annotations
@@ -105,12 +105,12 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
 
 
-def report(name: str, title: str, *parts: str) -> None:
-    """Print the report and write it to results/benchmarks/<name>.md."""
+def report(name: str, title: str, *parts: str, measure: str = "processor seconds, one core") -> None:
+    """Print the report and write it to results/benchmarks/<name>.md; measure: what seconds are."""
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     versions = f"Python {platform.python_version()}, CasADi {casadi.__version__}, NumPy {np.__version__}"
     versions += f", SciPy {scipy.__version__}; {os.cpu_count()} cores, load {load} when written;"
-    versions += " processor seconds, one core"
+    versions += f" {measure}"
     command = f"    PYTHONPATH=src:tests python benchmarks/{name}.py"
     text = "\n\n".join([f"# {title}", command, versions, *(part.strip() for part in parts)]) + "\n"
     write_text(REPORTS / f"{name}.md", text)

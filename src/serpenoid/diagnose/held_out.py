@@ -6,7 +6,7 @@ neither: there a parameter may run far without one of the parts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.medium import Fit, fit, linearised, with_values
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_error
+from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.windows import Prediction
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
@@ -42,22 +43,32 @@ def part(motion: Motion, index: list[int]) -> Motion:
     return replace(motion, tracks=tuple(motion.tracks[i] for i in index), labels=tuple(motion.labels[i] for i in index))
 
 
-def each_held_out(
-    motion: Motion, found: Fit, leave_out: LeaveOut
-) -> Iterator[tuple[list[int], Evidence, tuple[Prediction, ...]]]:
-    """What is held out together, one after the other: indices of the tracks, evidence and predictions without them."""
+@dataclass(frozen=True)
+class Unseen:
+    """What is held out together: indices of the tracks, evidence and predictions of a fit without them."""
+
+    index: list[int]
+    evidence: Evidence
+    predictions: tuple[Prediction, ...]
+
+
+def each_held_out(motion: Motion, found: Fit, leave_out: LeaveOut) -> list[Unseen]:
+    """Everything that is held out, part by part."""
+    return in_processes([(_unseen, (motion, found, leave_out, label)) for label in sorted(set(motion.labels))])
+
+
+def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unseen:
     effects = list(found.effects)
-    for label in sorted(set(motion.labels)):
-        index = [i for i, own in enumerate(motion.labels) if own == label]
-        model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
-        evidence, predictions, _ = linearised(part(motion, index), model, effects, drift)
-        yield index, evidence, predictions
+    index = [i for i, own in enumerate(motion.labels) if own == label]
+    model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
+    evidence, predictions, _ = linearised(part(motion, index), model, effects, drift)
+    return Unseen(index, evidence, predictions)
 
 
 def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:
     """Every trial predicted with parameters fitted to the other gaits."""
-    each = (zip(index, p, strict=True) for index, _, p in each_held_out(motion, found, leave_out))
-    by_track = {i: p for pairs in each for i, p in pairs}
+    parts = each_held_out(motion, found, leave_out)
+    by_track = {i: p for u in parts for i, p in zip(u.index, u.predictions, strict=True)}
     return [by_track[i] for i in range(len(motion.tracks))]
 
 
@@ -85,9 +96,9 @@ class Rule:
         if self.leave_out is first_order:
             return found.held_out
         total = 0.0
-        for index, evidence, _ in each_held_out(motion, found, self.leave_out):
-            whole = 3 * sum(int(motion.tracks[i].usable.sum()) for i in index)
-            total += float(evidence.constant.sum()) if evidence.count.sum() == whole else np.inf
+        for unseen in each_held_out(motion, found, self.leave_out):
+            whole = 3 * sum(int(motion.tracks[i].usable.sum()) for i in unseen.index)
+            total += float(unseen.evidence.constant.sum()) if unseen.evidence.count.sum() == whole else np.inf
         return total
 
     def needed(self, base: Fit, held_out: float, gain: float) -> float:

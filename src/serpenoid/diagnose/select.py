@@ -148,7 +148,7 @@ def visible(motion: Motion, null: Fit, best: Fit, floor_m: float) -> tuple[Fit, 
     lost: list[Faint] = []
     while True:
         effects = best.effects
-        bases = tuple(null if len(effects) == 1 else fit_without(motion, best, e) for e in effects)
+        bases = (null,) if len(effects) == 1 else each_without(motion, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
         hidden = [i for i, b in enumerate(bases) if traces[i] < floor_m and not needed(motion, best, b)]
         if len(effects) < 2 or not hidden:
@@ -237,13 +237,17 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     return Try(found, added, strength(motion, found.predictions, base.predictions))
 
 
+def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:
+    """Fits without each of the effects."""
+    return tuple(in_processes([(fit_without, (motion, best, e)) for e in best.effects]))
+
+
 def pruned(motion: Motion, best: Fit, rule: Rule) -> Fit:
     """Without effects that no longer earn their place."""
     if len(best.effects) < 2:
         return best
     score = rule.held_out(motion, best)
-    for left_out in best.effects:
-        without = fit_without(motion, best, left_out)
+    for without in each_without(motion, best):
         before = rule.held_out(motion, without)
         if before - score < rule.needed(without, before, GAIN):
             return pruned(motion, without, rule)

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import filled, register, relative, shapes
 from serpenoid.diagnose.observation import Observation
+from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.windows import Track, predicted_path
 from serpenoid.model import Model
@@ -28,7 +29,7 @@ LEAST_FRAMES = 4
 
 def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model) -> tuple[Track, ...]:
     """Tracks with the observation model's corrections applied; the model only guides averages over a few frames."""
-    return tuple(_track(r, seen, model) for r in recordings)
+    return tuple(in_processes([(_track, (r, seen, model)) for r in recordings]))
 
 
 def _mesh(r: Recording) -> tuple[Floats, np.ndarray, np.ndarray, np.ndarray, Floats]:

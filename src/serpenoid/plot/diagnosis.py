@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel
 from serpenoid.diagnose.maps import windows
+from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.select import GAIN
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.figures import save
@@ -46,9 +47,12 @@ def draw_all(folder: Path, d: Diagnosis, experiment: Floats | None = None) -> li
     jobs |= {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in d.ladder if s.error.name in PARTS}
     if experiment is not None:
         jobs["next-experiment"] = lambda: table_figure(experiment)
-    for name, job in jobs.items():
-        save(job(), folder, name)
+    in_processes([(_draw_one, (job, folder, name)) for name, job in jobs.items()])
     return list(jobs)
+
+
+def _draw_one(job: Callable[[], Figure], folder: Path, name: str) -> None:
+    save(job(), folder, name)
 
 
 def paths_figure(d: Diagnosis) -> Figure:
