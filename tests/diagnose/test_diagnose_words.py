@@ -41,10 +41,13 @@ def test_places_are_joints_or_vertices() -> None:
 
 def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
     trace = {"name": "friction_patch", "site": "medium", "place": None, "parameters": {}, "strength_floors": 1.44}
+    trace["in_extended_model"] = False
     record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_the_floor": [trace]}
     assert faint(record) == ["too faint to name: friction_patch (1.4 floors)"]
     assert "  too faint to name: friction_patch (1.4 floors)" in lines(record)
     assert any(text.startswith("Too faint to name: friction_patch (1.4 floors)") for text in lead(record))
+    kept = record | {"below_the_floor": [trace | {"in_extended_model": True}]}
+    assert faint(kept) == ["too faint to name, but in the extended model: friction_patch (1.4 floors)"]
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:

@@ -17,7 +17,7 @@ from scipy.signal import savgol_filter
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.recording import Recording
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.catalogue import actuation_effects, find
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -60,9 +60,7 @@ class Plays:
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
         body = self.recordings[0].body
-        given = {(e.name, e.place) for e in effects}
-        known = [e for e in self.known if (e.name, e.place) not in given]
-        model = Model(body, Medium(anisotropy_ratio=0.2), (*known, *effects))
+        model = Model(body, Medium(anisotropy_ratio=0.2), joined(self.known, effects))
         parts = []
         for r, mesh, where in zip(self.recordings, self.meshes, self.where, strict=True):
             parts.append(realise(model, r.schedule.commanded(mesh), mesh).readings[where])

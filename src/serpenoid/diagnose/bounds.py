@@ -43,5 +43,5 @@ def _sides(model: Model, effect: ActiveEffect) -> list[tuple[bool, bool]]:
 
 def at_values(model: Model, effects: Sequence[ActiveEffect], drift: ActiveEffect | None) -> list[ActiveEffect]:
     """The effects in their order with the values they have in the model."""
-    now = {(e.name, e.place): e for e in (*model.effects, *(() if drift is None else (drift,)))}
-    return [now[e.name, e.place] for e in effects]
+    now = {e.key: e for e in (*model.effects, *(() if drift is None else (drift,)))}
+    return [now[e.key] for e in effects]

@@ -47,12 +47,12 @@ def choose_actuation(data: Plays) -> Rung:
 def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:
     """What else could stand in the place of each chosen effect, the others kept; S_ab: the worst joint's RMS."""
     here = data.realised(chosen)
-    least, keys = float((((data.readings - here) / data.noise) ** 2).sum()), {(e.name, e.place) for e in chosen}
+    least, keys = float((((data.readings - here) / data.noise) ** 2).sum()), {e.key for e in chosen}
     found = []
     for effect in chosen:
         kept = [e for e in chosen if e is not effect]
         for t in attempts(data, kept) if kept else singles:
-            same = (t.effect.name, t.effect.place) in keys
+            same = t.effect.key in keys
             if same or excludable(float(t.chi2.sum()), least, data.readings.size):
                 continue
             apart = data.realised([*kept, t.effect]) - here

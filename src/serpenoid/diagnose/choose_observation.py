@@ -50,7 +50,7 @@ def choose_observation(recordings: Sequence[Recording], now: Observation) -> tup
     words = (
         () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
     )
-    visible = [k for k in chosen if k in {(n.effect.name, n.effect.place) for n in shown}]
+    visible = [k for k in chosen if k in {n.effect.key for n in shown}]
     rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k))
     return Rung("observation", tuple(shown), rivals, tuple(faint), left, words), now
 

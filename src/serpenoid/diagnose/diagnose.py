@@ -18,6 +18,8 @@ from serpenoid.diagnose.gain import Scores, gain_record, scores
 from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again, held_out
 from serpenoid.diagnose.ladder import Step, climb, motion_step
 from serpenoid.diagnose.maps import residual_maps
+from serpenoid.diagnose.medium import Fit
+from serpenoid.diagnose.noise import path_error
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.select import unclear
@@ -31,7 +33,8 @@ class Diagnosis:
     """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
 
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
-    baseline: what was taken for granted; seen: the observation model.
+    baseline: what was taken for granted; seen: the observation model; extension: the fit that the extended model takes
+    over, with what is too faint to be named where paths of held-out gaits need it.
     """
 
     verdict: str
@@ -39,6 +42,7 @@ class Diagnosis:
     seen: Observation
     rungs: tuple[Rung, ...]
     motion: MotionFinding
+    extension: Fit
     before: Scores
     after: Scores
     held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
@@ -62,9 +66,9 @@ class Diagnosis:
     @property
     def model(self) -> Model:
         """The extended model: what was known before, what the motion's fit found, and what the upper rungs did."""
-        fitted = self.motion.selection.best.model
-        every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects)
-        return Model(fitted.body, fitted.medium, tuple({(e.name, e.place): e for e in every}.values()))
+        fitted = self.extension.model
+        every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects, *self.extension.effects)
+        return Model(fitted.body, fitted.medium, tuple({e.key: e for e in every}.values()))
 
 
 def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[[str], None]) -> Diagnosis:
@@ -105,9 +109,17 @@ def concluded(
     jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
     if unclear(found.best):
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
-    predicted = tuple(tuple(held_out(found.motion, f, leave_out)) for f in (found.null, found.best))
-    before, after = scores(found.motion, predicted[0]), scores(found.motion, predicted[1], jumps)
-    return Diagnosis(verdict(rungs), baseline, seen, rungs, motion, before, after, (predicted[0], predicted[1]), ladder)
+    predicted = tuple(held_out(found.motion, found.null, leave_out))
+    extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
+    if found.faint and any(rung.named for rung in rungs):
+        fuller = found.faint[-1].attempt.fit
+        unseen = tuple(held_out(found.motion, fuller, leave_out))
+        if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
+            extension, better = fuller, unseen
+    before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
+    return Diagnosis(
+        verdict(rungs), baseline, seen, rungs, motion, extension, before, after, (predicted, better), ladder
+    )  # fmt: skip
 
 
 def verdict(rungs: Sequence[Rung]) -> str:
@@ -121,12 +133,14 @@ def verdict(rungs: Sequence[Rung]) -> str:
 
 def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
-    found = d.motion.selection
+    found, extended = d.motion.selection, {e.key for e in d.model.effects}
     return {
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
         "alternatives": [r.record() for r in d.rivals],
-        "below_the_floor": [n.record() for rung in d.rungs for n in rung.faint],
+        "below_the_floor": [
+            n.record() | {"in_extended_model": n.effect.key in extended} for rung in d.rungs for n in rung.faint
+        ],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
         },

@@ -42,14 +42,14 @@ def groups(found: Selection) -> tuple[Swap, ...]:
 def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     motion, best, gained = found.motion, found.best, base.chi2 - found.best.chi2
     size = float(best.evidence.count.sum())
-    close = promising(score(motion, base), {_key(e) for e in best.effects}, FIRST_ORDER * gained)
+    close = promising(score(motion, base), {e.key for e in best.effects}, FIRST_ORDER * gained)
     tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in close])
     tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, SCREENED * gained)]
     rivals: dict[tuple[str, int | None], Swap] = {}
     for t in in_processes([(finished, (motion, base, t)) for t in tries]):
         apart = strength(motion, best.predictions, t.fit.predictions) / found.floor_m
         rival = Rival(t.fitted, effect, apart)
-        key = _key(t.added)
+        key = t.added.key
         if excludable(t.fit.chi2, best.chi2, size) or rival.separable:
             continue
         if key not in rivals or t.fit.chi2 < rivals[key].fit.chi2:
@@ -60,8 +60,4 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
 def promising(ranked: Sequence[Ranked], chosen: set[tuple[str, int | None]], slack: float) -> list[Ranked]:
     """Candidates other than the chosen whose first-order gain falls short of the largest by no more than the slack."""
     most = max((gain for _, gain, _ in ranked), default=0.0)
-    return shortlist([r for r in ranked if _key(r[0]) not in chosen and most - r[1] <= slack], AT_MOST)
-
-
-def _key(effect: ActiveEffect) -> tuple[str, int | None]:
-    return effect.name, effect.place
+    return shortlist([r for r in ranked if r[0].key not in chosen and most - r[1] <= slack], AT_MOST)

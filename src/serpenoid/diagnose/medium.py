@@ -16,7 +16,7 @@ from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.geometry import turn
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.windows import Prediction, Track, coasting, predict
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.base import MediumEffect, Parameter
 from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
@@ -77,9 +77,7 @@ def with_values(
             found.append(new)
     # a neutral value would drop the effect from the model, and with it the derivative
     kept = [_awake(e) for e in found]
-    fitted = {(e.name, e.place) for e in kept}
-    known = [e for e in held if (e.name, e.place) not in fitted]
-    return Model(model.body, model.medium.with_ratio(eps), (*known, *kept)), drift
+    return Model(model.body, model.medium.with_ratio(eps), joined(held, kept)), drift
 
 
 def _awake(effect: ActiveEffect) -> ActiveEffect:
@@ -125,7 +123,7 @@ def linearised(
         for e in listed:
             for i, parameter in enumerate(e.effect.parameters):
                 stacked.append(own[..., i] if e.name == "frame_drift" else by[e.name, e.place, parameter.name])
-                names.append((e.name, e.place))
+                names.append(e.key)
         use, noise = track.usable, motion.noise.of(track)
         jacobian = np.stack(stacked, axis=-1)
         good = use & np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(moved).all(axis=1)
@@ -203,7 +201,7 @@ def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple
 
 
 def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:
-    return [e for e in found.effects if (e.name, e.place) != (effect.name, effect.place)]
+    return [e for e in found.effects if e.key != effect.key]
 
 
 def _values(fitted: Sequence[ActiveEffect], model: Model, drift: ActiveEffect | None) -> Floats:
@@ -225,6 +223,6 @@ def candidates_of(base: Fit) -> list[ActiveEffect]:
         if any(p.neutral is None for p in kind.parameters) or not kind.applies_to("diagnose"):
             continue
         places = range(model.body.vertices) if kind.place == "vertex" else [None]
-        present = {(e.name, e.place) for e in (*held, *base.effects)}
+        present = {e.key for e in (*held, *base.effects)}
         found += [ActiveEffect.neutral(kind.name, p) for p in places if (kind.name, p) not in present]
     return found

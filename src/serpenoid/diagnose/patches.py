@@ -53,7 +53,7 @@ def score_patches(motion: Motion, base: Fit, before: float, own: list[int]) -> l
 
 def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
     rows, columns, labels = [], [], []
-    fitted = {(e.name, e.place) for e in base.effects}
+    fitted = {e.key for e in base.effects}
     for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
         own = predict(base.model, track)
         mine = [c.effect is None or (c.effect, c.place) in fitted for c in own.columns]

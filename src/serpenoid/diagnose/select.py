@@ -61,7 +61,7 @@ class Try:
     @property
     def fitted(self) -> ActiveEffect:
         """The added effect with its fitted values."""
-        return next(e for e in self.fit.effects if (e.name, e.place) == (self.added.name, self.added.place))
+        return next(e for e in self.fit.effects if e.key == self.added.key)
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         best = pruned(motion, better, rule)
         if level and path_error(motion, best.predictions) > (1 - MINOR) * path_error(motion, null.predictions):
             break  # two effects that leave the path as wrong as it was: more of the kind would not mend it
-        if not any((e.name, e.place) == (first.added.name, first.added.place) for e in best.effects):
+        if not any(e.key == first.added.key for e in best.effects):
             break
     floor = floor or path_floor(motion, best.predictions)
     best, bases, lost = visible(motion, null, best, floor)

@@ -15,7 +15,7 @@ from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.windows import Prediction, Track, predicted_path
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.measure.schedule import Schedule
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise
@@ -59,5 +59,4 @@ def from_command(
 
 
 def _with(model: Model, effects: Sequence[ActiveEffect]) -> Model:
-    given = {(e.name, e.place) for e in effects}
-    return Model(model.body, model.medium, (*(e for e in model.effects if (e.name, e.place) not in given), *effects))
+    return Model(model.body, model.medium, joined(model.effects, effects))

@@ -53,7 +53,11 @@ def ends(p: Record) -> tuple[str, str, str]:
 
 def faint(record: Record) -> list[str]:
     """Effects that improve the prediction, but whose trace does not stand clear of chance."""
-    return [f"too faint to name: {title(e)} ({e['strength_floors']:.1f} floors)" for e in record["below_the_floor"]]
+    kept = {True: ", but in the extended model", False: ""}
+    return [
+        f"too faint to name{kept[e['in_extended_model']]}: {title(e)} ({e['strength_floors']:.1f} floors)"
+        for e in record["below_the_floor"]
+    ]
 
 
 def untestable(record: Record) -> list[str]:

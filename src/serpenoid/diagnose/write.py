@@ -24,7 +24,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     comment = f"what the diagnosis of {file.name} found: {d.verdict}"
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
     before = d.motion.selection.null.model
-    known = {(e.name, e.place): e for e in (*d.baseline.known, *before.effects)}
+    known = {e.key: e for e in (*d.baseline.known, *before.effects)}
     comment = f"what the diagnosis of {file.name} began with, calibrated"
     write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), comment=comment)
     data["next_experiment"] = _next_experiment(folder, d)

@@ -69,6 +69,11 @@ class ActiveEffect(Record):
         return hash((self.name, self.place, tuple(sorted(self.parameters.items()))))
 
     @property
+    def key(self) -> tuple[str, int | None]:
+        """Name and place: what can be there once."""
+        return self.name, self.place
+
+    @property
     def effect(self) -> Effect:
         """Its description."""
         return find(self.name)
@@ -96,13 +101,19 @@ class ActiveEffect(Record):
         return f"{self.name}{where}: {shown}"
 
 
+def joined(known: Sequence[ActiveEffect], new: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
+    """Known effects and new ones; a new one takes the place of a known one of its name and place."""
+    given = {e.key for e in new}
+    return (*(e for e in known if e.key not in given), *new)
+
+
 def check(effects: Sequence[ActiveEffect], body: Body) -> None:
     """Raise InputError where a set of effects does not fit a body."""
     seen = set()
     for active in effects:
-        if (active.name, active.place) in seen:
+        if active.key in seen:
             raise InputError(f"[[effects]] `{active.name}` is there twice at the same place; give it once.")
-        seen.add((active.name, active.place))
+        seen.add(active.key)
         _refuse(_misplaced(active, body) or active.effect.fault(body, active.place, active.parameters))
 
 

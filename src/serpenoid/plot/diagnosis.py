@@ -66,7 +66,7 @@ def paths_figure(d: Diagnosis) -> Figure:
         paths(d, setting, ax)
     for ax in axes.flat[len(settings) :]:
         ax.set_axis_off()
-    shown = [n for n in LABELS if n != "extended" or d.motion.selection.best.effects]
+    shown = [n for n in LABELS if n != "extended" or d.extension.effects]
     handles = [axes.flat[0].plot([], [], color=LABELS[n], lw=1.6, label=n)[0] for n in shown]
     fig.legend(handles=handles, loc="outside upper left", ncols=3, frameon=False, fontsize=NORMAL)
     return fig
@@ -79,7 +79,7 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
         if track.recording.setting != setting:
             continue
         for name, predictions in drawn:
-            if name == "baseline" or d.motion.selection.best.effects:
+            if name == "baseline" or d.extension.effects:
                 _draw(ax, travel(np.nan_to_num(predictions[i].displacement), np.zeros(3)), LABELS[name], 1.8)
         _draw(ax, relative(track.poses[0], track.poses), INK, 0.8)
     dress(ax, "", "x [mm]", "y [mm]")
@@ -111,7 +111,7 @@ def ranking_figure(d: Diagnosis) -> Figure:
     best = [s for s in d.motion.selection.scores if s[2] > 0][:12]
     fig = figure(7.4, 0.9 + 0.24 * max(len(best), 3))
     ax = fig.add_subplot()
-    chosen = {(e.name, e.place) for e in d.motion.selection.best.effects}
+    chosen = {e.key for e in d.motion.selection.best.effects}
     colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
     ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()

@@ -94,7 +94,7 @@ def servo_sensitivities(
     for active in wanted:
         if active not in model.effects and not active.is_neutral:
             raise ValueError(f"`{active.name}` is a candidate and not neutral: put it into the model")
-    wanted = list({(e.name, e.place): e for e in reversed(wanted)}.values())[::-1]
+    wanted = list({e.key: e for e in reversed(wanted)}.values())[::-1]
     # play of no width is at its edge wherever the joint rests: it is looked at alone, or other derivatives would stick
     edges = [e for e in wanted if e not in model.effects and _has_edge(e)]
     angles, readings, plain = servos.play_with_derivatives(servos.coordinates(model), setpoints, times)
@@ -106,7 +106,7 @@ def servo_sensitivities(
     by = np.zeros((*plain.shape[:2], len(columns), 2))
     for i, column in enumerate(columns):
         where = slice(None) if column.place is None else slice(column.place - 1, column.place)
-        source = alone if any((e.name, e.place) == (column.effect, column.place) for e in edges) else plain
+        source = alone if any(e.key == (column.effect, column.place) for e in edges) else plain
         by[:, where, i] = source[:, where, rows[column.effect or "", column.parameter]]
     return ServoSensitivities(angles, readings, by[..., 0], by[..., 1], columns)
 
@@ -118,7 +118,7 @@ def recorded(
     m = model.structure.elements
     elements = elements_of_vertices(model, body_frame(model, vertices))
     wanted = [e for e in (*model.medium_effects, *candidates) if isinstance(e.effect, MediumEffect)]
-    wanted = list({(e.name, e.place): e for e in reversed(wanted)}.values())[::-1]
+    wanted = list({e.key: e for e in reversed(wanted)}.values())[::-1]
     columns = (EPS, *(Column(e.name, e.place, p.name) for e in wanted for p in e.effect.parameters))
     return Recorded.of(model, elements[:, :-m], elements[:, m:], np.asarray(times, float), floor, wanted), columns
 
