@@ -1,0 +1,52 @@
+"""The extended model: what is named, and what is too faint to be named where held-out paths need it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
+from blind.folder import write as write_campaign
+from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
+from serpenoid.diagnose.gain import scores
+from serpenoid.diagnose.held_out import held_out
+from serpenoid.diagnose.noise import total
+from serpenoid.diagnose.recording import read_recordings
+from serpenoid.diagnose.start import baseline
+from serpenoid.diagnose.write import write
+from serpenoid.model_file import read_model_file
+
+SLOPE = Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.002})
+SMALL_LOAD = Effect("load", 2, {"share": 0.015})
+
+
+def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:
+    write_campaign(make(11, effects, "c", COMBINATIONS[:4]), folder)
+    file, recordings = read_recordings(folder)
+    found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
+    write(folder / "out", file, found)
+    return found
+
+
+def test_a_load_too_faint_to_be_named_is_in_the_extended_model(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, SLOPE, SMALL_LOAD)
+    assert [n.effect.name for n in found.named] == ["slope"]
+    (load,) = (e for e in found.extension.effects if e.key == ("load", 2))
+    assert load.parameters["share"] == pytest.approx(SMALL_LOAD.parameters["share"], rel=0.5)
+    (listed,) = record(found)["below_the_floor"]
+    assert (listed["name"], listed["place"], listed["in_extended_model"]) == ("load", 2, True)
+    written = read_model_file(tmp_path / "out" / "extended-model.toml")["effects"]
+    assert {(e["name"], e.get("place")) for e in written} == {("slope", None), ("load", 2)}
+    motion = found.motion.selection.motion
+    named_alone = scores(motion, held_out(motion, found.motion.selection.best))
+    assert total(list(found.after.path)) < 0.9 * total(list(named_alone.path))
+
+
+def test_where_nothing_is_named_the_extended_model_is_the_baseline(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, SMALL_LOAD)
+    assert found.verdict == "nothing"
+    assert found.model.effects == ()
+    assert [e["in_extended_model"] for e in record(found)["below_the_floor"]] == [False]
