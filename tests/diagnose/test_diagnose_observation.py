@@ -12,8 +12,9 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.body import Body
-from serpenoid.diagnose.choose_observation import choose_observation
-from serpenoid.diagnose.observation import Observation, across
+from serpenoid.diagnose.choose_observation import all_keys, choose_observation
+from serpenoid.diagnose.marker_evidence import evidence, misfit, sample
+from serpenoid.diagnose.observation import Observation, across, columns_of
 from serpenoid.diagnose.recording import read_recordings
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
@@ -43,6 +44,49 @@ def test_the_slope_of_play_is_its_difference(readings: np.ndarray) -> None:
     wider, _ = across(readings[:, 1], 0.13 + 1e-7)
     np.testing.assert_allclose((wider - link) / 1e-7, slope, atol=1e-6)
     assert set(np.unique(slope)) == {-0.5, 0.0, 0.5}
+
+
+def test_derivatives_of_what_is_seen_are_its_differences() -> None:
+    body = Body(
+        vertices=7, edge_lengths=(0.04, 0.08, 0.07, 0.06, 0.08, 0.05), weights=tuple(range(1, 8)), joints=(2, 3, 5)
+    )
+    rng = np.random.default_rng(4)
+    angles, slopes = rng.uniform(-0.8, 0.8, (9, 3)), rng.choice([-0.5, 0.0, 0.5], (9, 3))
+    now = Observation(np.zeros(3), rng.uniform(-0.01, 0.01, (7, 2)), np.zeros(3), scale=0.1)
+    columns = [c for name, place in all_keys(body) for c in columns_of(body, name, place)]
+    assert sorted(columns) == list(range(3 + 14 + 1 + 3))
+    found = now.derivatives(body, angles, lambda joint: slopes[:, joint], columns)
+
+    def moved(column: int, step: float) -> np.ndarray:
+        bent = angles.copy()
+        if column < 3:
+            bent[:, column] += step
+        elif column >= 18:
+            bent[:, column - 18] += step * slopes[:, column - 18]
+        else:
+            return now.with_column(column, step).seen(body, angles)
+        return now.seen(body, bent)
+
+    for column, own in zip(columns, found, strict=True):
+        np.testing.assert_allclose(own, (moved(column, 1e-6) - moved(column, -1e-6)) / 2e-6, atol=1e-9)
+
+
+def test_evidence_of_some_columns_is_part_of_the_whole(tmp_path: Path) -> None:
+    write(
+        make(64, [Effect("marker_offset", 3, {"along": 0.003, "left": -0.002})], combinations=COMBINATIONS[:2]),
+        tmp_path,
+    )
+    recordings = read_recordings(tmp_path)[1]
+    body, data = recordings[0].body, sample(recordings)
+    now = Observation.neutral(body).with_column(3, 0.02)
+    whole, some = evidence(data, now), [2, 17, 32, 35]
+    few = evidence(data, now, some)
+    np.testing.assert_allclose(few.matrix, whole.matrix[:, some][:, :, some], rtol=1e-12)
+    np.testing.assert_allclose(few.vector, whole.vector[:, some], rtol=1e-12)
+    assert misfit(data, now) == pytest.approx(whole.constant.sum(), rel=1e-12)
+    assert data.count == whole.count.sum()
+    step = whole.solve([3])[0]
+    assert misfit(data, now.with_column(3, float(step[0]))) == pytest.approx(whole.chi2([3]), rel=0.01)
 
 
 @pytest.mark.parametrize(("seed", "place", "width"), [(61, 4, 0.02), (62, 10, 0.09), (63, 1, 0.15)])
