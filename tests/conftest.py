@@ -33,7 +33,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.fixture
 def serial_ports() -> Iterator[None]:
     """One test at a time on this machine: the number of a port that a test unplugs goes to the next one opened."""
-    with FileLock(Path(tempfile.gettempdir()) / "serpenoid-tests-serial-ports.lock", mode=0o666):
+    with FileLock(Path(tempfile.gettempdir()) / "serpenoid-tests-serial-ports.lock", timeout=600, mode=0o666):
         yield
 
 
