@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
     for action in (played, used):
         action.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="trials at a time")
-        options.add_output(action, out=False)
+        options.add_output(action)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -68,6 +68,13 @@ def folder(args: argparse.Namespace, campaign: Campaign, verb: str, *extra: Any)
     """--out, or results/<campaign>/<verb>-<hash>."""
     from serpenoid.files import short_hash
 
-    name = campaign.folder.resolve().name if Path(args.campaign).is_dir() else Path(args.campaign).stem
     key = short_hash(json.loads(campaign.file.model_dump_json()), *extra)
-    return options.output_folder(args, Path("results") / name / f"{verb}-{key}")
+    return options.output_folder(args, Path("results") / name_of(args.campaign) / f"{verb}-{key}")
+
+
+def name_of(campaign: str) -> str:
+    """Of the folder, or of a file that does not bear the usual name."""
+    path = Path(campaign).resolve()
+    if path.is_dir():
+        return path.name
+    return path.parent.name if path.name == "campaign.toml" else path.stem

@@ -26,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `compare`."""
     campaigns.add_campaign(parser)
     campaigns.add_model(parser)
-    options.add_output(parser)
+    options.add_output(parser, "results/<campaign>/compare-<hash>")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -13,8 +13,9 @@ verdict           nothing left      something left
   effects named   explained         partly explained
   none named      nothing           unexplained
 
-An effect's strength is its trace in floors; below 1.6 it is too faint to name. `or ...` are effects that the data
-cannot tell from the one above; `next-experiment.csv` is the gait that would.
+An effect's strength is its trace in floors; below 1.6 it is too faint to name, and only the extended model has it where
+gaits that were not fitted are predicted better with it. `or ...` are effects that the data cannot tell from the one
+above; `next-experiment.csv` is the gait that would.
 
 With a reference, that campaign is diagnosed first; what the model gets wrong there is no news.
 
@@ -50,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "eps is calibrated",
     )
     parser.add_argument("--reference", metavar="CAMPAIGN", help="an earlier campaign: say what changed since then")
-    options.add_output(parser)
+    options.add_output(parser, "results/<campaign>/diagnosis")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -62,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
 
     wanted = [*([args.reference] if args.reference else []), args.campaign]
     sizes = [len(load_campaign_file(c)[0].trial) + STAGES for c in wanted]
-    folder = options.output_folder(args, Path("results") / Path(args.campaign).resolve().name / "diagnosis")
+    folder = options.output_folder(args, Path("results") / campaigns.name_of(args.campaign) / "diagnosis")
     with options.progress_bar(args, "diagnosing", sum(sizes)) as advance:
         earlier, before = None, None
         if args.reference:

@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     help_line = "what to fit (repeatable; default anisotropy_ratio): anisotropy_ratio, end_weight, front_weight"
     parser.add_argument("--parameter", action="append", metavar="NAME", help=help_line)
     campaigns.add_model(parser)
-    options.add_output(parser)
+    options.add_output(parser, "results/<campaign>/fit-<hash>")
 
 
 def run(args: argparse.Namespace) -> int:

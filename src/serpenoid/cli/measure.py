@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `measure`."""
     campaigns.add_campaign(parser)
-    options.add_output(parser)
+    options.add_output(parser, "results/<campaign>/measure-<hash>")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -31,10 +31,10 @@ def add_set(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="SECTION.KEY=VALUE", help=SET_HELP)
 
 
-def add_output(parser: argparse.ArgumentParser, out: bool = True) -> None:
-    """--out, --quiet, --json, --no-figures."""
+def add_output(parser: argparse.ArgumentParser, out: str = "") -> None:
+    """--quiet, --json, and for results --out, --no-figures; out: what the folder is without --out."""
     if out:
-        parser.add_argument("--out", metavar="DIR", help="results folder (default: results/<problem>/<verb>-<hash>)")
+        parser.add_argument("--out", metavar="DIR", help=f"results folder (default: {out})")
         parser.add_argument("--no-figures", action="store_true", help="write numbers only")
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
     parser.add_argument("--json", action="store_true", help="print the record as JSON on standard output, nothing else")

@@ -25,7 +25,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trials", type=int, default=3, metavar="N", help="trials of each gait (3)")
     parser.add_argument("--seed", type=int, default=0, help="of gaits and trials (0)")
     parser.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="processes")
-    options.add_output(parser)
+    options.add_output(parser, "results/reproduce")
 
 
 def run(args: argparse.Namespace) -> int:

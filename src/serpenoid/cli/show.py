@@ -16,7 +16,7 @@ from serpenoid.cli import options
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `show`."""
     parser.add_argument("folder", metavar="RESULTS", help="a folder that simulate, solve or sweep wrote")
-    options.add_output(parser, out=False)
+    options.add_output(parser)
 
 
 def run(args: argparse.Namespace) -> int:

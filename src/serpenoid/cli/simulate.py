@@ -18,7 +18,7 @@ from serpenoid.cli import options
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `simulate`."""
     options.add_problem(parser)
-    options.add_output(parser)
+    options.add_output(parser, "results/<problem>/simulate-<hash>")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -35,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--improve", type=options.positive, metavar="N", help="instead: N random gaits, each improved")
     parser.add_argument("--within", type=float, default=0.3, metavar="F", help="with --improve: +-F (default 0.3)")
-    options.add_output(parser)
+    options.add_output(parser, "results/<problem>/solve-<hash>")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", type=options.positive, default=1, metavar="N", help="problems solved at once (default 1)"
     )
-    options.add_output(parser)
+    options.add_output(parser, "results/<problem>/sweep-<hash>")
 
 
 def parse_values(text: str) -> list[float]:
