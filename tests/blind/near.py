@@ -19,7 +19,7 @@ LEAST, MOST = 1.5, 2.8
 ENDS = (0, 1, 10, 11)
 WIDE = (0.3, 0.9)  # m, radius of patches
 PAIRS = (("slope", "frame_drift"), ("worn_wheel", "worn_wheel"), ("friction_gradient", "friction_patch"))
-DRAWS = 100
+DRAWS = 2000
 
 
 def short(seed: int, effect: Effect, identity: str = "campaign") -> Campaign:
