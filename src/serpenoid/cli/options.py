@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -113,5 +113,8 @@ def check_writable(folder: Path) -> None:
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not there.is_dir():
         raise InputError(f"--out {folder}: {there} is a file, not a folder.")
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(f"--out {folder}: no permission to write in {there}.")
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        raise InputError(f"--out {folder}: {there} cannot be written to ({error.strerror}).") from None
