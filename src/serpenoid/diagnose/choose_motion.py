@@ -130,9 +130,8 @@ def faint_of(t: Try, floor_m: float) -> Named:
 
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too faint to be named account for; mend: steps across gaps are known."""
-    motion, predictions = found.motion, found.best.predictions
-    if found.faint:
-        motion, predictions = found.faint[-1].motion, found.faint[-1].attempt.fit.predictions
+    motion, fullest = found.fullest
+    predictions = fullest.predictions
     after_m = path_error(motion, predictions, mend)
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.floor_m)

@@ -111,11 +111,11 @@ def concluded(
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(held_out(found.motion, found.null, leave_out))
     extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
-    if found.faint and any(rung.named for rung in rungs):
-        fuller = found.faint[-1].attempt.fit
-        unseen = tuple(held_out(found.motion, fuller, leave_out))
+    _, fullest = found.fullest
+    if fullest is not found.best and any(rung.named for rung in rungs):
+        unseen = tuple(held_out(found.motion, fullest, leave_out))
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
-            extension, better = fuller, unseen
+            extension, better = fullest, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
     return Diagnosis(
         verdict(rungs), baseline, seen, rungs, motion, extension, before, after, (predicted, better), ladder

@@ -47,10 +47,20 @@ class Sample:
         """Whether a marker was (F, N, 1)."""
         return np.isfinite(self.markers[..., 0])[..., None]
 
+    @cached_property
+    def gaits(self) -> list[np.ndarray]:
+        """The frames of each gait, as flags (F,)."""
+        return [self.labels == gait for gait in np.unique(self.labels)]
+
+    @cached_property
+    def counts(self) -> Floats:
+        """Degrees of freedom of each gait: coordinates seen, less the frames' poses."""
+        return np.array([2.0 * self.seen[mine].sum() - 3 * mine.sum() for mine in self.gaits])
+
     @property
     def count(self) -> float:
-        """Degrees of freedom: coordinates seen, less the frames' poses."""
-        return float(2.0 * self.seen.sum() - 3 * len(self.markers))
+        """Of all gaits."""
+        return float(self.counts.sum())
 
     def angles(self, now: Observation) -> Floats:
         """True joint angles (F, m)."""
@@ -93,31 +103,30 @@ def sample(recordings: Sequence[Recording]) -> Sample:
 
 def misfit(data: Sample, now: Observation) -> float:
     """Chi squared of the sample at an observation model."""
-    return float((_left_by(data, now)[1] ** 2).sum())
+    return float((_left_by(data, now, data.angles(now))[1] ** 2).sum())
 
 
 def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = None) -> Evidence:
     """Residuals and columns (all, or those given) of the sample at an observation model, in units of marker noise."""
     body, seen = data.body, data.seen
     chosen = range(columns_of(body, "loose_joint", body.joint_count)[0] + 1) if columns is None else columns
-    base, rows = _left_by(data, now)
-    slopes = now.derivatives(body, data.angles(now), lambda joint: data.by_gap(now, joint), chosen)
+    angles = data.angles(now)
+    base, rows = _left_by(data, now, angles)
+    slopes = now.derivatives(body, angles, lambda joint: data.by_gap(now, joint), chosen)
     flat = np.where(seen, slopes, 0.0).reshape(len(chosen), *rows.shape) / data.noise
     rigid = _rigid(base, seen) @ np.moveaxis(flat, 0, -1)  # (F, 3, C): taken away below, frame by frame
-    matrices, vectors, constants, counts = [], [], [], []
-    for gait in np.unique(data.labels):
-        mine = data.labels == gait
+    matrices, vectors, constants = [], [], []
+    for mine in data.gaits:
         x, inside, r = flat[:, mine].reshape(len(chosen), -1), rigid[mine].reshape(-1, len(chosen)), rows[mine].ravel()
         matrices.append(x @ x.T - inside.T @ inside)
         vectors.append(x @ r)
         constants.append(r @ r)
-        counts.append(2.0 * seen[mine].sum() - 3 * mine.sum())
-    return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), np.array(counts))
+    return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), data.counts)
 
 
-def _left_by(data: Sample, now: Observation) -> tuple[Floats, Floats]:
+def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Floats]:
     """Chains (F, N, 2) in the body frame, and what they leave of the markers there (F, 2 N), in units of noise."""
-    base = now.seen(data.body, data.angles(now))
+    base = now.seen(data.body, angles)
     pose, left = register(base, data.markers)
     residual = np.where(data.seen, turn(-pose[:, None, 2], np.where(data.seen, left, 0.0)), 0.0)
     return base, residual.reshape(len(base), -1) / data.noise

@@ -47,9 +47,7 @@ class Observation:
     def seen(self, body: Body, angles: Floats) -> Floats:
         """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
         points = shapes(body, angles)
-        along, left = directions(points)
-        moved = points + self.markers[:, :1] * along + self.markers[:, 1:] * left
-        return np.asarray(moved * (1 + self.scale))
+        return self._displaced(points, *directions(points)) * (1 + self.scale)
 
     def derivatives(
         self, body: Body, angles: Floats, by_gap: Callable[[int], Floats], columns: Sequence[int]
@@ -67,11 +65,15 @@ class Observation:
                 vertex, side = divmod(column - m, 2)
                 found[slot, :, vertex] = (along, left)[side][:, vertex]
             elif column == m + 2 * n:
-                found[slot] = self.seen(body, angles) / (1 + self.scale) ** 2
+                found[slot] = self._displaced(points, along, left) / (1 + self.scale)
             else:
                 joint = column - m - 2 * n - 1
                 found[slot] = by_gap(joint)[:, None, None] * bent(joint)
         return found * (1 + self.scale)
+
+    def _displaced(self, points: Floats, along: Floats, left: Floats) -> Floats:
+        """Markers about the vertices (F, N, 2), before the scale."""
+        return points + self.markers[:, :1] * along + self.markers[:, 1:] * left
 
     def _by_angles(self, body: Body, left: Floats, along: Floats) -> Callable[[int], Floats]:
         """By which points and displaced markers move with one joint's angle (F, N, 2), before the scale."""

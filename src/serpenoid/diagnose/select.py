@@ -84,6 +84,11 @@ class Selection:
     faint: tuple[Faint, ...]
     scores: tuple[tuple[str, int | None, float], ...]
 
+    @property
+    def fullest(self) -> tuple[Motion, Fit]:
+        """The fit with all that is too faint to be named, and the tracks it was made on."""
+        return (self.faint[-1].motion, self.faint[-1].attempt.fit) if self.faint else (self.motion, self.best)
+
 
 def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
     """Noise from repeats about a fit, and the fit with it."""
