@@ -60,8 +60,8 @@ class Evidence:
         """Best values of the chosen columns and their covariance, perhaps without one gait."""
         index = list(chosen)
         keep = [g for g in range(len(self.constant)) if g != without]
-        matrix = self.matrix[keep].sum(axis=0)[np.ix_(index, index)]
-        vector = self.vector[keep].sum(axis=0)[index]
+        matrix = self.matrix[np.ix_(keep, index, index)].sum(axis=0)  # picked before summed: P is many, a choice few
+        vector = self.vector[np.ix_(keep, index)].sum(axis=0)
         if without is not None and self.neutral is not None and self.certainty is not None:
             matrix = matrix + np.diag(self.certainty[index])
             vector = vector + self.certainty[index] * self.neutral[index]
@@ -80,7 +80,8 @@ class Evidence:
         mean = empty.copy() if self.neutral is None else self.neutral.copy()
         certainty = empty if self.certainty is None else self.certainty.copy()
         away = values - neutral
-        speaks = np.diag(self.matrix.sum(axis=0))[list(columns)] > SILENT
+        index = list(columns)
+        speaks = self.matrix[:, index, index].sum(axis=0) > SILENT
         told = np.isfinite(away) & (away != 0) & speaks
         mean[list(columns)] = np.where(told, neutral, 0.0)
         certainty[list(columns)] = np.where(told, 1 / np.where(told, away, 1.0) ** 2, 0.0)
