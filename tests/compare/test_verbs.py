@@ -151,3 +151,22 @@ def interrupted(folder: Path, out: Path, wait: float) -> tuple[subprocess.Popen,
     time.sleep(wait)
     process.send_signal(signal.SIGINT)
     return process, process.communicate(timeout=60)[1]
+
+
+MARKUP = '<img src=x onerror="alert(1)"> {{data}} {{ 7*7 }} </script><script>alert(2)</script>'
+
+
+def test_whatever_a_campaign_says_stands_in_the_report_as_text(folder, tmp_path):
+    own = tmp_path / "lab"
+    shutil.copytree(folder, own)
+    text = (own / "campaign.toml").read_text()
+    said = f"description = '''{MARKUP}'''\nsource = '''{MARKUP}'''\n"
+    (own / "campaign.toml").write_text(re.sub(r"^(description|source) = .*\n", "", text, flags=re.M))
+    text = (own / "campaign.toml").read_text()
+    (own / "campaign.toml").write_text(re.sub(r"(?m)^name = .*\n", f"name = '''{MARKUP}'''\n{said}", text, count=1))
+    assert main(["compare", str(own), "--anisotropy-ratio", "0.1865", "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "&lt;img src=x onerror=" in page
+    assert "<img src=x" not in page
+    assert "{{data}} {{ 7*7 }}" in page  # said, not replaced
+    assert len(re.findall(r"<script", page)) == 2  # the page's own

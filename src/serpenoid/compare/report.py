@@ -1,62 +1,44 @@
-"""One HTML file that needs nothing else: tables, figures, and an animation one can scrub. No network, no libraries."""
+"""The HTML report of a study: tables, figures, and an animation one can scrub."""
 
 from __future__ import annotations
 
-import base64
-import html
-import json
-from collections.abc import Sequence
-from importlib.resources import files
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from serpenoid.compare.study import Study
 from serpenoid.compare.three import Comparison
-from serpenoid.files import write_text
+from serpenoid.measure.load import Campaign
+from serpenoid.pages import Picture, Table, write_page
 
 FRAMES = 160  # of an animation: smooth enough to scrub, small enough to mail
 
 
 def write_report(
-    path: Path, title: str, lead: Sequence[str], sections: Sequence[tuple[str, str]], comparisons: Sequence[Comparison]
-) -> None:
-    """Write the report: `lead` paragraphs, then (heading, HTML) sections, then the animation."""
-    page = (files("serpenoid.compare") / "report.html").read_text(encoding="utf-8")
-    body = [f"<p>{html.escape(text)}</p>" for text in lead]
-    body += [f"<h2>{html.escape(heading)}</h2>\n{content}" for heading, content in sections]
-    data = json.dumps([animation_data(c) for c in comparisons], separators=(",", ":")).replace("</", "<\\/")
-    page = page.replace("{{title}}", html.escape(title)).replace("{{body}}", "\n".join(body)).replace("{{data}}", data)
-    write_text(path, page)
-
-
-def figure(path: Path, text: str) -> str:
-    """An SVG file as an image inside the page."""
-    data = base64.b64encode(path.read_bytes()).decode()
-    alt = html.escape(text, quote=True)
-    image = f'<img alt="{alt}" src="data:image/svg+xml;base64,{data}">'
-    return f"<figure>{image}<figcaption>{html.escape(text)}</figcaption></figure>"
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """A table; numbers are shortened to four significant digits and aligned right, the heads of their columns too."""
-    numbers = [any(isinstance(row[column], int | float) for row in rows) for column in range(len(header))]
-    head = "".join(_head(cell, number) for cell, number in zip(header, numbers, strict=True))
-    lines = ["<tr>" + "".join(_cell(cell) for cell in row) + "</tr>" for row in rows]
-    return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
-
-
-def _head(text: str, number: bool) -> str:
-    kind = ' class="number"' if number else ""
-    return f"<th{kind}>{html.escape(text)}</th>"
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, int):
-        return f'<td class="number">{value}</td>'
-    if isinstance(value, float):
-        return f'<td class="number">{value:.4g}</td>' if np.isfinite(value) else "<td></td>"
-    return f"<td>{html.escape(str(value))}</td>"
+    path: Path, study: Study, campaign: Campaign, origin: str, drawn: Mapping[str, tuple[Path, str]],
+    animated: Sequence[Comparison],
+) -> None:  # fmt: skip
+    """Write the report. origin: of the anisotropy ratio; drawn: name -> (SVG file, caption)."""
+    write_page(
+        path,
+        "compare.html",
+        title=campaign.file.name,
+        lead=_lead(study, campaign, origin),
+        displacements=_displacements(study),
+        cycles=len(study.comparisons),
+        errors=_errors(study),
+        ratios=_ratios(study) if study.ratios else None,
+        costs=_costs(study) if study.costs else None,
+        notes=Table(["note"], [[note] for note in study.notes]) if study.notes else None,
+        pictures={
+            "ratios": _pictures(drawn, "ratios"),
+            "costs": _pictures(drawn, "cost", "power"),
+            "trials": _pictures(drawn, "compare-"),
+        },
+        animation=[animation_data(c) for c in animated],
+    )
 
 
 def animation_data(comparison: Comparison) -> dict[str, Any]:
@@ -72,3 +54,50 @@ def animation_data(comparison: Comparison) -> dict[str, Any]:
             if path is not None
         },
     }
+
+
+def _lead(study: Study, campaign: Campaign, origin: str) -> list[str]:
+    medium = study.model.medium
+    lead = [campaign.file.description, f"Data: {campaign.file.source}" if campaign.file.source else ""]
+    lead.append(
+        f"Anisotropy ratio {medium.anisotropy_ratio:.6g} ({origin}), dissipation at each "
+        f"{medium.dissipation}. Exp: measured. Sim: commanded shapes simulated. Resim: measured shapes simulated. "
+        "Displacements in body lengths, over a cycle and half the pause after it."
+    )
+    return [text for text in lead if text]
+
+
+def _pictures(drawn: Mapping[str, tuple[Path, str]], *prefixes: str) -> list[Picture]:
+    return [Picture.of(*drawn[name]) for name in drawn if name.startswith(prefixes)]
+
+
+def _displacements(study: Study) -> Table:
+    classes = [name for name in ("Exp", "Sim", "Resim") if name in study.displacement]
+    rows = [[gait, *(float(study.displacement[k][i]) for k in classes)] for i, gait in enumerate(study.gaits)]
+    return Table(["gait", *classes], rows)
+
+
+def _errors(study: Study) -> Table:
+    header = ["trial", "cycle", "part", "forward", "left", "turn [rad]", "path RMS"]
+    rows: list[list[Any]] = []
+    for c in study.comparisons:
+        for part, words in (("whole", "Exp - Sim"), ("actuation", "Resim - Sim"), ("motion", "Exp - Resim")):
+            error = c.error(part)
+            if error:
+                rows.append([c.trial, c.cycle + 1, words, *error.values()])
+    return Table(header, rows)
+
+
+def _ratios(study: Study) -> Table:
+    header = ["pair", "mean", "STD", "bias", "from", "to", "s", "from", "to", "rank correlation", "wrong pairs"]
+    rows = [
+        [s.pair, s.mean, s.std, s.bias, *s.bias_interval, s.s, *s.s_interval, s.rank_correlation,
+         f"{len(s.wrong_pairs)} of {s.pair_count}"] for s in study.ratios
+    ]  # fmt: skip
+    return Table(header, rows)
+
+
+def _costs(study: Study) -> Table:
+    rows = [[p.gait, "" if p.dissipation_coefficient is None else p.dissipation_coefficient, p.mean, p.std, p.trials]
+            for p in study.costs]  # fmt: skip
+    return Table(["gait", "c", "cost of transport", "STD", "trials"], rows)

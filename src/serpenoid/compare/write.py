@@ -52,24 +52,8 @@ def write_study(
     if not figures:
         return
     drawn = _draw(folder, study, progress)
-    medium = study.model.medium
-    lead = [campaign.file.description, f"Data: {campaign.file.source}" if campaign.file.source else ""]
-    lead.append(
-        f"Anisotropy ratio {medium.anisotropy_ratio:.6g} ({record['anisotropy_ratio_origin']}), dissipation at each "
-        f"{medium.dissipation}. Exp: measured. Sim: commanded shapes simulated. Resim: measured shapes simulated. "
-        "Displacements in body lengths, over a cycle and half the pause after it."
-    )
-    sections = [("Displacements", _displacements(study)), ("Errors, and where they come from", _errors(study))]
-    if study.ratios:
-        sections.append(("Performance ratios", _ratios(study) + _images(drawn, "ratios")))
-    if study.costs:
-        sections.append(("Cost of transport", _costs(study) + _images(drawn, "cost", "power")))
-    sections.append(("Trial by trial", _images(drawn, "compare-")))
-    if study.notes:
-        sections.append(("Notes", report.table(["note"], [[note] for note in study.notes])))
-    report.write_report(
-        folder / "report.html", campaign.file.name, [text for text in lead if text], sections, _one_per_gait(study)
-    )
+    path, origin = folder / "report.html", record["anisotropy_ratio_origin"]
+    report.write_report(path, study, campaign, origin, drawn, _one_per_gait(study))
 
 
 def _draw(folder: Path, study: Study, progress: Callable[[int, str], None]) -> dict[str, tuple[Path, str]]:
@@ -112,46 +96,3 @@ def _one_per_gait(study: Study) -> list[Comparison]:
     for comparison in study.comparisons:
         firsts.setdefault(comparison.gait, comparison)
     return list(firsts.values())[:ANIMATED]
-
-
-def _images(drawn: dict[str, tuple[Path, str]], *prefixes: str) -> str:
-    return "\n".join(report.figure(*drawn[name]) for name in drawn if name.startswith(prefixes))
-
-
-def _displacements(study: Study) -> str:
-    classes = [name for name in ("Exp", "Sim", "Resim") if name in study.displacement]
-    rows = [[gait, *(float(study.displacement[k][i]) for k in classes)] for i, gait in enumerate(study.gaits)]
-    return report.table(["gait", *classes], rows)
-
-
-def _errors(study: Study) -> str:
-    header = ["trial", "cycle", "part", "forward", "left", "turn [rad]", "path RMS"]
-    rows: list[list[Any]] = []
-    for c in study.comparisons:
-        for part, words in (("whole", "Exp - Sim"), ("actuation", "Resim - Sim"), ("motion", "Exp - Resim")):
-            error = c.error(part)
-            if error:
-                rows.append([c.trial, c.cycle + 1, words, *error.values()])
-    return (
-        "<p>Net errors in the first measured body frame; the second and third rows add up to the first.</p>"
-        + f"<details><summary>{len(study.comparisons)} cycles</summary>{report.table(header, rows)}</details>"
-    )
-
-
-def _ratios(study: Study) -> str:
-    header = ["pair", "mean", "STD", "bias", "from", "to", "s", "from", "to", "rank correlation", "wrong pairs"]
-    rows = [
-        [s.pair, s.mean, s.std, s.bias, *s.bias_interval, s.s, *s.s_interval, s.rank_correlation,
-         f"{len(s.wrong_pairs)} of {s.pair_count}"] for s in study.ratios
-    ]  # fmt: skip
-    text = (
-        "<p>Mean and STD of Xi without the diagonal, as published. They hide a common scale (see the bias); the mean "
-        "is at least 1 whatever the data; s is the SD of ln q, with 95 % bootstrap intervals.</p>"
-    )
-    return text + report.table(header, rows)
-
-
-def _costs(study: Study) -> str:
-    rows = [[p.gait, "" if p.dissipation_coefficient is None else p.dissipation_coefficient, p.mean, p.std, p.trials]
-            for p in study.costs]  # fmt: skip
-    return report.table(["gait", "c", "cost of transport", "STD", "trials"], rows)

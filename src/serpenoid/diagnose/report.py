@@ -1,19 +1,18 @@
 """The HTML report: the verdict with paths before and after on one page, then what it rests on.
 
-Every section is a function from the record (diagnosis.json) and the folder's figures to HTML; figures that were not
-drawn are left out.
+Every table is a function of the record (diagnosis.json); figures that were not drawn are left out. The markup is in
+templates/diagnosis.html.
 """
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from serpenoid.compare.report import figure, table, write_report
 from serpenoid.diagnose.words import MEANINGS, Record, ends, faint, parameter, reference, shown, title, untestable
 from serpenoid.effects.catalogue import find
+from serpenoid.pages import Picture, Table, write_page
 
 CAPTIONS = {
     "paths": "Centroid from the measured first pose, which heads along x; dots mark the ends. Each prediction comes "
@@ -39,22 +38,28 @@ GAINS = {
     "log_likelihood": ("log-likelihood per trial", "1"),
 }  # fmt: skip
 WORSE = 1.02  # a path RMS that does not come closer
-Section = tuple[str, str]
+FIGURES = {
+    "paths": ("paths",), "ladder": ("ladder",), "ranking": ("ranking",), "shape": ("joints", "markers"),
+    "motion": ("residuals", "residuals-left", "along-body", "on-floor"), "experiment": ("next-experiment",),
+}  # fmt: skip
 
 
 def write_pages(folder: Path, record: Record) -> None:
     """report.html, from the record and the figures that are in the folder."""
-    sections: list[Section] = [
-        ("Before and after", _figures(folder, "paths") + _gain(record)),
-        ("Evidence: the ladder of residuals", _figures(folder, "ladder") + _ladder(record) + _parameters(record)),
-        ("Ranking", _figures(folder, "ranking")),
-        ("Residual maps: shape", _figures(folder, "joints", "markers")),
-        ("Residual maps: motion", _figures(folder, "residuals", "residuals-left", "along-body", "on-floor")),
-        ("Alternatives", _alternatives(record)),
-        ("Next experiment", _experiment(record) + _figures(folder, "next-experiment")),
-    ]
-    shown_sections = [(heading, content) for heading, content in sections if content]
-    write_report(folder / "report.html", f"{record['campaign']}: {record['verdict']}", lead(record), shown_sections, [])
+    write_page(
+        folder / "report.html",
+        "diagnosis.html",
+        title=f"{record['campaign']}: {record['verdict']}",
+        lead=lead(record),
+        named=bool(record["effects"]),
+        gain=_gain(record),
+        ladder=_ladder(record),
+        parameters=_parameters(record),
+        alternatives=_alternatives(record),
+        faint=[text.capitalize() for text in faint(record)],
+        pictures={place: _pictures(folder, names) for place, names in FIGURES.items()},
+        **_experiment(record["next_experiment"]),
+    )
 
 
 def lead(record: Record) -> list[str]:
@@ -93,16 +98,16 @@ def left_over(sentences: Sequence[str]) -> list[str]:
     return [f"Not accounted for on the rung of {rung}: {'; '.join(what)}." for rung, what in rungs.items()]
 
 
-def _figures(folder: Path, *names: str) -> str:
-    return "".join(figure(folder / f"{n}.svg", CAPTIONS[n]) for n in names if (folder / f"{n}.svg").exists())
+def _pictures(folder: Path, names: Sequence[str]) -> list[Picture]:
+    return [Picture.of(folder / f"{n}.svg", CAPTIONS[n]) for n in names if (folder / f"{n}.svg").exists()]
 
 
-def _gain(record: Record) -> str:
+def _gain(record: Record) -> Table:
     rows = []
     for key, (name, unit) in GAINS.items():
         g = record["gain"][key]
         rows.append([name, *(_with_interval(g, side, unit) for side in ("before", "after"))])
-    return table(["on held-out gaits", "before (95 %)", "after (95 %)"], rows)
+    return Table(["on held-out gaits", "before (95 %)", "after (95 %)"], rows)
 
 
 def _with_interval(g: Record, side: str, unit: str) -> str:
@@ -110,17 +115,17 @@ def _with_interval(g: Record, side: str, unit: str) -> str:
     return f"{shown(g[side], unit)} ({shown(low, unit)} .. {shown(high, unit)})"
 
 
-def _ladder(record: Record) -> str:
+def _ladder(record: Record) -> Table:
     rows = [
         [s["rung"], s["compares"], *(shown(s[k], s["unit"]) for k in ("before", "after", "floor"))]
         + [f"{s[f'share_above_floor_{side}']:.0%}" for side in ("before", "after")]
         for s in record["ladder"]
     ]
     head = ["rung", "compares", "RMS before", "RMS after", "noise floor", "above it before", "after"]
-    return table(head, rows)
+    return Table(head, rows)
 
 
-def _parameters(record: Record) -> str:
+def _parameters(record: Record) -> Table:
     rows = []
     for e in record["effects"]:
         for name, p in e["parameters"].items():
@@ -129,17 +134,12 @@ def _parameters(record: Record) -> str:
     rows.append(
         ["calibration (no diagnosis)", "anisotropy_ratio", f"{eps['after']:.4g}", f"baseline: {eps['before']:.4g}", ""]
     )
-    return table(["effect", "parameter", "value", "95 % from", "to"], rows)
+    return Table(["effect", "parameter", "value", "95 % from", "to"], rows)
 
 
-def _alternatives(record: Record) -> str:
-    text = ""
-    if record["effects"] and not record["alternatives"]:
-        text = "<p>None: the data exclude every other entry of the catalogue that was tried.</p>"
-    if record["alternatives"]:
-        rows = [[title(e), _instead(e), _values(e), _apart(e)] for e in record["alternatives"]]
-        text = table(["effect", "instead of", "fits as well with", "predictions apart"], rows)
-    return text + "".join(f"<p>{html.escape(t.capitalize())}.</p>" for t in faint(record))
+def _alternatives(record: Record) -> Table:
+    rows = [[title(e), _instead(e), _values(e), _apart(e)] for e in record["alternatives"]]
+    return Table(["effect", "instead of", "fits as well with", "predictions apart"], rows)
 
 
 def _instead(e: Record) -> str:
@@ -155,17 +155,11 @@ def _apart(e: Record) -> str:
     return f"{e['separation_floors']:.1f} floors" if e.get("separation_floors") is not None else ""
 
 
-def _experiment(record: Record) -> str:
-    e: dict[str, Any] | None = record["next_experiment"]
-    if e is None:
-        return "" if record["alternatives"] else "<p>None needed: no two explanations are left to tell apart.</p>"
-    apart = ", ".join(f"{title(rival)}: {rival['expected_chi2']:.0f}" for rival in e["tells_apart"])
-    return (
-        f"<p>Play <code>{html.escape(e['joint_table'])}</code> with {e['cycle_duration_s']:.3g} s per cycle, "
-        f"{e['cycles']} cycles with pauses of {e['pause_s']:.3g} s, {e['repeats']} times, {_start(e['start_pose'])}, "
-        "and diagnose again. What each other explanation is expected to leave there, fitted again, in chi squared more "
-        f"than chance: {html.escape(apart)}.</p>"
-    )
+def _experiment(plan: Record | None) -> dict[str, Any]:
+    if plan is None:
+        return {"experiment": None}
+    apart = ", ".join(f"{title(rival)}: {rival['expected_chi2']:.0f}" for rival in plan["tells_apart"])
+    return {"experiment": plan, "start": _start(plan["start_pose"]), "apart": apart}
 
 
 def _start(pose: Record) -> str:

@@ -1,47 +1,3 @@
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{{title}}</title>
-<style>
-  :root { --ink: #222; --grey: #6b6b6b; --line: #ddd; --accent: #0072B2; }
-  body { font: 16px/1.55 system-ui, sans-serif; color: var(--ink); max-width: 62rem; margin: 2rem auto; padding: 0 1rem; background: #fff; }
-  h1 { font-size: 1.6rem; margin: 0 0 .6rem; }
-  h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--line); padding-bottom: .2rem; }
-  .wide { overflow-x: auto; margin: .8rem 0; }
-  table { border-collapse: collapse; font-size: .85rem; }
-  th, td { padding: .25rem .7rem; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
-  th { font-weight: 600; color: var(--grey); }
-  th.number, td.number { text-align: right; font-variant-numeric: tabular-nums; }
-  figure { margin: 1rem 0; }
-  figure img { max-width: 100%; height: auto; }
-  figcaption { color: var(--grey); font-size: .85rem; }
-  canvas { width: 100%; border: 1px solid var(--line); border-radius: 6px; background: #fff; }
-  .controls { display: flex; gap: .8rem; align-items: center; flex-wrap: wrap; margin: .6rem 0; }
-  .controls input[type=range] { flex: 1 1 14rem; accent-color: var(--accent); }
-  button, select { font: inherit; padding: .25rem .8rem; border: 1px solid var(--line); border-radius: 6px; background: #f7f7f7; }
-  .key { display: inline-flex; align-items: center; gap: .35rem; font-size: .9rem; }
-  .key i { width: 1.4rem; height: .3rem; border-radius: 2px; display: inline-block; }
-  output { min-width: 5rem; font-variant-numeric: tabular-nums; }
-</style>
-</head>
-<body>
-<h1>{{title}}</h1>
-{{body}}
-<section id="animation" hidden>
-<h2>Watch it</h2>
-<div class="controls">
-  <select id="which" aria-label="Trial and cycle"></select>
-  <button id="play" type="button">Play</button>
-  <input id="scrub" type="range" min="0" value="0" aria-label="Time">
-  <output id="clock">0.00 s</output>
-</div>
-<canvas id="stage" width="1200" height="620" role="img" aria-label="Bodies on the floor: measured, simulated, resimulated"></canvas>
-<div class="controls" id="keys"></div>
-</section>
-<script id="data" type="application/json">{{data}}</script>
-<script>
 "use strict";
 (() => {
   const trials = JSON.parse(document.getElementById("data").textContent);
@@ -118,6 +74,3 @@
   choose();
   document.body.dataset.ready = "yes";
 })();
-</script>
-</body>
-</html>
