@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+__version__ = "0.1.0"
+
 if TYPE_CHECKING:
     from serpenoid.family import sweep
     from serpenoid.optimise.solve import improve, solve, solve_from

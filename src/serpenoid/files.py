@@ -50,6 +50,12 @@ def write_csv(path: str | Path, header: Sequence[str], rows: Iterable[Sequence[A
         writer.writerows([_plain(cell) for cell in row] for row in rows)
 
 
+def examples() -> Path:
+    """Problem, robot, protocol and campaign files that come with the package; in a checkout they stand in problems/."""
+    packaged = Path(__file__).parent / "examples"
+    return packaged if packaged.is_dir() else Path(__file__).parents[2] / "problems"
+
+
 def short_hash(*parts: Any) -> str:
     """Eight hexadecimal digits that change with any of `parts` (made of JSON values)."""
     text = json.dumps(parts, sort_keys=True, default=str)

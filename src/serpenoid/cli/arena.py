@@ -27,13 +27,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used = actions.add_parser("use", help="play a diagnosis' optimal gaits, before and after")
     used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
     used.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="robot and floor to play them on")
-    used.add_argument("--problem", metavar="FILE", type=Path, default=Path("problems/snake10.toml"))
+    used.add_argument("--problem", metavar="FILE", type=Path, help="whose gaits (default: the snake robot's)")
     used.add_argument("--trials", type=options.positive, default=6, metavar="N", help="of each gait (default 6)")
     used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
     used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
     for action in (played, used):
         action.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="trials at a time")
         options.add_output(action)
+    options.add_open(used)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -60,20 +61,21 @@ def _use(args: argparse.Namespace) -> int:
     from serpenoid import in_use
     from serpenoid.arena.protocol import load_protocol
     from serpenoid.errors import InputError
-    from serpenoid.files import write_json
+    from serpenoid.files import examples, write_json
     from serpenoid.problem import load
 
     if args.trials < 2:
         raise InputError("--trials: one trial has no spread; give 2 or more.")
     robot, _ = load_protocol(args.protocol)
-    protocol = in_use.protocol_of(robot, load(args.problem), args.trials, args.cycles)
+    problem = args.problem or examples() / "snake10.toml"
+    protocol = in_use.protocol_of(robot, load(problem), args.trials, args.cycles)
     folder = args.out or args.diagnosis / "in-use"
     with options.progress_bar(args, "gaits", len(in_use.MODELS)) as advance:
-        gaits = in_use.optimal_gaits(args.problem, args.diagnosis, advance)
+        gaits = in_use.optimal_gaits(problem, args.diagnosis, advance)
         advance(len(gaits), "")
     with options.progress_bar(args, "trials", args.trials * len(gaits)) as advance:
         found = in_use.play(folder, protocol, gaits, max(1, args.jobs), advance)
     record = in_use.record_of(gaits, found)
     write_json(folder / "in-use.json", record)
-    options.report(args, record, [*in_use.lines(record), f"written to {folder}"])
+    options.report(args, record, [*in_use.lines(record), f"written to {folder}"], folder)
     return 0

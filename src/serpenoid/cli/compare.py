@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     with options.progress_bar(args, "drawing", len(study.comparisons)) as advance:
         write_study(folder, study, campaign, record, not args.no_figures, advance)
         advance(len(study.comparisons))
-    options.report(args, record, [*lines(study, origin), f"written to        {folder}"])
+    options.report(args, record, [*lines(study, origin), f"written to        {folder}"], folder)
     return 0
 
 

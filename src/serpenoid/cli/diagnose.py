@@ -75,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
             advance(sum(sizes), "figures")
             _pictures(folder, found, record)
         advance(sum(sizes), "")
-    options.report(args, record, [*lines(record), f"written to {folder}"])
+    options.report(args, record, [*lines(record), f"written to {folder}"], folder)
     return 0
 
 

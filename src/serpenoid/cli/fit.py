@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     write_json(folder / "fit.json", record)
     if not args.no_figures:
         draw(folder, campaign, model, calibration)
-    options.report(args, record, [*lines(calibration, model), f"written to        {folder}"])
+    options.report(args, record, [*lines(calibration, model), f"written to        {folder}"], folder)
     complaints = calibration.joint.warnings
     for complaint in complaints:
         options.complain(complaint)

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import logging
 import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 
+import serpenoid
+from serpenoid.cli import log
 from serpenoid.errors import InputError, StopRequested
 
 # verb -> one line of help; the verb's module `serpenoid.cli.<verb>` has `configure(parser)` and `run(args) -> int`
@@ -35,23 +37,27 @@ VERBS: dict[str, str] = {
     "robot": "find, check, rehearse and switch off the robot's servos",
     "arena": "play gaits in the virtual laboratory and write a campaign",
     "reproduce": "the paper's whole protocol in the arena, start to figures",
+    "examples": "copy the examples that come with the package",
+    "completion": "print a script for the shell to complete commands",
 }
 
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
 
 
-def build_parser(verb: str | None) -> argparse.ArgumentParser:
-    """The parser; only the module of the named verb is imported, so `--help` stays quick."""
-    parser = argparse.ArgumentParser(prog="serpenoid", description=__import__("serpenoid").__doc__, epilog=EPILOG)
+def build_parser(*complete: str | None) -> argparse.ArgumentParser:
+    """The parser; only the modules of the named verbs are imported, so `--help` stays quick."""
+    parser = argparse.ArgumentParser(prog="serpenoid", description=serpenoid.__doc__, epilog=EPILOG)
+    parser.add_argument("--version", action="version", version=f"serpenoid {serpenoid.__version__}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for name, help_line in VERBS.items():
         formatter = argparse.RawDescriptionHelpFormatter
         sub = verbs.add_parser(name, help=help_line, description=help_line, formatter_class=formatter)
-        if name == verb:
+        if name in complete:
             module = importlib.import_module(f"serpenoid.cli.{name}")
             sub.description = module.__doc__
             module.configure(sub)
             sub.add_argument("-v", "--verbose", action="store_true", help="log what happens inside")
+            sub.add_argument("--log-file", type=Path, metavar="FILE", help="the same into a file, with times")
             sub.set_defaults(run=module.run)
     return parser
 
@@ -61,10 +67,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     verb = next((word for word in words if not word.startswith("-")), None)
     args = build_parser(verb).parse_args(words)
-    level = logging.DEBUG if args.verbose else logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
-    logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
-    with _noted_interrupts() as interrupted:
-        return _run(args, interrupted)
+    try:
+        logging = log.begin(args, words)
+    except InputError as error:
+        return _complain(str(error), 2)
+    with logging, _noted_interrupts() as interrupted:
+        return log.ended(_run(args, interrupted))
 
 
 def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
@@ -83,6 +91,7 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         place = f"{error.filename}: " if error.filename else ""
         return _complain(f"{place}{error.strerror or error}.", 1)
     except Exception:
+        log.failed()
         if not interrupted:
             raise
         return _complain("stopped.", 130)
@@ -109,6 +118,7 @@ def _noted_interrupts() -> Iterator[list[int]]:
 
 
 def _complain(message: str, code: int) -> int:
+    log.log.debug("said: %s", message)
     sys.stderr.write(f"serpenoid: {message}\n")
     return code
 

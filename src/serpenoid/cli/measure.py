@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     if campaign.lengths_estimated:
         lines.append("edge lengths estimated from the recordings (medians)")
     lines += [line for trial in campaign.trials for line in trial_lines(trial)]
-    options.report(args, record, [*lines, f"written to        {folder}"])
+    options.report(args, record, [*lines, f"written to        {folder}"], folder)
     return 0
 
 

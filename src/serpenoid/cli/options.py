@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
+import logging
 import sys
 import tempfile
+import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
+log = logging.getLogger(__name__)
+SUMMARY = "summary.txt"  # what the command said, in its results folder
 SET_HELP = "override a number of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable)"
 
 
@@ -36,8 +40,25 @@ def add_output(parser: argparse.ArgumentParser, out: str = "") -> None:
     if out:
         parser.add_argument("--out", metavar="DIR", help=f"results folder (default: {out})")
         parser.add_argument("--no-figures", action="store_true", help="write numbers only")
+        add_open(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
     parser.add_argument("--json", action="store_true", help="print the record as JSON on standard output, nothing else")
+
+
+def add_open(parser: argparse.ArgumentParser) -> None:
+    """--open."""
+    parser.add_argument("--open", action="store_true", help="open the report (or the first picture) when it is done")
+
+
+def open_page(args: argparse.Namespace, folder: Path) -> None:
+    """With --open: the folder's report in the browser, else a picture; a sentence where there is nothing to open."""
+    if not getattr(args, "open", False):
+        return
+    pages = [*sorted(folder.glob("*.html")), *sorted(folder.glob("*.png"))]
+    if not pages:
+        complain(f"--open: {folder} has neither a report nor a picture. Was it run with --no-figures?")
+    elif not webbrowser.open(pages[0].resolve().as_uri()):
+        complain(f"--open: no browser was found. The page: {pages[0]}")
 
 
 def positive(text: str) -> int:
@@ -60,43 +81,59 @@ def _whole(text: str, least: int) -> int:
     return number
 
 
-def report(args: argparse.Namespace, record: Any, lines: list[str]) -> None:
-    """Print the record (--json), nothing (--quiet) or the summary."""
+def report(args: argparse.Namespace, record: Any, lines: list[str], folder: Path | None = None) -> None:
+    """Print the record (--json), nothing (--quiet) or the summary; keep the summary in the folder, and --open it."""
     if args.json:
         sys.stdout.write(json.dumps(record, indent=2) + "\n")
     elif not args.quiet:
         sys.stdout.write("\n".join(lines) + "\n")
+    if folder is not None:
+        from serpenoid.files import write_text
+
+        write_text(folder / SUMMARY, "\n".join(lines) + "\n")
+        open_page(args, folder)
 
 
 def complain(message: str) -> None:
     """A sentence on standard error."""
+    log.info("said: %s", message)
     sys.stderr.write(f"serpenoid: {message}\n")
 
 
 class Advance(Protocol):
     """What a progress bar offers: done so far, and a word about it."""
 
-    def __call__(self, done: int, text: str = "") -> None: ...
+    def __call__(self, done: float, text: str = "") -> None: ...
 
 
 @contextmanager
-def progress_bar(args: argparse.Namespace, title: str, total: int) -> Iterator[Advance]:
-    """A bar on standard error; silent with --quiet and --json, plain lines where there is no terminal."""
+def progress_bar(args: argparse.Namespace, title: str, total: float) -> Iterator[Advance]:
+    """A bar on standard error with the time that is left; silent with --quiet and --json. The log hears every step.
+
+    total: how much work there is, in whatever `done` counts: remaining time is true as far as its units take as long
+    as each other.
+    """
     if args.quiet or args.json:
-        yield lambda done, text="": None
+        yield lambda done, text="": _note(title, done, total, text)
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, TextColumn("{task.fields[note]}"), console=console) as bar:
+    from serpenoid.cli.remaining import RemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    with Progress(*columns, RemainingColumn(), TextColumn("{task.fields[note]}"), console=Console(stderr=True)) as bar:
         task = bar.add_task(title, total=total, note="")
 
-        def advance(done: int, text: str = "") -> None:
+        def advance(done: float, text: str = "") -> None:
+            _note(title, done, total, text)
             bar.update(task, completed=done, note=text)
 
         yield advance
+
+
+def _note(title: str, done: float, total: float, text: str) -> None:
+    log.info("%s: %g of %g %s", title, done, total, text)
 
 
 def output_folder(args: argparse.Namespace, default: Path) -> Path:

@@ -33,12 +33,13 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.arena.campaign import run_campaign
     from serpenoid.compare.study import compare_campaign
     from serpenoid.errors import InputError
+    from serpenoid.files import examples
     from serpenoid.problem import load
     from serpenoid.reproduce import gait_tables, paper_protocol, read_campaign
 
     if min(args.gaits, args.trials, args.jobs) < 1:
         raise InputError("--gaits, --trials and --jobs need a positive number.")
-    problem = load(args.problem or Path("problems/snake10.toml"), args.set)
+    problem = load(args.problem or examples() / "snake10.toml", args.set)
     folder = Path(args.out or "results/reproduce")
     with options.progress_bar(args, "gaits", args.gaits) as advance:
         tables = gait_tables(folder / "gaits", problem, args.gaits, args.seed, advance)
@@ -72,5 +73,5 @@ def _write(args: argparse.Namespace, folder: Path, study: Any, campaign: Any) ->
         for r in rows
     ]
     summary = [*lines(study, "the paper's"), "", "beside the paper (its numbers in brackets):", *table]
-    options.report(args, {"beside_the_paper": rows, **record}, [*summary, f"written to        {folder}"])
+    options.report(args, {"beside_the_paper": rows, **record}, [*summary, f"written to        {folder}"], folder)
     return 0

@@ -1,12 +1,14 @@
 """Say what is in a results folder, in words, and name its pictures.
 
 serpenoid show results/snake10/solve-1a2b3c4d
+serpenoid show results/foam/diagnosis --open
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +17,9 @@ from serpenoid.cli import options
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `show`."""
-    parser.add_argument("folder", metavar="RESULTS", help="a folder that simulate, solve or sweep wrote")
+    parser.add_argument("folder", metavar="RESULTS", help="a folder that any other verb wrote, or a campaign")
     options.add_output(parser)
+    options.add_open(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -27,14 +30,22 @@ def run(args: argparse.Namespace) -> int:
     folder = Path(args.folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
-    name = next((name for name in KINDS if (folder / name).exists()), "solution.json")
-    record = read_record(folder, name)
+    name = next((name for name in RECORDS if (folder / name).exists()), None)
+    if name is None and not (folder / "campaign.toml").exists():
+        raise InputError(
+            f"{folder}: holds no results: none of {', '.join(RECORDS)}, campaign.toml. Name a folder within?"
+        )
     try:
-        lines = KINDS[name](folder, record)
-    except (KeyError, TypeError, ValueError, OSError) as error:
-        raise InputError(f"{folder / name}: is not a record of this version ({error!r}).") from None
+        record = read_record(folder, name) if name else {}
+        lines = RECORDS[name](folder, record) if name else _campaign_lines(folder)
+    except (KeyError, TypeError, ValueError, OSError, AttributeError) as error:
+        raise InputError(
+            f"{folder / (name or 'campaign.toml')}: is not a record of this version ({error!r})."
+        ) from None
     pictures = sorted(path.name for path in folder.iterdir() if path.suffix in {".png", ".svg", ".gif"})
-    options.report(args, record, [*lines, f"files             {', '.join(_files(folder))}", *_pictures(pictures)])
+    files = [f"files             {', '.join(_files(folder))}", *_reports(folder), *_pictures(pictures)]
+    options.report(args, record, [*lines, *files])
+    options.open_page(args, folder)
     return 0
 
 
@@ -83,11 +94,56 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     return lines
 
 
-KINDS = {"sweep.json": _sweep_lines, "set.json": _set_lines, "solution.json": _lines}
+def _diagnosis_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+    from serpenoid.diagnose.words import lines
+
+    return [f"diagnosis of {record['campaign']}, written {record['provenance']['written']}", *lines(record)]
+
+
+def _in_use_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+    from serpenoid.in_use import lines
+
+    return lines(record)
+
+
+def _play_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+    played = f"{record['cycles']} cycle(s) of {record['cycle_duration_s']:g} s, pauses of {record['pause_s']:g} s"
+    return [f"played on {record['robot']}: {record['status']} ({record['reason']})", played, record["torque_off"]]
+
+
+def _campaign_lines(folder: Path) -> list[str]:
+    from serpenoid.measure.campaign import load_campaign_file
+
+    file, _ = load_campaign_file(folder)
+    return [f"campaign {file.name}: {len(file.trial)} trial(s)", *(f"  {t.name}  {t.gait}" for t in file.trial)]
+
+
+def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:
+    """What the verb said when it wrote the folder."""
+    if not (folder / options.SUMMARY).exists():
+        raise ValueError(f"no {options.SUMMARY} beside it")
+    return (folder / options.SUMMARY).read_text(encoding="utf-8").splitlines()
+
+
+RECORDS: dict[str, Callable[[Path, dict[str, Any]], list[str]]] = {
+    "sweep.json": _sweep_lines,
+    "set.json": _set_lines,
+    "solution.json": _lines,
+    "diagnosis.json": _diagnosis_lines,
+    "in-use.json": _in_use_lines,
+    "play.json": _play_lines,
+    "compare.json": _as_said,
+    "fit.json": _as_said,
+    "campaign.json": _as_said,
+}
 
 
 def _files(folder: Path) -> list[str]:
-    return sorted(p.name for p in folder.iterdir() if p.suffix in {".json", ".csv"}) or ["none"]
+    return sorted(p.name for p in folder.iterdir() if p.suffix in {".json", ".csv", ".toml"}) or ["none"]
+
+
+def _reports(folder: Path) -> list[str]:
+    return [f"report            {path}" for path in sorted(folder.glob("*.html"))]
 
 
 def _pictures(names: list[str]) -> list[str]:

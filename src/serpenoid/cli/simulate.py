@@ -45,5 +45,5 @@ def run(args: argparse.Namespace) -> int:
         *crossing_warning(motion),
         f"written to        {folder}",
     ]
-    options.report(args, record, lines)
+    options.report(args, record, lines, folder)
     return 0

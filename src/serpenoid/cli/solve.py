@@ -69,7 +69,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         multistart_figures(folder, result)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
     lines = [*_lines(best, result), *crossing_warning(best.trajectory), f"written to        {folder}"]
-    options.report(args, record, lines)
+    options.report(args, record, lines, folder)
     if stopped:
         options.complain(f"stopped after {len(result.solutions)} of {args.starts} starts; the best is in {folder}")
         return 130
@@ -120,7 +120,7 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})
     lines = [f"{'gait':8}{'random':>10}{'improved':>10}  [body lengths per cycle]"]
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
-    options.report(args, record, [*lines, f"written to {folder}"])
+    options.report(args, record, [*lines, f"written to {folder}"], folder)
     if len(pairs) < args.improve:
         options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
         return 130

@@ -80,6 +80,8 @@ def run(args: argparse.Namespace) -> int:
     else:
         summaries = _in_parallel(args, problems, values, folders)
     options.report(args, summaries, [line for summary in summaries for line in _lines(summary)])
+    for folder in folders:
+        options.open_page(args, folder)
     if not all(s["complete"] for s in summaries):
         options.complain("stopped; solved points are kept, the same command goes on from there.")
         return 130

@@ -1,0 +1,59 @@
+"""What a command says of its inside: warnings on the screen, and with --log-file all of it, with times, in a file."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import platform
+import shlex
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from serpenoid import __version__
+from serpenoid.errors import InputError
+
+log = logging.getLogger("serpenoid")
+LINE = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+
+def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
+    """Loggers as -v, --quiet and --log-file ask for; closing what is returned closes the file."""
+    screen = logging.DEBUG if args.verbose else logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
+    logging.basicConfig(level=screen, format="%(levelname)s %(name)s: %(message)s")
+    stack = ExitStack()
+    if args.log_file is None:
+        return stack
+    handler = _handler(args.log_file)
+    for existing in logging.getLogger().handlers:
+        existing.setLevel(screen)
+    log.setLevel(logging.DEBUG)
+    log.addHandler(handler)
+    stack.callback(log.setLevel, logging.NOTSET)
+    stack.callback(handler.close)
+    stack.callback(log.removeHandler, handler)
+    log.info("serpenoid %s, Python %s on %s", __version__, platform.python_version(), platform.platform())
+    log.info("command: serpenoid %s", shlex.join(words))
+    return stack
+
+
+def _handler(path: Path) -> logging.FileHandler:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handler = logging.FileHandler(path, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"--log-file {path}: cannot be written ({error.strerror}).") from None
+    handler.setFormatter(logging.Formatter(LINE))
+    return handler
+
+
+def ended(code: int) -> int:
+    """Note the exit code, and hand it on."""
+    log.info("exit code %d", code)
+    return code
+
+
+def failed() -> None:
+    """Note the exception that is being handled, with its traceback."""
+    log.error("ended by %s", sys.exc_info()[0], exc_info=True)

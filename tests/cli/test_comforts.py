@@ -1,0 +1,130 @@
+"""What makes a command line pleasant: version, examples, completion, a log, remaining time, `show` and `--open`."""
+
+from __future__ import annotations
+
+import json
+import logging
+import subprocess
+import sys
+import webbrowser
+from pathlib import Path
+
+import pytest
+
+import serpenoid
+from serpenoid.cli.main import VERBS, main
+from serpenoid.cli.remaining import remaining
+
+REFERENCE = str(Path(__file__).parents[2] / "problems" / "reference.toml")
+
+
+def simulated(folder: Path, *more: str) -> int:
+    """`simulate`, quick: the reference gait, no figures."""
+    return main(["simulate", REFERENCE, "--no-figures", "--out", str(folder), *more])
+
+
+def test_the_version_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"serpenoid {serpenoid.__version__}\n"
+
+
+def test_examples_are_copied_whole_and_keep_what_was_changed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "mine"
+    assert main(["examples", str(folder)]) == 0
+    assert (folder / "reference.toml").read_bytes() == Path(REFERENCE).read_bytes()
+    assert (folder / "robots" / "snake10-robot.toml").exists()
+    (folder / "reference.toml").write_text("# mine", encoding="utf-8")
+    (folder / "purcell.toml").unlink()
+    assert main(["examples", str(folder)]) == 0
+    assert (folder / "reference.toml").read_text(encoding="utf-8") == "# mine"
+    assert capsys.readouterr().out.splitlines()[-1].startswith("1 file(s) copied")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_completion_knows_every_verb(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["completion", shell]) == 0
+    script = capsys.readouterr().out
+    assert all(verb in script for verb in VERBS)
+
+
+def test_bash_completes_verbs_and_options(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["completion", "bash"])
+    script = tmp_path / "completion"
+    script.write_text(capsys.readouterr().out, encoding="utf-8")
+
+    def completed(*words: str) -> set[str]:
+        line = " ".join(f"'{word}'" for word in words)
+        typed = f"COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}"
+        ask = f"source {script}; {typed}; _shtab_serpenoid; echo ${{COMPREPLY[@]}}"
+        return set(subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True).stdout.split())
+
+    assert completed("serpenoid", "si") == {"simulate"}
+    assert "--starts" in completed("serpenoid", "solve", "--st")
+
+
+def test_the_log_tells_what_ran_and_how_it_ended(tmp_path: Path) -> None:
+    log = tmp_path / "deep" / "run.log"
+    assert simulated(tmp_path / "a", "--log-file", str(log)) == 0
+    assert main(["simulate", "missing.toml", "--log-file", str(log)]) == 2
+    text = log.read_text(encoding="utf-8")
+    assert f"serpenoid {serpenoid.__version__}" in text
+    assert "exit code 0" in text
+    assert "missing.toml" in text
+    assert text.splitlines()[-1].endswith("exit code 2")
+    assert not logging.getLogger("serpenoid").handlers
+
+
+def test_a_crash_leaves_its_traceback_in_the_log(tmp_path: Path) -> None:
+    log = tmp_path / "run.log"
+    code = (
+        "import sys, serpenoid.simulation.problem as p, serpenoid.cli.main as m\n"
+        "p.simulate = lambda problem: 1 / 0\n"
+        f"m.main(['simulate', {REFERENCE!r}, '--out', {str(tmp_path)!r}, '--log-file', {str(log)!r}])\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 1
+    assert "ZeroDivisionError: division by zero" in log.read_text(encoding="utf-8")
+
+
+def test_a_log_that_cannot_be_written_is_refused_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert simulated(tmp_path / "a", "--log-file", str(tmp_path)) == 2
+    assert "--log-file" in capsys.readouterr().err
+    assert not (tmp_path / "a").exists()
+
+
+def test_remaining_time_is_the_elapsed_over_the_done_share() -> None:
+    assert remaining(30.0, 1, 4) == "about 1:30 left"
+    assert remaining(30.0, 0, 4) == ""
+    assert remaining(30.0, 4, 4) == ""
+
+
+def test_open_shows_the_report_before_any_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda url: bool(opened.append(url)) or True)
+    assert simulated(tmp_path, "--open") == 0
+    assert "neither a report nor a picture" in capsys.readouterr().err
+    for name in ("b.png", "report.html"):
+        (tmp_path / name).touch()
+        assert main(["show", str(tmp_path), "--open"]) == 0
+    assert [Path(url).name for url in opened] == ["b.png", "report.html"]
+
+
+def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "fit.json").write_text(json.dumps({"joint": {}}), encoding="utf-8")
+    assert main(["show", str(tmp_path)]) == 2
+    assert "summary.txt" in capsys.readouterr().err
+    (tmp_path / "summary.txt").write_text("anisotropy_ratio 0.2\n", encoding="utf-8")
+    assert main(["show", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.startswith("anisotropy_ratio 0.2\n")
+
+
+def test_show_says_where_a_folder_holds_no_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", str(tmp_path)]) == 2
+    assert "holds no results" in capsys.readouterr().err
