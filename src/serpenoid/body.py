@@ -24,7 +24,9 @@ class Body(Record):
     vertices: int = Field(ge=3, le=2000, description="N: head marker, joint axes, tail marker, counted together")
     length_m: Positive | None = Field(default=None, description="body length, for equal edges; default 1")
     edge_lengths: tuple[Positive, ...] | None = Field(default=None, description="N - 1 lengths [m], tail to head")
-    weights: tuple[Positive, ...] | None = Field(default=None, description="N dissipation weights; default equal")
+    weights: tuple[Positive, ...] | None = Field(
+        default=None, description="N dissipation weights; default equal, with `edge` dissipation uniform per length"
+    )
     joints: tuple[int, ...] | None = Field(default=None, description="vertices that bend; default all interior ones")
     mass_kg: Positive | None = Field(default=None, description="for the cost of transport")
     joint_limit_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(default=None, description="|joint angle|")
@@ -67,6 +69,18 @@ class Body(Record):
         """Normalised weights, shape (N,), sum 1."""
         w = np.array(self.weights) if self.weights is not None else np.ones(self.vertices)
         return w / w.sum()
+
+    @property
+    def edge_weights(self) -> Floats:
+        """What dissipation at edges weighs, shape (N - 1,): each vertex gives to its edges in proportion to length."""
+        around = np.concatenate([self.edges[:1], self.edges[1:] + self.edges[:-1], self.edges[-1:]])
+        share = self.vertex_weights / around
+        return np.asarray(self.edges * (share[1:] + share[:-1]))
+
+    def uniform(self) -> Body:
+        """The same body with its weight spread evenly along its length, half an edge's at either end of it."""
+        ends = np.concatenate([[0.0], self.edges, [0.0]])
+        return self.model_copy(update={"weights": tuple(((ends[1:] + ends[:-1]) / 2).tolist())})
 
     @cached_property
     def joint_vertices(self) -> tuple[int, ...]:

@@ -17,6 +17,9 @@ from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 
 
+UNEVEN = 1.2  # times as heavy per length: more than the spread of a well-made robot's modules
+
+
 @dataclass(frozen=True)
 class Structure:
     """What fixes the shape of the equations; everything else is a number given to the compiled functions."""
@@ -53,10 +56,26 @@ class Model:
     def __post_init__(self) -> None:
         present = tuple(effect for effect in self.effects if not effect.is_neutral)
         object.__setattr__(self, "effects", present)
+        if self.medium.dissipation == "edge" and self.body.weights is None:
+            object.__setattr__(self, "body", self.body.uniform())
         check(present, self.body)
         at_vertices = self.medium.dissipation == "vertex"
         if not at_vertices and any(isinstance(e.effect, MediumEffect) for e in present):
             raise InputError('[medium] dissipation: effects of the medium sit at vertices; set it to "vertex".')
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is odd about the weights, as sentences: a body that is not uniform where its author may think it is."""
+        body, at_edges = self.body, self.medium.dissipation == "edge"
+        per_length = body.edge_weights / body.edges if at_edges else body.edges
+        if (not at_edges and body.weights is not None) or per_length.max() <= UNEVEN * per_length.min():
+            return ()
+        ratio = per_length.max() / per_length.min()
+        if at_edges:
+            return (
+                f"`weights` put {ratio:.2g} times as much drag on a unit of one edge as of another; leave them out?",
+            )
+        return (f"the longest edge has {ratio:.2g} times the shortest's length, but every vertex the same `weights`",)
 
     @cached_property
     def medium_effects(self) -> tuple[ActiveEffect, ...]:

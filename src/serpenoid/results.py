@@ -71,6 +71,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         },
         "resimulation_error": _number(solution.resimulation_error),
         "polishing_gain": solution.polishing_gain,
+        "mesh": solution.mesh.record,
         "ipopt_status": solution.ipopt_status,
         "iterations": solution.iterations,
         "wall_time_s": solution.seconds,
@@ -107,6 +108,11 @@ def crossing_warning(trajectory: Trajectory) -> list[str]:
     return [f"warning           the body crosses itself in {rows} row(s) of the table: {remedy}"] if rows else []
 
 
+def weight_warning(problem: Problem) -> list[str]:
+    """A line for the user where the body is not uniform though it may be meant to be."""
+    return [f"warning           {remark}" for remark in problem.model.remarks]
+
+
 def _record(
     problem: Problem, trajectory: Trajectory, gait: Any, kind: str, status: str, message: str
 ) -> dict[str, Any]:
@@ -128,7 +134,7 @@ def _record(
         "body": {
             "vertices": body.vertices,
             "edge_lengths": body.edges_m.tolist(),
-            "weights": body.vertex_weights.tolist(),
+            "weights": problem.model.body.vertex_weights.tolist(),
             "joints": list(body.joint_vertices),
             "length_m": body.total_length_m,
             "mass_kg": body.mass_kg,

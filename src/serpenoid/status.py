@@ -16,6 +16,7 @@ class Status(Enum):
     INFEASIBLE = "the constraints cannot all be met: relax a limit or a bound"
     RESIMULATION_DISAGREES = "step-by-step simulation does not confirm the optimum: use more steps per cycle"
     NOT_STATIONARY = "the optimality conditions do not hold to 1e-8: try another start, or free a bound"
+    MESH_TOO_COARSE = "the displacement depends on the number of steps: solve with --refine, or with more task.steps"
     NOT_A_MINIMUM = "a derivative-free search nearby found a better gait (a saddle point): try another start"
 
     @property

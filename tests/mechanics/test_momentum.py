@@ -24,7 +24,7 @@ def random_elements(rng: np.random.Generator, dimension: int, count: int) -> Flo
 
 def element_weights(model: Model) -> Floats:
     weights = model.body.vertex_weights
-    return weights if model.medium.dissipation == "vertex" else integrator.edge_weights(weights)
+    return weights if model.medium.dissipation == "vertex" else integrator.edge_weights(weights, model.body.edges)
 
 
 def paper_momentum(before: Floats, after: Floats, weights: Floats, eps: float) -> tuple[Floats, Floats]:

@@ -22,7 +22,7 @@ def energy_at(model: Model, turns: Floats, before: Floats, after: Floats) -> Flo
     edge = model.medium.dissipation == "edge"
     elements = integrator.edge_elements if edge else integrator.vertex_elements
     w = model.body.vertex_weights
-    w = integrator.edge_weights(w) if edge else w
+    w = integrator.edge_weights(w, model.body.edges) if edge else w
     p0, t0 = elements(before)
     moved = [elements(place([0, 0, turn], after)) for turn in turns]
     p1, t1 = np.array([p for p, _ in moved]), np.array([t for _, t in moved])

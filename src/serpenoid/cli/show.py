@@ -68,12 +68,20 @@ def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:
             f"cost              {_short(record['cost'])} at c = {record['c']:g}",
             f"certificate       KKT {kkt:.1e}, re-simulation {_short(record['resimulation_error'])}, "
             f"polishing gain {_short(record['polishing_gain'])}",
+            f"mesh              {_mesh(record['mesh'])}",
         ]
     summary = record.get("multi_start")
     if summary:
         found = ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in summary["optima"])
         lines.append(f"optima found      {found or 'none'}; failed starts: {len(summary['failures'])}")
     return lines
+
+
+def _mesh(mesh: dict[str, Any]) -> str:
+    if mesh["displacement_error"] is None:
+        return "a finer one could not be simulated"
+    limit, error = mesh["extrapolated_displacement_body_lengths"], mesh["displacement_error"]
+    return f"{limit:.6f} body lengths for many steps; error of {mesh['steps'][0]} steps {error:.1e}"
 
 
 def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:

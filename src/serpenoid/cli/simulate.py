@@ -24,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.problem import load
-    from serpenoid.results import crossing_warning, default_folder, write_simulation
+    from serpenoid.results import crossing_warning, default_folder, weight_warning, write_simulation
     from serpenoid.simulation.problem import simulate
 
     problem = load(args.problem, args.set, args.model)
@@ -43,6 +43,7 @@ def run(args: argparse.Namespace) -> int:
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
         *crossing_warning(motion),
+        *weight_warning(problem),
         f"written to        {folder}",
     ]
     options.report(args, record, lines, folder)

@@ -154,5 +154,5 @@ def _step_symbols(structure: Structure, dimension: int) -> tuple[ca.SX, ca.SX, c
 
 
 def _medium(parameters: ca.SX, structure: Structure) -> tuple[ca.SX, ca.SX]:
-    _, weights, anisotropy_ratio = split_parameters(parameters, structure)
-    return kinematics.element_weights(weights, structure), anisotropy_ratio
+    edges, weights, anisotropy_ratio = split_parameters(parameters, structure)
+    return kinematics.element_weights(weights, edges, structure), anisotropy_ratio

@@ -68,13 +68,13 @@ def elements(points: ca.SX, unit: ca.SX, structure: Structure) -> ca.SX:
     return ca.vertcat(points, ca.horzcat(*tangents))
 
 
-def element_weights(weights: ca.SX, structure: Structure) -> ca.SX:
-    """Weights (M) of the dissipation elements; a vertex shares its weight equally among its edges."""
+def element_weights(weights: ca.SX, edges: ca.SX, structure: Structure) -> ca.SX:
+    """Weights (M) of the dissipation elements; a vertex shares its weight among its edges in proportion to length."""
     if structure.dissipation == "vertex":
         return weights
     n = structure.vertices
-    share = [weights[k] if k in (0, n - 1) else weights[k] / 2 for k in range(n)]
-    return ca.vertcat(*(share[j] + share[j + 1] for j in range(n - 1)))
+    around = [sum((edges[j] for j in (k - 1, k) if 0 <= j < n - 1), ca.SX(0)) for k in range(n)]
+    return ca.vertcat(*(edges[j] * sum(weights[k] / around[k] for k in (j, j + 1)) for j in range(n - 1)))
 
 
 def link_midpoints(edges: ca.SX, structure: Structure) -> ca.SX:

@@ -124,11 +124,11 @@ def step_function(model: Model, steps: int) -> ca.Function:
     g0, g1, q = ca.SX.sym("g0", 3), ca.SX.sym("g1", 3), ca.SX.sym("q", GAIT)
     t0, t1, setting = ca.SX.sym("t0"), ca.SX.sym("t1"), ca.SX.sym("setting", SETTING)
     parameters = ca.SX.sym("parameters", 2 * model.structure.vertices)
-    _, weights, eps = split_parameters(parameters, model.structure)
+    edges, weights, eps = split_parameters(parameters, model.structure)
     present = {e.name for e in model.medium_effects}
     kinds = tuple(kind for kind in medium_effects() if kind.name in present)
     theta = ca.SX(ca.DM(coordinates(model, kinds=kinds)))
-    shares = kinematics.element_weights(weights, model.structure)
+    shares = kinematics.element_weights(weights, edges, model.structure)
     before, after = (ca.horzsplit(with_links(_row(model, q, t, parameters, steps))) for t in (t0, t1))
     total = ca.SX.zeros(7)
     for k, (b, a) in enumerate(zip(before, after, strict=True)):

@@ -9,9 +9,11 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
+from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.certify import certify
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
+from serpenoid.optimise.mesh import study_mesh
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
 from serpenoid.status import Status
@@ -37,10 +39,12 @@ class MultiStart:
 
     @property
     def best(self) -> Solution:
-        """The best certified optimum, else the first failure (a stopped one first)."""
+        """The best certified optimum, else a failure: a stopped one first, then the best that its mesh alone spoils."""
         if self.optima:
             return self.optima[0].solution
-        return min(self.solutions, key=lambda s: s.status is not Status.STOPPED)
+        first = (Status.STOPPED, Status.MESH_TOO_COARSE)
+        ranks = {status: rank for rank, status in enumerate(first)}
+        return min(self.solutions, key=lambda s: (ranks.get(s.status, len(first)), s.objective))
 
     @property
     def failures(self) -> tuple[Solution, ...]:
@@ -69,8 +73,10 @@ def as_solution(
     """Certify an answer and write it as a Solution."""
     check = certify(solver, answer, c, polish, gait_bounds)
     outcome = answer.outcome
+    mesh = study_mesh(solver.model, lambda steps: joint_table(solver.model, answer.q, steps), solver.steps)
+    coarse = check.status.ok and not mesh.converged
     return Solution(
-        status=check.status,
+        status=Status.MESH_TOO_COARSE if coarse else check.status,
         problem=solver.problem,
         c=c,
         gait=EllipseGait.from_parameters(answer.q),
@@ -80,6 +86,7 @@ def as_solution(
         residuals=outcome.residuals,
         resimulation_error=check.resimulation_error,
         polishing_gain=check.polishing_gain,
+        mesh=mesh,
         ipopt_status=outcome.ipopt_status,
         iterations=answer.iterations,
         seconds=answer.seconds,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.optimise.ipopt import Residuals
+from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
@@ -30,6 +31,7 @@ class Solution:
     residuals: Residuals
     resimulation_error: float
     polishing_gain: float | None
+    mesh: MeshStudy
     ipopt_status: str
     iterations: int
     seconds: float

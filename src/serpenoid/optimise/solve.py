@@ -17,9 +17,12 @@ from serpenoid.optimise.solver import Customise, GaitSolver
 from serpenoid.optimise.starts import random_gaits, within
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
 Progress = Callable[[int, Solution | None], None]
+REFINED = 1e-3  # of the displacement: as fine as a robot can be measured
+DOUBLINGS = 6
 
 
 def solve(
@@ -50,6 +53,25 @@ def solve_from(problem: Problem, gait: EllipseGait, customise: Customise | None 
     solver.prepare(start)
     with catch_interrupt() as flag:
         return solve_one(solver, start, problem.task.c, polish=True, flag=flag)[0]
+
+
+def refine(solution: Solution, share: float = REFINED, doublings: int = DOUBLINGS) -> Solution:
+    """The same problem solved with twice the steps, from this solution's motion, and again until its mesh is fine.
+
+    Fine: the displacement's error is at most `share` of its limit. A gait that no mesh confirms stays refused.
+    """
+    for _ in range(doublings):
+        mesh = solution.mesh
+        if not solution.trajectory.status.ok or solution.status is Status.STOPPED or mesh.within(share):
+            break
+        problem = with_steps(solution.problem, 2 * mesh.steps)
+        solution = solve_from(problem, solution.gait)
+    return solution
+
+
+def with_steps(problem: Problem, steps: int) -> Problem:
+    """The same problem on another time mesh."""
+    return problem.model_copy(update={"task": problem.task.model_copy(update={"steps": steps})})
 
 
 @dataclass(frozen=True)

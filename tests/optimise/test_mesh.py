@@ -1,0 +1,74 @@
+"""The mesh certificate: what coarse steps move is not called an optimum, and a finer mesh confirms what is."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.optimise.mesh import MeshStudy, refined_table, study_mesh
+from serpenoid.optimise.solve import refine, solve
+from serpenoid.status import Status
+from specimens import oracle_run, problem, random_table, reference
+
+ONE_JOINT = ("reference-optimum", "body.vertices=3", "body.joint_limit_deg=170", "task.bounds.a=[0.0, 12.0]")
+
+
+def reference_study(steps: int) -> MeshStudy:
+    model, gait = reference(), problem("reference").gait.parameters
+    return study_mesh(model, lambda n: joint_table(model, gait, n), steps)
+
+
+@pytest.mark.parametrize("steps", [3, 4, 5, 50])
+def test_one_joint_goes_nowhere_whatever_coarse_steps_say(steps: int) -> None:
+    result = solve(problem(*ONE_JOINT, f"task.steps={steps}"), starts=4, seed=1)
+    assert not result.optima
+    if steps < 5:
+        assert result.best.status is Status.MESH_TOO_COARSE
+        assert result.best.trajectory.displacement > 0.1  # the discrete problem is solved, and it does move
+        assert result.best.mesh.error > 0.1
+
+
+def test_the_papers_mesh_passes_with_its_half_per_cent_stated() -> None:
+    mesh = reference_study(50)
+    assert mesh.converged
+    assert mesh.error / mesh.displacement == pytest.approx(0.005, abs=0.0005)  # 0.4523 of 0.4546, docs/theory.md
+
+
+def test_the_extrapolated_displacement_is_that_of_many_steps_and_the_error_bounds_the_truth() -> None:
+    model, gait = reference(), problem("reference").gait.parameters
+    limit = oracle_run(model, joint_table(model, gait, 1600)).displacement  # its own error: 0.5 % / 32^2
+    for steps in (25, 50, 100):
+        mesh = reference_study(steps)
+        assert mesh.displacement == pytest.approx(limit, abs=1e-5)
+        assert abs(mesh.displacements[0] - limit) <= mesh.error + 3e-6
+    errors = [reference_study(steps).error for steps in (25, 50, 100)]
+    for coarse, fine in pairwise(errors):
+        assert coarse / fine == pytest.approx(4, rel=0.1)  # second order
+
+
+def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
+    coarse = solve(problem("reference-optimum", "task.steps=20"), starts=3, seed=1).best
+    fine = refine(coarse)
+    assert coarse.status is Status.MESH_TOO_COARSE
+    assert fine.status is Status.SOLVED
+    assert fine.problem.task.steps in (160, 320)  # 8 % at 20 steps, a quarter of it with each doubling
+    assert fine.mesh.error <= 1e-3 * fine.mesh.displacement
+    assert fine.trajectory.displacement == pytest.approx(fine.mesh.displacement, rel=1e-3)
+
+
+def test_a_table_is_refined_by_straight_lines_that_keep_its_rows() -> None:
+    table = random_table(reference(), np.random.default_rng(3), 12)
+    fine = refined_table(table, 4)
+    np.testing.assert_array_equal(fine[::4], table)
+    np.testing.assert_allclose(fine[2::4], (table + np.roll(table, -1, axis=0)) / 2, atol=1e-15)
+    assert np.abs(np.diff(fine, axis=0)).max() == pytest.approx(np.abs(np.diff(table, axis=0)).max() / 4)
+
+
+def test_a_finer_mesh_that_cannot_be_simulated_certifies_nothing() -> None:
+    study = MeshStudy(10, (0.1, np.nan, 0.1), (0.1, np.nan, 0.1))
+    assert not study.converged
+    assert study.record["displacement_error"] is None
+    assert "could not" in study.words

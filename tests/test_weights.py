@@ -1,0 +1,52 @@
+"""What the elements weigh: a uniform body is uniform per length, and what is not uniform is said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from serpenoid.body import Body
+from serpenoid.mechanics import functions
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from specimens import uneven
+
+UNEQUAL = (0.1, 0.3, 0.2, 0.4)
+
+
+def at_edges(body: Body) -> Model:
+    return Model(body, Medium(anisotropy_ratio=0.3, dissipation="edge"))
+
+
+def symbolic_weights(model: Model) -> np.ndarray:
+    return functions.element_parameters(model.structure)(model.parameters)[0].full()[:, 0]
+
+
+@pytest.mark.parametrize("body", [Body(vertices=12), Body(vertices=5, edge_lengths=UNEQUAL)])
+def test_edges_of_a_body_without_weights_weigh_as_much_as_they_are_long(body: Body) -> None:
+    model = at_edges(body)
+    np.testing.assert_allclose(symbolic_weights(model), body.edges, atol=1e-15)
+    assert model.body.vertex_weights.sum() == pytest.approx(1)
+    assert not model.remarks
+
+
+def test_equal_weights_given_for_edges_burden_the_end_edges_by_half_and_that_is_said() -> None:
+    model = at_edges(Body(vertices=12, weights=(1.0,) * 12))
+    weights = symbolic_weights(model)
+    assert weights[0] / weights[5] == pytest.approx(1.5)
+    (remark,) = model.remarks
+    assert "1.5 times" in remark
+
+
+def test_equal_weights_on_unequal_edges_are_said_and_given_ones_are_the_authors() -> None:
+    medium = Medium(anisotropy_ratio=0.3)
+    (remark,) = Model(Body(vertices=5, edge_lengths=UNEQUAL), medium).remarks
+    assert "4 times" in remark
+    assert not Model(Body(vertices=5, edge_lengths=UNEQUAL, weights=(1, 2, 2, 1, 1)), medium).remarks
+    assert not Model(Body(vertices=12), medium).remarks
+
+
+def test_edge_weights_by_numbers_and_by_symbols_agree_and_keep_the_sum() -> None:
+    model = uneven("edge")
+    np.testing.assert_allclose(model.body.edge_weights, symbolic_weights(model), atol=1e-15)
+    assert symbolic_weights(model).sum() == pytest.approx(1)
