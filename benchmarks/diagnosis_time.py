@@ -44,8 +44,8 @@ def measured(kind: str, folder: Path) -> tuple[list[float], list[float]]:
     both = set(sorted(os.sched_getaffinity(0))[:2])
     took, ratios = [], []
     for index in range(COUNT):
-        name = study.digest("name", index)[:12]
-        write(study.campaign(index, name), folder / name)
+        name = study.identity(index)
+        write(study.case(index).campaign, folder / name)
         took.append(diagnosed(folder / name, folder / "out", both))
         if index < ON_ONE_CORE:
             ratios.append(diagnosed(folder / name, folder / "alone", {min(both)}) / took[-1])

@@ -11,7 +11,7 @@ import numpy as np
 
 from blind.motion import Drive
 from blind.schedule import Plan
-from blind.snake import JOINTS, TICK, VERTICES, Floats, vertices
+from blind.snake import SNAKE10, TICK, Floats, Robot, vertices
 
 FRAMES_PER_SECOND = 120.0
 MARKER_NOISE = 0.2e-3  # m
@@ -26,6 +26,18 @@ class Cameras:
     clock_rate: float = 0.0
     jump: float = 0.0
     drift: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """Frames per second, marker noise [m], log rows per second (0: no log), holes per marker and second, markers that
+    no camera ever sees."""
+
+    frames_per_second: float = FRAMES_PER_SECOND
+    marker_noise: float = MARKER_NOISE
+    log_hertz: float = 60.0
+    holes: float = 0.08
+    unseen: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,7 +61,7 @@ class Film:
 
 @dataclass(frozen=True)
 class ServoLog:
-    """time (R,) [s on the servo clock], cycle, step (R,), phase names, command and position (R, 10) [rad]."""
+    """time (R,) [s on the servo clock], cycle, step (R,), phase names, command and position (R, m) [rad]."""
 
     time: Floats
     cycle: np.ndarray
@@ -64,9 +76,11 @@ def resample(time: Floats, nodes: Floats, values: Floats) -> Floats:
     return np.column_stack([np.interp(time, nodes, column) for column in values.T])
 
 
-def seen_markers(cameras: Cameras, phi: Floats, pose: Floats, time: Floats, jumps: Floats) -> Floats:
+def seen_markers(
+    cameras: Cameras, phi: Floats, pose: Floats, time: Floats, jumps: Floats, robot: Robot = SNAKE10
+) -> Floats:
     """Noise-free marker positions (F, N, 2)."""
-    p = vertices(phi, pose)
+    p = vertices(phi, pose, robot)
     seen = p.copy()
     for vertex, (along, left) in cameras.moved_marker.items():
         edge = max(vertex - 1, 0)
@@ -77,30 +91,41 @@ def seen_markers(cameras: Cameras, phi: Floats, pose: Floats, time: Floats, jump
     return seen * (1 + cameras.scale_error) + jumps[:, None, :]
 
 
-def _gaps(rng: np.random.Generator, time: Floats) -> tuple[np.ndarray, np.ndarray]:
+def _gaps(rng: np.random.Generator, time: Floats, count: int, i: Instruments) -> tuple[np.ndarray, np.ndarray]:
     """Which markers are missing (F, N), and the frame at which the one gap of all markers ends."""
-    missing = np.zeros((len(time), VERTICES), dtype=bool)
-    for vertex in range(VERTICES):
-        for _ in range(rng.poisson(0.08 * (time[-1] - time[0]))):
+    missing = np.zeros((len(time), count), dtype=bool)
+    for vertex in range(count):
+        for _ in range(rng.poisson(i.holes * (time[-1] - time[0]))):
             start = rng.integers(len(time))
-            missing[start : start + int(rng.exponential(0.15) * FRAMES_PER_SECOND) + 1, vertex] = True
+            missing[start : start + int(rng.exponential(0.15) * i.frames_per_second) + 1, vertex] = True
     start = int(rng.uniform(0.2, 0.8) * len(time))
-    end = start + int(rng.uniform(0.08, 0.3) * FRAMES_PER_SECOND)
+    end = start + int(rng.uniform(0.08, 0.3) * i.frames_per_second)
     missing[start:end] = True
+    missing[:, list(i.unseen)] = True
     return missing, np.array([end])
 
 
-def film(rng: np.random.Generator, cameras: Cameras, drive: Drive, path: Floats, clocks: Clocks) -> Film:
-    """Markers at 120 frames a second, from before t0 until after the end."""
-    first = -clocks.lead + rng.uniform(0, 1 / FRAMES_PER_SECOND)
-    time = np.arange(first, drive.time[-1] + clocks.tail, 1 / FRAMES_PER_SECOND)
-    missing, ends = _gaps(rng, time)
+def film(
+    rng: np.random.Generator,
+    cameras: Cameras,
+    drive: Drive,
+    path: Floats,
+    clocks: Clocks,
+    instruments: Instruments = Instruments(),
+    robot: Robot = SNAKE10,
+) -> Film:
+    """Markers from before t0 until after the end."""
+    rate = instruments.frames_per_second
+    first = -clocks.lead + rng.uniform(0, 1 / rate)
+    time = np.arange(first, drive.time[-1] + clocks.tail, 1 / rate)
+    missing, ends = _gaps(rng, time, robot.vertices, instruments)
     directions = rng.uniform(0, 2 * np.pi, len(ends))
     jumps = np.zeros((len(time), 2))
     for end, direction in zip(ends, directions, strict=True):
         jumps[end:] += cameras.jump * np.array([np.cos(direction), np.sin(direction)])
     phi, pose = resample(time, drive.time, drive.phi), resample(time, drive.time, path)
-    seen = seen_markers(cameras, phi, pose, time, jumps) + rng.normal(0, MARKER_NOISE, (len(time), VERTICES, 2))
+    seen = seen_markers(cameras, phi, pose, time, jumps, robot)
+    seen += rng.normal(0, instruments.marker_noise, seen.shape)
     seen[missing] = np.nan
     return Film(time, seen, jumps)
 
@@ -123,6 +148,6 @@ def servo_log(
     step = np.clip(np.floor(into / plan.cycle_s * rows), 0, rows).astype(int)
     phase = np.where(step == rows, "pause", "play").astype("<U8")
     phase[time < 0], phase[time > drive.time[-1]] = "approach", "end"
-    flicker = rng.normal(0, 0.4 * TICK, (count, JOINTS))
+    flicker = rng.normal(0, 0.4 * TICK, (count, reading.shape[1]))
     position = np.round((resample(time, drive.time, reading) + flicker) / TICK) * TICK
     return ServoLog(clocks.servo_t0 + (1 + rate) * time, cycle, step, phase, plan.table[step % rows], position)

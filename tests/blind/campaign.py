@@ -14,48 +14,14 @@ import numpy as np
 from blind import catalogue, outside
 from blind.cameras import Clocks, Film, ServoLog, film, servo_log
 from blind.catalogue import Effect, World
-from blind.gaits import random_table
 from blind.motion import Drive
-from blind.schedule import Plan, grid, realise
+from blind.protocol import COMBINATIONS, REPEATS, Combination, Protocol, Setting, usual
+from blind.schedule import Plan, grid, realise, steps_of
 from blind.snake import Floats
 
-CYCLES = 2
 SLIP_PER_CYCLE = np.array([1e-3, 0.8e-3, 2.5e-3])  # m forwards, m sideways, rad: standard deviations
 SLIP_BLOCK_S = 0.1
-# gait, heading, duration: every gait once, the first gait at all durations and headings
-Combination = tuple[int, int, int]
-COMBINATIONS: tuple[Combination, ...] = (
-    (0, 0, 0),
-    (1, 1, 1),
-    (2, 2, 2),
-    (3, 0, 1),
-    (4, 1, 2),
-    (5, 2, 0),
-    (0, 1, 2),
-    (0, 2, 1),
-)
-REPEATS = 2
-
-
-@dataclass(frozen=True)
-class Setting:
-    """One combination that is repeated: label such as `gait01-a`, gait number, start heading, table and durations.
-
-    place: centroid at the start [m]; by default 0.2 m behind the middle of the floor, so that the middle is crossed.
-    """
-
-    label: str
-    gait: int
-    heading: float
-    plan: Plan
-    place: tuple[float, float] | None = None
-
-    @property
-    def start(self) -> Floats:
-        """Where the body is put, but for the hand that puts it (3,)."""
-        back = 0.2 * (1 if self.gait else -1)
-        x, y = self.place or (-back * np.cos(self.heading), -back * np.sin(self.heading))
-        return np.array([x, y, self.heading])
+Hide = str | int | Sequence[Effect]
 
 
 @dataclass(frozen=True)
@@ -74,27 +40,19 @@ class Trial:
 
 @dataclass(frozen=True)
 class Campaign:
-    """`identity` is the folder's name; `effects` and `world` belong in the seal."""
+    """`identity` is the folder's name; `effects`, `base` (there, but no news) and `world` belong in the seal."""
 
     identity: str
     seed: int
-    eps: float
+    protocol: Protocol
     effects: tuple[Effect, ...]
     world: World
     trials: tuple[Trial, ...]
+    base: tuple[Effect, ...] = ()
 
-
-def _settings(rng: np.random.Generator, combinations: Sequence[Combination]) -> list[Setting]:
-    durations = rng.uniform(2.2, 3.2) * np.array([1.0, 1.7, 2.8])
-    headings = rng.uniform(-np.pi, np.pi) + np.array([0.0, 2.0, 4.0]) * np.pi / 3
-    pause = float(np.round(rng.uniform(0.8, 1.5), 1))
-    tables = [random_table(rng, -1 if i == 0 else 1, durations[0]) for i in range(6)]
-    settings = []
-    for gait, heading, duration in combinations:
-        letter = "abc"[sum(s.gait == gait for s in settings)]
-        plan = Plan(tables[gait], float(np.round(durations[duration], 2)), pause, CYCLES)
-        settings.append(Setting(f"gait{gait + 1:02d}-{letter}", gait, float(headings[heading]), plan))
-    return settings
+    @property
+    def eps(self) -> float:
+        return self.protocol.eps
 
 
 def _slips(rng: np.random.Generator, plan: Plan, time: Floats, playing: np.ndarray, scale: float) -> Floats:
@@ -105,64 +63,80 @@ def _slips(rng: np.random.Generator, plan: Plan, time: Floats, playing: np.ndarr
     return velocity[block] * playing[:, None]
 
 
-def _perform(seed: int, world: World, planned: Sequence[tuple[int, str, Setting]], slip_scale: float) -> list[Trial]:
+def _perform(
+    seed: int, world: World, planned: Sequence[tuple[int, str, Setting]], protocol: Protocol, chance: Sequence[int]
+) -> list[Trial]:
     """Play numbered trials: simulate all, then film each."""
-    drives, readings = [], []
+    drives, readings, size, tools = [], [], protocol.robot.size, protocol.instruments
     for number, _, s in planned:
-        rng = np.random.default_rng([seed, 2, number])
-        g = grid(s.plan)
+        rng = np.random.default_rng([seed, 2, number, *chance])
+        g = grid(s.plan, steps_of(s.plan))
         phi, reading = realise(g, world.servos)
-        start = s.start + np.append(rng.uniform(-0.06, 0.06, 2), rng.normal(0, 0.05))
-        drives.append(Drive(g.time, phi, g.phase, start, _slips(rng, s.plan, g.time, g.playing, slip_scale)))
+        start = s.start + np.append(size * rng.uniform(-0.06, 0.06, 2), rng.normal(0, 0.05))
+        slips = _slips(rng, s.plan, g.time, g.playing, protocol.slip_scale) * [size, size, 1.0]
+        drives.append(Drive(g.time, phi, g.phase, start, slips))
         readings.append(reading)
     moved = world.paths(drives, [number for number, _, _ in planned])
     trials = []
     for (number, name, s), drive, reading, path in zip(planned, drives, readings, moved, strict=True):
-        rng = np.random.default_rng([seed, 3, number])
+        rng = np.random.default_rng([seed, 3, number, *chance])
         lead, tail = float(rng.uniform(0.6, 1.2)), float(rng.uniform(0.3, 0.6))
         clocks = Clocks(lead, float(rng.uniform(5, 500)), lead, tail)  # cameras count from their first frame
-        seen = film(rng, world.cameras, drive, path, clocks)
-        log = servo_log(rng, s.plan, drive, reading, world.cameras.clock_rate, clocks)
+        seen = film(rng, world.cameras, drive, path, clocks, tools, protocol.robot)
+        log = servo_log(rng, s.plan, drive, reading, world.cameras.clock_rate, clocks, tools.log_hertz)
         trials.append(Trial(name, s, clocks, drive, reading, path, seen, log))
     return trials
 
 
-def _hidden(seed: int, hide: str | int | Sequence[Effect], eps: float) -> tuple[tuple[Effect, ...], World]:
+def _hidden(
+    seed: int, hide: Hide, protocol: Protocol, base: Sequence[Effect], among: Sequence[str] | None
+) -> tuple[tuple[Effect, ...], World]:
     rng = np.random.default_rng([seed, 1])
     if isinstance(hide, str):
-        effect, world = outside.draw_outside(rng, eps, None if hide == "outside" else hide)
+        effect, world = outside.draw_outside(rng, protocol.eps, None if hide == "outside" else hide, protocol.robot)
         return (effect,), world
-    effects = catalogue.draw(rng, hide) if isinstance(hide, int) else list(hide)
-    return tuple(effects), catalogue.world(eps, effects)
+    effects = catalogue.draw(rng, hide, protocol.robot, among) if isinstance(hide, int) else list(hide)
+    return tuple(effects), catalogue.world(protocol.eps, [*base, *effects], protocol.robot)
 
 
 def make(
     seed: int,
-    hide: str | int | Sequence[Effect],
+    hide: Hide,
     identity: str = "campaign",
     combinations: Sequence[Combination] = COMBINATIONS,
+    protocol: Protocol | None = None,
+    base: Sequence[Effect] = (),
+    among: Sequence[str] | None = None,
+    chance: Sequence[int] = (),
 ) -> Campaign:
-    """`hide`: how many catalogue effects to draw, given effects, `outside`, or the name of one outside."""
-    rng = np.random.default_rng([seed, 0])
-    eps, slip_scale = float(np.exp(rng.uniform(np.log(0.12), np.log(0.3)))), float(np.exp(rng.uniform(-1.4, 0.4)))
-    settings = _settings(rng, combinations)
-    effects, world = _hidden(seed, hide, eps)
-    planned = [(i * REPEATS + r, f"{s.label}-{r + 1}", s) for i, s in enumerate(settings) for r in range(REPEATS)]
-    trials = _perform(seed, world, planned, slip_scale)
-    return Campaign(identity, seed, eps, effects, world, tuple(trials))
+    """`hide`: how many catalogue effects to draw (`among`: some), given effects, `outside`, or the name of one outside.
+
+    protocol: by default the usual one of this seed. base: effects that are there and no news. chance: numbers that make
+    slips, hands and noise others than those of the same campaign without them.
+    """
+    protocol = protocol or usual(seed, combinations)
+    effects, world = _hidden(seed, hide, protocol, base, among)
+    settings = [_played(s, protocol, world) for s in protocol.settings]
+    plays = protocol.plays
+    planned = [(i * plays + r, f"{s.label}-{r + 1}", s) for i, s in enumerate(settings) for r in range(plays)]
+    trials = _perform(seed, world, planned, protocol, chance)
+    return Campaign(identity, seed, protocol, effects, world, tuple(trials), tuple(base))
+
+
+def _played(setting: Setting, protocol: Protocol, world: World) -> Setting:
+    """Rows jump only where the servos need time to follow: no joint does in no time."""
+    slow = world.servos.lag > 0 or np.isfinite(world.servos.max_speed)
+    return replace(setting, plan=replace(setting.plan, held=True)) if protocol.held and slow else setting
 
 
 def with_experiment(c: Campaign, table: Floats, cycle_s: float, start: Floats | None = None) -> Campaign:
     """The same campaign after two more trials of a new gait in the same world, perhaps from a given start pose (3,)."""
-    rng = np.random.default_rng([c.seed, 0])
-    rng.uniform()  # eps
-    slip_scale = float(np.exp(rng.uniform(-1.4, 0.4)))
     gait = max(t.setting.gait for t in c.trials) + 1
     first = c.trials[0].setting
-    plan = Plan(np.asarray(table, dtype=float), cycle_s, first.plan.pause_s, CYCLES)
+    plan = replace(first.plan, table=np.asarray(table, dtype=float), cycle_s=cycle_s)
     setting = Setting(f"gait{gait + 1:02d}-a", gait, first.heading, plan)
     if start is not None:
         setting = replace(setting, heading=float(start[2]), place=(float(start[0]), float(start[1])))
     planned = [(len(c.trials) + r, f"{setting.label}-{r + 1}", setting) for r in range(REPEATS)]
-    new = _perform(c.seed, c.world, planned, slip_scale)
-    return Campaign(c.identity, c.seed, c.eps, c.effects, c.world, (*c.trials, *new))
+    new = _perform(c.seed, c.world, planned, c.protocol, ())
+    return replace(c, trials=(*c.trials, *new))

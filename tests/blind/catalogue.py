@@ -11,7 +11,7 @@ from blind.cameras import Cameras
 from blind.ground import ExternalForce, Ground, Patch
 from blind.motion import Drive, paths
 from blind.schedule import Servos
-from blind.snake import JOINTS, VERTICES, WEIGHTS, Floats
+from blind.snake import SNAKE10, Floats, Robot
 
 ACTUATION, MEDIUM, OBSERVATION = "actuation", "medium", "observation"
 Parameters = dict[str, float]
@@ -19,7 +19,7 @@ Parameters = dict[str, float]
 
 @dataclass(frozen=True)
 class Effect:
-    """A hidden effect: name, place (joint 1..10, vertex 0..11, or None), parameters in SI units."""
+    """A hidden effect: name, place (joint 1 .. m, vertex 0 .. N - 1, or None), parameters in SI units."""
 
     name: str
     place: int | None = None
@@ -47,23 +47,27 @@ class World:
         return [paths(g, [d])[0] for g, d in zip(grounds, drives, strict=True)]
 
 
-Draw = Callable[[np.random.Generator, int | None], Parameters]
+Draw = Callable[[np.random.Generator, int | None, Robot], Parameters]
 Apply = Callable[[World, int, Parameters], World]
 
 
 @dataclass(frozen=True)
 class Kind:
-    """One entry of the catalogue. `places`: the possible ones, (None,) for a global effect."""
+    """One entry of the catalogue. where: GLOBAL, AT_JOINT or AT_VERTEX."""
 
     site: str
-    places: tuple[int | None, ...]
+    where: str
     draw: Draw
     apply: Apply
 
+    def places(self, robot: Robot = SNAKE10) -> tuple[int | None, ...]:
+        """The possible ones, (None,) for a global effect."""
+        if self.where == GLOBAL:
+            return (None,)
+        return tuple(range(1, robot.joints + 1) if self.where == AT_JOINT else range(robot.vertices))
 
-GLOBAL: tuple[None] = (None,)
-AT_JOINT = tuple(range(1, JOINTS + 1))
-AT_VERTEX = tuple(range(VERTICES))
+
+GLOBAL, AT_JOINT, AT_VERTEX = "global", "joint", "vertex"
 
 
 def _log(rng: np.random.Generator, low: float, high: float) -> float:
@@ -71,34 +75,34 @@ def _log(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _one(name: str, low: float, high: float) -> Draw:
-    return lambda rng, place: {name: _log(rng, low, high)}
+    return lambda rng, place, robot: {name: _log(rng, low, high)}
 
 
 def _either(name: str, low: float, high: float) -> Draw:
-    return lambda rng, place: {name: float(rng.choice([-1, 1])) * _log(rng, low, high)}
+    return lambda rng, place, robot: {name: float(rng.choice([-1, 1])) * _log(rng, low, high)}
 
 
 def _arrow(x: str, y: str, low: float, high: float) -> Draw:
-    def draw(rng: np.random.Generator, place: int | None) -> Parameters:
+    def draw(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
         size, angle = _log(rng, low, high), rng.uniform(0, 2 * np.pi)
         return {x: float(size * np.cos(angle)), y: float(size * np.sin(angle))}
 
     return draw
 
 
-def _load(rng: np.random.Generator, place: int | None) -> Parameters:
+def _load(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
     lighter = rng.uniform() < 0.3
-    carried = float(WEIGHTS[place or 0])
+    carried = float(robot.weights[place or 0])
     return {"share": -carried * _log(rng, 0.1, 1.0) if lighter else _log(rng, 0.01, 0.4)}
 
 
-def _patch(rng: np.random.Generator, place: int | None) -> Parameters:
+def _patch(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
     strength = _log(rng, 0.2, 4.0) if rng.uniform() < 0.5 else -_log(rng, 0.2, 0.9)
     x, y = rng.uniform(-0.35, 0.35, 2)
     return {"strength": strength, "x": float(x), "y": float(y), "radius": _log(rng, 0.12, 0.35)}
 
 
-def _exponent(rng: np.random.Generator, place: int | None) -> Parameters:
+def _exponent(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
     return {"exponent": float(np.exp(rng.choice([-1, 1]) * _log(rng, 0.03, 0.6)))}
 
 
@@ -217,20 +221,44 @@ CATALOGUE: dict[str, Kind] = {
 }
 
 
-def draw(rng: np.random.Generator, count: int) -> list[Effect]:
-    """`count` effects with different names, names uniform over the catalogue, places uniform over the robot."""
-    names = rng.choice(sorted(CATALOGUE), size=count, replace=False)
+# Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
+LENGTHS: dict[str, dict[str, int]] = {
+    "dry_friction": {"crossover_speed": 1},
+    "rolling_resistance": {"crossover_speed": 1},
+    "grip_saturation": {"saturation_speed": 1},
+    "track_width": {"half_track": 1},
+    "slope": {"pull_x": 1, "pull_y": 1},
+    "friction_patch": {"x": 1, "y": 1, "radius": 1},
+    "friction_gradient": {"gradient_x": -1, "gradient_y": -1},
+    "contact_offset": {"offset": 1},
+    "marker_offset": {"along": 1, "left": 1},
+    "position_jumps": {"size": 1},
+    "frame_drift": {"velocity_x": 1, "velocity_y": 1},
+}
+
+
+def drawn(rng: np.random.Generator, name: str, place: int | None, robot: Robot = SNAKE10) -> Effect:
+    """One effect at a place, its strength at random."""
+    parameters = CATALOGUE[name].draw(rng, place, robot)
+    powers = LENGTHS.get(name, {})
+    return Effect(name, place, {p: v * robot.size ** powers.get(p, 0) for p, v in parameters.items()})
+
+
+def draw(
+    rng: np.random.Generator, count: int, robot: Robot = SNAKE10, among: Sequence[str] | None = None
+) -> list[Effect]:
+    """`count` effects with different names, uniform over the catalogue (or some), places uniform over the robot."""
+    names = rng.choice(sorted(among or CATALOGUE), size=count, replace=False)
     found = []
     for name in names:
-        kind = CATALOGUE[str(name)]
-        place = kind.places[int(rng.integers(len(kind.places)))]
-        found.append(Effect(str(name), place, kind.draw(rng, place)))
+        places = CATALOGUE[str(name)].places(robot)
+        found.append(drawn(rng, str(name), places[int(rng.integers(len(places)))], robot))
     return found
 
 
-def world(eps: float, effects: Sequence[Effect]) -> World:
+def world(eps: float, effects: Sequence[Effect], robot: Robot = SNAKE10) -> World:
     """The world with these effects in it."""
-    w = World(Ground(eps))
+    w = World(Ground(eps, robot))
     for e in effects:
         w = CATALOGUE[e.name].apply(w, e.place if e.place is not None else -1, e.parameters)
     return w

@@ -7,11 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from blind.cameras import FRAMES_PER_SECOND, ServoLog
+from blind.cameras import ServoLog
 from blind.campaign import Campaign, Trial
-from blind.snake import EDGES, JOINTS, MASS_KG, VERTICES, WEIGHTS
-
-MARKERS = ["tail", *[f"joint_{j}" for j in range(1, JOINTS + 1)], "head"]
 
 
 def _numbers(values: object) -> str:
@@ -31,7 +28,7 @@ def _rows(columns: np.ndarray, fmt: str) -> list[str]:
 def _motion(path: Path, trial: Trial) -> None:
     time = trial.film.time + trial.clocks.camera_t0
     columns = np.column_stack([time, trial.film.markers.reshape(len(time), -1)])
-    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(VERTICES))
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(trial.film.markers.shape[1]))
     _table(path, header, _rows(columns, "%.5f"))
 
 
@@ -39,15 +36,15 @@ def _servo(path: Path, log: ServoLog, seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = len(log.time)
     voltage = 11.4 - 0.02 * np.arange(n) / n + 0.05 * rng.integers(-1, 2, n)
-    joints = range(1, JOINTS + 1)
+    joints = range(1, log.position.shape[1] + 1)
     header = ",".join(
         ["t_s,phase,cycle,step", *[f"{name}_{j}" for name in ("command", "position") for j in joints]]
         + [f"voltage_{j}" for j in joints]
     )
     values = np.column_stack([log.command, log.position])
-    line = ",".join(["%.6f"] * (2 * JOINTS))
+    line = ",".join(["%.6f"] * values.shape[1])
     rows = [
-        f"{t:.5f},{phase},{cycle},{step},{line % tuple(v)}" + f",{volt:.2f}" * JOINTS
+        f"{t:.5f},{phase},{cycle},{step},{line % tuple(v)}" + f",{volt:.2f}" * len(joints)
         for t, phase, cycle, step, v, volt in zip(
             log.time, log.phase, log.cycle, log.step, values, voltage, strict=True
         )
@@ -56,22 +53,24 @@ def _servo(path: Path, log: ServoLog, seed: int) -> None:
 
 
 def _toml(c: Campaign) -> str:
+    robot, tools = c.world.ground.robot, c.protocol.instruments
+    markers = ["tail", *[f"joint_{j}" for j in range(1, robot.joints + 1)], "head"]
     lines = [
         "format = 1",
-        f'name = "snake10, {c.identity}"',
+        f'name = "{c.protocol.name}, {c.identity}"',
         'description = "repeated gaits on a flat floor"',
         "",
         "[body]",
-        f"vertices = {VERTICES}",
-        f"edge_lengths = {_numbers(EDGES)}",
-        f"weights = {_numbers(WEIGHTS)}",
-        f"mass_kg = {MASS_KG}",
+        f"vertices = {robot.vertices}",
+        f"edge_lengths = {_numbers(robot.edges)}",
+        f"weights = {_numbers(robot.weights)}",
+        f"mass_kg = {robot.mass_kg}",
         "",
         "[motion]",
         'format = "tidy"',
         'length_unit = "m"',
-        f"markers = {json.dumps(MARKERS)}",
-        f"frames_per_second = {FRAMES_PER_SECOND}",
+        f"markers = {json.dumps(markers)}",
+        f"frames_per_second = {tools.frames_per_second}",
     ]
     for t in c.trials:
         plan = t.setting.plan
@@ -85,8 +84,8 @@ def _toml(c: Campaign) -> str:
             f"cycles = {plan.cycles}",
             f"pause_s = {plan.pause_s}",
             f'motion = "{t.name}/motion.csv"',
-            f'servo_log = "{t.name}/servo.csv"',
         ]
+        lines += [f'servo_log = "{t.name}/servo.csv"'] if tools.log_hertz else []
     return "\n".join(lines) + "\n"
 
 
@@ -96,10 +95,11 @@ def write(c: Campaign, folder: Path) -> None:
     for i, t in enumerate(c.trials):
         gait = folder / "gaits" / f"gait{t.setting.gait + 1:02d}.csv"
         if not gait.exists():
-            header = ",".join(f"joint_{j}" for j in range(1, JOINTS + 1))
+            header = ",".join(f"joint_{j}" for j in range(1, c.world.ground.robot.joints + 1))
             _table(gait, header, _rows(t.setting.plan.table, "%.6f"))
         _motion(folder / t.name / "motion.csv", t)
-        _servo(folder / t.name / "servo.csv", t.log, i)
+        if c.protocol.instruments.log_hertz:
+            _servo(folder / t.name / "servo.csv", t.log, i)
     (folder / "campaign.toml").write_text(_toml(c))
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from blind.snake import WEIGHTS, Floats
+from blind.snake import SNAKE10, Floats, Robot
 
 CREEP = 1e-3  # m/s, softens signs and norms
 POWER_SPEED = 0.1  # m/s
@@ -43,6 +43,7 @@ class Ground:
     """Everything medium; defaults are neutral and give F_k = -w_k (eps v_t T_k + v_n N_k)."""
 
     eps: float
+    robot: Robot = SNAKE10
     creep: float = CREEP
     seizure: dict[int, float] = field(default_factory=dict)
     share: dict[int, float] = field(default_factory=dict)
@@ -82,7 +83,7 @@ class Ground:
 
     @property
     def drag_weights(self) -> Floats:
-        w = WEIGHTS.copy()
+        w = self.robot.weights
         for vertex, share in self.share.items():
             w[vertex] = max(w[vertex] + share, 0.0)
         return w
@@ -90,7 +91,7 @@ class Ground:
     @property
     def locked(self) -> Floats:
         """The part of each wheel that slides and does not roll, (N,)."""
-        part = np.zeros(len(WEIGHTS))
+        part = np.zeros(self.robot.vertices)
         for vertex, s in self.seizure.items():
             part[vertex] = s
         return part
@@ -139,7 +140,7 @@ class Ground:
         """World-frame forces on the vertices (S, N, 2), or None."""
         if not any(self.pull) and not self.external:
             return None
-        total = WEIGHTS[:, None] * np.array(self.pull) + np.zeros_like(world)
+        total = self.robot.weights[:, None] * np.array(self.pull) + np.zeros_like(world)
         for pulling in self.external:
             total = total + pulling(world, time)
         return total

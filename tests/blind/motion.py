@@ -16,7 +16,7 @@ import numpy as np
 
 from blind.contact import Contacts, Momentum, balance, contacts
 from blind.ground import Ground
-from blind.snake import WEIGHTS, Floats, shape, to_world
+from blind.snake import Floats, shape, to_world
 
 WINDOW_S = 0.5  # Picard iteration converges the faster the shorter the stretch of time
 
@@ -56,7 +56,7 @@ def _massless(
 ) -> Floats:
     h = np.diff(time)
     middle_time, middle_phase = (time[1:] + time[:-1]) / 2, (phase[1:] + phase[:-1]) / 2
-    k = contacts(shape((phi[1:] + phi[:-1]) / 2, np.diff(phi, axis=0) / h[:, None]), ground)
+    k = contacts(shape((phi[1:] + phi[:-1]) / 2, np.diff(phi, axis=0) / h[:, None], ground.robot), ground)
     rolling = ground.rolling(middle_time)
     windows = int(np.ceil((time[-1] - time[0]) / WINDOW_S)) if ground.knows_place else 1
     edges = np.linspace(0, len(h), windows + 1).astype(int)
@@ -91,17 +91,18 @@ def _settled(
 
 
 def _inertial(ground: Ground, time: Floats, phi: Floats, phase: Floats, start: Floats, slip: Floats) -> Floats:
-    """All trials in step: time, phase (B, n + 1), phi (B, n + 1, 10), start (B, 3), slip (B, n, 3)."""
+    """All trials in step: time, phase (B, n + 1), phi (B, n + 1, m), start (B, 3), slip (B, n, 3)."""
     path = np.empty((*time.shape, 3))
     path[:, 0] = start
     known = np.zeros((len(time), 3))  # momentum, angular momentum about the origin, in the world's frame
     xi = np.zeros((len(time), 3))
-    mass = np.r_[ground.inertia * WEIGHTS, (ground.inertia + ground.added_mass) * WEIGHTS]
+    carried = ground.robot.weights
+    mass = np.r_[ground.inertia * carried, (ground.inertia + ground.added_mass) * carried]
     steps = np.diff(time, axis=1)
     middle_time, middle_phase = (time[:, 1:] + time[:, :-1]) / 2, (phase[:, 1:] + phase[:, :-1]) / 2
-    s = shape((phi[:, 1:] + phi[:, :-1]) / 2, np.diff(phi, axis=1) / steps[..., None])
+    s = shape((phi[:, 1:] + phi[:, :-1]) / 2, np.diff(phi, axis=1) / steps[..., None], ground.robot)
     touching = contacts(s, ground)
-    plain = contacts(s, Ground(ground.eps))
+    plain = contacts(s, Ground(ground.eps, ground.robot))
     rolling = ground.rolling(middle_time)
     weighted = mass[:, None] * plain.g_matrix
     matrices = np.swapaxes(plain.g_matrix, -1, -2) @ weighted
@@ -133,7 +134,7 @@ def _moved(pose: Floats, xi: Floats, h: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Drive:
-    """One trial: time (n + 1,) [s since t0], phi (n + 1, 10), phase (n + 1,) [cycles], start pose, slip (n, 3)."""
+    """One trial: time (n + 1,) [s since t0], phi (n + 1, m), phase (n + 1,) [cycles], start pose, slip (n, 3)."""
 
     time: Floats
     phi: Floats

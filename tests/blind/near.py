@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from blind.campaign import Campaign, make
-from blind.catalogue import CATALOGUE, Effect
+from blind.catalogue import Effect, drawn
 from blind.strength import floor, strength
 
 ONE_GAIT = ((1, 0, 0),)  # gait, heading, duration
@@ -29,7 +29,7 @@ def short(seed: int, effect: Effect, identity: str = "campaign") -> Campaign:
 
 def _draw(rng: np.random.Generator, name: str) -> Effect:
     place = int(rng.choice(ENDS)) if name == "worn_wheel" else None
-    parameters = CATALOGUE[name].draw(rng, place)
+    parameters = drawn(rng, name, place).parameters
     if name == "friction_patch":
         parameters["radius"] = float(np.exp(rng.uniform(*np.log(WIDE))))
     return Effect(name, place, parameters)

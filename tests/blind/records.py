@@ -1,7 +1,7 @@
 """Shapes and paths back from what was recorded, by one who knows the clocks and the hidden observation effects.
 
-Shapes: servo readings on the camera's time, plus a hidden zero offset where there is one. Poses: rigid fit of that
-shape to the visible markers of a frame.
+Shapes: servo readings on the camera's time, plus a hidden zero offset where there is one; without a log, the angles
+that the markers show. Poses: rigid fit of that shape to the visible markers of a frame.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
 from blind.cameras import resample
@@ -18,12 +19,13 @@ from blind.motion import Drive
 from blind.schedule import Plan
 from blind.snake import Floats, shape
 
-SMOOTHED_FRAMES = 21
+SMOOTHED_S, SMOOTHED_CYCLE = 0.18, 0.08  # window of local parabolas: seconds, at most this part of a cycle
+LEAST_SEEN = 3  # markers that a rigid fit asks for
 
 
 @dataclass(frozen=True)
 class Record:
-    """time (F,) [s since t0], phi (F, 10), phase (F,) [cycles], pose (F, 3) with NaN in gaps, start pose (3,)."""
+    """time (F,) [s since t0], phi (F, m), phase (F,) [cycles], pose (F, 3) with NaN in gaps, start pose (3,)."""
 
     time: Floats
     phi: Floats
@@ -37,7 +39,7 @@ class Record:
 
 
 def fitted_pose(r: Floats, markers: Floats) -> Floats:
-    """Pose (F, 3) that carries the shapes r (F, N, 2) to the visible markers by least squares; NaN below 4."""
+    """Pose (F, 3) that carries the shapes r (F, N, 2) to the visible markers by least squares; NaN below 3."""
     seen = np.isfinite(markers[..., 0])
     count = seen.sum(axis=1)
     share = seen / np.maximum(count, 1)[:, None]
@@ -51,7 +53,7 @@ def fitted_pose(r: Floats, markers: Floats) -> Floats:
     x = mid_p[:, 0] - (c * mid_r[:, 0] - s * mid_r[:, 1])
     y = mid_p[:, 1] - (s * mid_r[:, 0] + c * mid_r[:, 1])
     pose = np.column_stack([x, y, heading])
-    pose[count < 4] = np.nan
+    pose[count < LEAST_SEEN] = np.nan
     return pose
 
 
@@ -75,21 +77,43 @@ def _smoothed(phi: Floats, plan: Plan, time: Floats) -> Floats:
     cycle = np.floor(time / period)
     stretch = np.where(time < 0, -1, 2 * cycle + (time - cycle * period >= plan.cycle_s))
     smooth = phi.copy()
+    window = 2 * int(min(SMOOTHED_S, SMOOTHED_CYCLE * plan.cycle_s) / np.median(np.diff(time)) / 2) + 1
     for label in np.unique(stretch):
         mine = stretch == label
-        if mine.sum() > SMOOTHED_FRAMES:
-            smooth[mine] = savgol_filter(phi[mine], SMOOTHED_FRAMES, 2, axis=0)
+        if mine.sum() > window > 2:
+            smooth[mine] = savgol_filter(phi[mine], window, 2, axis=0)
     return smooth
+
+
+def _shown_by_markers(world: World, trial: Trial) -> Floats:
+    """Joint angles (F, m) of the markers, holes bridged."""
+    robot, film = world.ground.robot, trial.film
+    seen = film.markers.copy()
+    for vertex, (along, left) in world.cameras.moved_marker.items():
+        edge = max(vertex - 1, 0)
+        e = seen[:, edge + 1] - seen[:, edge]
+        e /= np.linalg.norm(e, axis=-1, keepdims=True)
+        seen[:, vertex] -= along * e + left * np.stack([-e[:, 1], e[:, 0]], axis=-1)
+    links = np.diff(seen, axis=1)
+    a, b = links[:, :-1], links[:, 1:]
+    angle = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1))
+    for j in range(robot.joints):
+        known = np.isfinite(angle[:, j])
+        angle[:, j] = np.interp(film.time, film.time[known], angle[known, j])
+    return angle
 
 
 def record(world: World, trial: Trial) -> Record:
     """What a perfect observer makes of the files."""
-    log_time = (trial.log.time - trial.clocks.servo_t0) / (1 + world.cameras.clock_rate)
-    phi = resample(trial.film.time, log_time, trial.log.position)
+    if len(trial.log.time):
+        log_time = (trial.log.time - trial.clocks.servo_t0) / (1 + world.cameras.clock_rate)
+        phi = CubicSpline(log_time, trial.log.position)(np.clip(trial.film.time, log_time[0], log_time[-1]))
+    else:
+        phi = _shown_by_markers(world, trial)
     phi = _smoothed(phi, trial.setting.plan, trial.film.time)
-    for joint, offset in world.servos.offset.items():
+    for joint, offset in world.servos.offset.items() if len(trial.log.time) else ():
         phi[:, joint - 1] += offset
-    r = shape(phi, np.zeros_like(phi)).r
+    r = shape(phi, np.zeros_like(phi), world.ground.robot).r
     pose = fitted_pose(*_corrected(world, trial, r)[::-1])
     phase = np.interp(trial.film.time, trial.drive.time, trial.drive.phase)
     still = trial.film.time < 0

@@ -1,6 +1,7 @@
 """From a joint table to realised joint angles on a fine time grid: the schedule and what happens in the servos.
 
-Times are seconds since t0. The set-point is piecewise linear through the rows; each effect is a map set-point -> angle.
+Times are seconds since t0. The set-point is piecewise linear through the rows, or stays on a
+row until the next is due; each effect is a map set-point -> angle.
 """
 
 from __future__ import annotations
@@ -9,24 +10,25 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from blind.snake import JOINTS, Floats
+from blind.snake import Floats
 
 STEPS_PER_CYCLE = 2000
 
 
 @dataclass(frozen=True)
 class Plan:
-    """One trial as planned: table (T, 10) [rad], duration of a cycle and of the pause after it [s]."""
+    """One trial as planned: table (T, m) [rad], duration of a cycle and of the pause after it [s]; held: rows jump."""
 
     table: Floats
     cycle_s: float
     pause_s: float
     cycles: int
+    held: bool = False
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes: time (n + 1,) [s], set-points (n + 1, 10), phase in cycles (n + 1,), playing (n,)."""
+    """Nodes: time (n + 1,) [s], set-points (n + 1, m), phase in cycles (n + 1,), playing (n,)."""
 
     time: Floats
     setpoint: Floats
@@ -48,6 +50,11 @@ class Servos:
     varying_lag: tuple[float, float, float] | None = None  # mean lag [s], period [s], phase [rad]
 
 
+def steps_of(plan: Plan) -> int:
+    """About STEPS_PER_CYCLE, a whole number a row, and no fewer than 20."""
+    return max(20, STEPS_PER_CYCLE // len(plan.table)) * len(plan.table)
+
+
 def grid(plan: Plan, steps_per_cycle: int = STEPS_PER_CYCLE) -> Grid:
     """Nodes that meet every row of the table; a pause gets a tenth of a cycle's steps."""
     rows = len(plan.table)
@@ -59,7 +66,9 @@ def grid(plan: Plan, steps_per_cycle: int = STEPS_PER_CYCLE) -> Grid:
     row = position.astype(int)
     row[np.arange(n + 1) % sub == 0] = np.minimum(np.arange(rows + 1), rows - 1)  # exact at the rows
     part = (cycle_phase * rows - row)[:, None]
-    played = closed[row] * (1 - part) + closed[row + 1] * part
+    played = closed[row] if plan.held else closed[row] * (1 - part) + closed[row + 1] * part
+    if plan.held:
+        played[-1] = closed[0]
     time, phase, points, playing = [np.zeros(1)], [np.zeros(1)], [closed[:1]], []
     for k in range(plan.cycles):
         start = k * (plan.cycle_s + plan.pause_s)
@@ -106,7 +115,7 @@ def _play(target: Floats, width: float) -> Floats:
 
 
 def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
-    """True joint angles and what the servos read (before rounding), both (n + 1, 10)."""
+    """True joint angles and what the servos read (before rounding), both (n + 1, m)."""
     q = g.setpoint.copy()
     if servos.lag > 0:
         q = _lagged(g.time, q, np.full(len(g.time) - 1, servos.lag))
@@ -128,6 +137,4 @@ def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
         q[:, joint - 1] += offset
     for joint, width in servos.loose.items():
         q[:, joint - 1] = _play(q[:, joint - 1], width)
-    if q.shape[1] != JOINTS:
-        raise ValueError(f"the table needs {JOINTS} joints, got {q.shape[1]}")
     return q, reading

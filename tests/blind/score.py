@@ -64,6 +64,13 @@ def answer(diagnosis: Mapping[str, Any]) -> Answer:
     return Answer(str(diagnosis["verdict"]), tuple(chosen), tuple(dict.fromkeys([*chosen, *others])))
 
 
+def odds(diagnosis: Mapping[str, Any]) -> dict[str, float]:
+    """Stated probability of every effect that has one."""
+    said = [*diagnosis.get("effects", []), *diagnosis.get("alternatives", [])]
+    stated = [(n, e["probability"]) for e in said if e.get("probability") is not None for n in names([e])]
+    return {str(n): float(p) for n, p in stated}
+
+
 def same_family(a: Name, b: Name) -> bool:
     return a.place == b.place and any({a.name, b.name} <= family for family in FAMILIES)
 

@@ -14,12 +14,13 @@ from scipy.optimize import least_squares
 from blind.campaign import Campaign
 from blind.catalogue import CATALOGUE, Effect, world
 from blind.motion import paths
-from blind.snake import WEIGHTS, Floats
+from blind.snake import Floats, Robot
 from blind.strength import (
     alone,
     clean_drives,
     clean_paths,
     null_fit,
+    null_ground,
     on_path_rung,
     path_rms,
     registered,
@@ -75,13 +76,13 @@ SCALE = {"pull_x": 1e-3, "pull_y": 1e-3, "velocity_x": 1e-3, "velocity_y": 1e-3,
 SCALE |= {"offset": 0.01, "angle": 0.05, "rate": 0.01, "error": 0.01, "loss": 0.2, "width": 1.0}
 
 
-def _bounds(name: str, parameter: str, place: int | None) -> tuple[float, float]:
+def _bounds(name: str, parameter: str, place: int | None, robot: Robot) -> tuple[float, float]:
     if parameter in ("seizure", "loss"):
         return 0.0, 1.0
     if name == "wheel_mount":
         return -1.0, 1.0
     if parameter == "share":
-        return -float(WEIGHTS[place or 0]), 1.0
+        return -float(robot.weights[place or 0]), 1.0
     if parameter == "strength":
         return -0.95, 20.0
     if name.endswith("asymmetry"):
@@ -92,10 +93,10 @@ def _bounds(name: str, parameter: str, place: int | None) -> tuple[float, float]
 class _Coordinates:
     """Between parameters and the fit's vector."""
 
-    def __init__(self, name: str, place: int | None, start: dict[str, float]):
+    def __init__(self, name: str, place: int | None, start: dict[str, float], robot: Robot):
         self.name, self.place, self.names = name, place, list(start)
         self.start = np.array([self._in(n, v) for n, v in start.items()])
-        box = [_bounds(name, n, place) for n in self.names]
+        box = [_bounds(name, n, place, robot) for n in self.names]
         inside = [
             b if n in LOGARITHMIC else (b[0] / SCALE.get(n, 1), b[1] / SCALE.get(n, 1))
             for n, b in zip(self.names, box, strict=True)
@@ -120,14 +121,15 @@ def _path_left(c: Campaign, name: str, place: int | None, start: dict[str, float
     numbers = [i for i, t in enumerate(c.trials) if t.name.endswith("-1")]
     drives = clean_drives(c, one_per_setting=True)
     targets = clean_paths(c, drives, numbers)
-    k = _Coordinates(name, place, start)
-    eps = null_fit(drives, targets).eps
+    robot = c.world.ground.robot
+    k = _Coordinates(name, place, start, robot)
+    eps = null_fit(drives, targets, null_ground(c)).eps
 
     def difference(x: Floats) -> list[Floats]:
-        w = world(float(np.exp(x[0])), [k.effect(x[1:])])
+        w = world(float(np.exp(x[0])), [*c.base, k.effect(x[1:])], robot)
         drift = np.array([*w.cameras.drift, 0.0])
         moved = [p + d.time[:, None] * drift for p, d in zip(paths(w.ground, drives), drives, strict=True)]
-        return [registered(p, t) - t[:, :2] for p, t in zip(moved, targets, strict=True)]
+        return [registered(p, t, robot.length) - t[:, :2] for p, t in zip(moved, targets, strict=True)]
 
     def residual(x: Floats) -> Floats:
         try:
@@ -141,18 +143,19 @@ def _path_left(c: Campaign, name: str, place: int | None, start: dict[str, float
 
 
 def _shape_left(c: Campaign, truth: Effect, name: str, place: int | None, start: dict[str, float]) -> float:
-    target = shape_signature(c, world(c.eps, [truth]))
-    k = _Coordinates(name, place, start)
+    robot = c.world.ground.robot
+    target = shape_signature(c, world(c.eps, [truth], robot))
+    k = _Coordinates(name, place, start, robot)
 
     def left(x: Floats) -> Floats:
-        return shape_signature(c, world(c.eps, [k.effect(x)])) - target
+        return shape_signature(c, world(c.eps, [k.effect(x)], robot)) - target
 
     return worst_channel(left(_fit(lambda x: left(x)[::5].ravel(), k.start, k.low, k.high)))
 
 
 def separation(c: Campaign, truth: Effect, name: str, place: int | None, noise_floor: float) -> float:
     """S_ab of hidden effect `truth` from the rival (name, place); infinity for a name that cannot be fitted here."""
-    if name not in CATALOGUE or place not in CATALOGUE[name].places:
+    if name not in CATALOGUE or place not in CATALOGUE[name].places(c.world.ground.robot):
         return float("inf")
     if name not in STARTS or on_path_rung(Effect(name, place)) != on_path_rung(truth):
         return strength(c, truth, noise_floor)

@@ -1,10 +1,10 @@
 """Many hidden-effect trials, one after another or side by side, resumable.
 
-    python -m blind.study --kind one --count 200 --out results/blind/ --model problems/snake10.toml
+    python -m blind.study --kind random --count 60 --key K --out results/blind --jobs 2
 
-Each trial: make a campaign, run the diagnosis in its own process, only then open the seal and score. Results: one JSON
-per trial in OUT/KIND/, a summary in OUT/KIND.json, all kinds in OUT/summary.md. A trial whose JSON exists is not run
-again. `followup` plays the experiment proposed in the same world and diagnoses again; some trials yield no group.
+Each trial: make a campaign, run the diagnosis in its own process, only then open the seal and score. Results: one row
+a trial in OUT/KIND.csv (table.py), all kinds in OUT/summary.md. A row that is there is not made again. `followup` plays
+the experiment proposed in the same world and diagnoses again; some trials yield no group. All kinds: kinds.py.
 """
 
 from __future__ import annotations
@@ -13,81 +13,87 @@ import argparse
 import hashlib
 import hmac
 import json
-import os
+import resource
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from blind.campaign import COMBINATIONS, Campaign, make
+from blind import table
+from blind.campaign import Campaign
 from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
 from blind.follow_up import follow_up
-from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
-from blind.near import draw_near, short
-from blind.pages import TITLES, write_page
-from blind.score import Name, answer, errors, judge
+from blind.kinds import KINDS, Case, case
+from blind.pages import write_page
+from blind.score import Name, answer, errors, judge, odds
 from blind.separation import separation
-from blind.strength import floor, strength
-from blind.summary import summarise
+from blind.strength import effective_eps, floor, strength
 
-HIDDEN: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside"}
-KINDS = (*HIDDEN, "followup", "handful")
+REFUSED = 2  # exit code of a diagnosis that says why it cannot be made
 
 
 @dataclass(frozen=True)
 class Study:
-    """What to run. `diagnose` is the command before CAMPAIGN; keys make identities that tell nothing."""
+    """What to run. `diagnose` is the command before CAMPAIGN; keys make identities that tell nothing. model: None where
+    the robot is not the one of a problem file."""
 
     kind: str
     out: Path
-    model: str
+    model: str | None
     diagnose: str = f"{sys.executable} -m serpenoid diagnose"
     key: str = "blind-6"
-    timeout_s: float = 600.0
+    timeout_s: float = 1800.0
     keep: bool = False
 
-    def campaign(self, index: int, identity: str) -> Campaign:
-        """Number `index`: effects drawn, the given ones of the handful, or near ones in a short campaign."""
-        seed = int(self.digest("seed", index)[:15], 16)
-        if self.kind == "followup":
-            return short(seed, draw_near(seed), identity)
-        if self.kind == "handful":
-            return make(seed, HANDFUL[index], identity, COMBINATIONS[:HANDFUL_COMBINATIONS])
-        return make(seed, HIDDEN[self.kind], identity)
+    def case(self, index: int) -> Case:
+        """Number `index`."""
+        return case(self.kind, index, int(self.digest("seed", index)[:15], 16), self.identity(index))
+
+    def identity(self, index: int) -> str:
+        """A name that tells nothing."""
+        return self.digest("name", index)[:12]
 
     def digest(self, purpose: str, index: int) -> str:
         text = f"{purpose}:{self.kind}:{index}"
         return hmac.new(self.key.encode(), text.encode(), hashlib.sha256).hexdigest()
 
 
-def _atomic(path: Path, value: object) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(f".{os.getpid()}.part")
-    temporary.write_text(json.dumps(value, indent=1))
-    temporary.replace(path)
+@dataclass(frozen=True)
+class Said:
+    """diagnosis.json (None if there is none), wall and processor time [s], exit code and the end of stderr."""
+
+    diagnosis: dict[str, Any] | None
+    seconds: float
+    processor_s: float
+    code: int
+    stderr: str
 
 
-def run_diagnosis(study: Study, campaign: Path, out: Path) -> tuple[dict[str, Any] | None, float, str]:
-    """diagnosis.json (None if it failed), wall time [s], the end of what the process wrote to stderr."""
-    command = [*shlex.split(study.diagnose), str(campaign), "--model", study.model, "--out", str(out)]
-    began = time.perf_counter()
+def run_diagnosis(study: Study, campaign: Path, out: Path, more: Sequence[str] = ()) -> Said:
+    """The diagnosis in a process of its own."""
+    model = ["--model", study.model] if study.model else []
+    command = [*shlex.split(study.diagnose), str(campaign), *model, "--out", str(out), *more]
+    began, used = time.perf_counter(), _children()
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=study.timeout_s, check=False)
-        said = done.stderr[-800:] if done.returncode else ""
+        code, said = done.returncode, done.stderr[-800:] if done.returncode else ""
     except subprocess.TimeoutExpired:
-        said = f"no answer within {study.timeout_s:.0f} s"
-    took = time.perf_counter() - began
-    file = out / "diagnosis.json"
-    if not file.exists():
-        return None, took, said or "no diagnosis.json"
-    return json.loads(file.read_text()), took, said
+        code, said = -1, f"no answer within {study.timeout_s:.0f} s"
+    took, file = (time.perf_counter() - began, _children() - used), out / "diagnosis.json"
+    return Said(json.loads(file.read_text()) if file.exists() else None, *took, code, said)
+
+
+def _children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _after_m(diagnosis: dict[str, Any]) -> float | None:
@@ -96,20 +102,26 @@ def _after_m(diagnosis: dict[str, Any]) -> float | None:
     return float(after["value"] if isinstance(after, dict) else after) if after is not None else None
 
 
-def score(c: Campaign, diagnosis: dict[str, Any]) -> dict[str, Any]:
+def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
     """Everything the seal allows to say about a diagnosis."""
+    c, said = found.campaign, answer(diagnosis)
     f = floor(c)
-    said = answer(diagnosis)
     row: dict[str, Any] = {
         "verdict": said.verdict,
         "chosen": [str(n) for n in said.chosen],
         "group": [str(n) for n in said.group],
+        "odds": odds(diagnosis),
         "truth": [e.as_dict() for e in c.effects],
         "hidden": [str(Name(e.name, e.place)) for e in c.effects],
         "floor_m": f,
         "floor_said_m": diagnosis.get("noise_floor_m"),
         "held_out_over_floor": (after / f) if (after := _after_m(diagnosis)) is not None else None,
+        "eps": c.eps,
+        "eps_said": diagnosis.get("anisotropy_ratio", {}).get("after"),
     }
+    if found.without and found.reference is None:  # another physics, healthy: whatever is named stands in for it
+        row |= {"eps_effective": effective_eps(c), "strengths": []}
+        return row | {"outcome": "stand-in" if said.chosen else "right"}
     if any(e.name not in CATALOGUE for e in c.effects):
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}
     strengths = [strength(c, e, f) for e in c.effects]
@@ -124,51 +136,78 @@ def score(c: Campaign, diagnosis: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def described(c: Campaign) -> dict[str, Any]:
+    """The protocol in a few columns."""
+    p, tools = c.protocol, c.protocol.instruments
+    return {
+        "joints": p.robot.joints, "gaits": len({s.gait for s in p.settings}), "plays": p.plays,
+        "frames_per_second": tools.frames_per_second, "marker_noise_m": tools.marker_noise,
+        "log_hertz": tools.log_hertz, "unseen": list(tools.unseen), "base": [e.as_dict() for e in c.base],
+    }  # fmt: skip
+
+
 def run_one(study: Study, index: int) -> dict[str, Any]:
-    """One trial; returns its row, from the file if it was run before."""
-    identity = study.digest("name", index)[:12]
-    file = study.out / study.kind / f"{identity}.json"
-    if file.exists():
-        return json.loads(file.read_text())
+    """One trial; returns its row."""
+    identity = study.identity(index)
     with tempfile.TemporaryDirectory() as temporary:
         work = Path(temporary)
         folder, out, sealed = work / identity, work / "out", work / "sealed" / f"{identity}.json"
-        c = study.campaign(index, identity)
-        write(c, folder)
-        seal(c, sealed)
-        del c  # from here on the seal alone knows
-        diagnosis, took, said = run_diagnosis(study, folder, out)
+        found = study.case(index)
+        write(found.campaign, folder)
+        seal(found.campaign, sealed)
+        more = [f"--without={name}" for name in found.without]
+        if found.reference is not None:
+            write(found.reference, work / "before")
+            more += ["--reference", str(work / "before")]
+        del found  # from here on the seal alone knows
+        said = run_diagnosis(study, folder, out, more)
         opened = json.loads(sealed.read_text())
-        c = study.campaign(index, identity)
-        if [e.as_dict() for e in c.effects] != opened["effects"]:
+        found = study.case(index)
+        if [e.as_dict() for e in found.campaign.effects] != opened["effects"]:
             raise RuntimeError(f"{identity}: the seal does not belong to this campaign")
-        row = {"identity": identity, "seconds": took}
-        row |= score(c, diagnosis) if diagnosis else {"outcome": "failed", "hidden": [e.name for e in c.effects]}
-        if said:
-            row["stderr"] = said
-        if study.kind == "followup" and diagnosis:
-            row |= follow_up(c, diagnosis, out, work, lambda folder, new: run_diagnosis(study, folder, new)[0])
+        row = {"identity": identity, "cause": found.cause, "seconds": said.seconds, "processor_s": said.processor_s}
+        row |= described(found.campaign)
+        if said.diagnosis:
+            row |= score(found, said.diagnosis)
+        else:
+            hidden = [str(Name(e.name, e.place)) for e in found.campaign.effects]
+            row |= {"outcome": "refused" if said.code == REFUSED else "failed", "hidden": hidden}
+        if said.stderr:
+            row["stderr"] = said.stderr
+        if study.kind == "followup" and said.diagnosis:
+            again = lambda folder, new: run_diagnosis(study, folder, new).diagnosis  # noqa: E731
+            row |= follow_up(found.campaign, said.diagnosis, out, work, again)
         if study.keep:
             shutil.copytree(folder, study.out / "campaigns" / identity, dirs_exist_ok=True)
-    _atomic(file, row)
     return row
 
 
-def run(study: Study, count: int, jobs: int) -> dict[str, Any]:
-    """All trials, then the summary; interrupted studies go on where they stopped."""
-    rows = []
+def run(study: Study, count: int, jobs: int) -> list[dict[str, Any]]:
+    """All trials that the table has not; interrupted studies go on where they stopped."""
+    file = study.out / f"{study.kind}.csv"
+    before, rows = table.read(file)
+    if before.get("key", study.key) != study.key:
+        raise SystemExit(f"{file} is of key {before['key']}: another key needs another --out.")
+    command = f"python -m blind.study --kind {study.kind} --count {count} --key {study.key}"
+    command += f" --model {study.model}" if study.model else ""
+    commits = dict.fromkeys([*filter(None, before.get("commit", "").split(" ")), _commit()])
+    above = {"command": command, "commit": " ".join(commits), "key": study.key}
+    known = {row["identity"] for row in rows}
+    order = {study.identity(i): i for i in range(count)}
     with ProcessPoolExecutor(jobs) as pool:
-        waiting = [pool.submit(run_one, study, i) for i in range(count)]
+        waiting = [pool.submit(run_one, study, i) for name, i in order.items() if name not in known]
         for n, done in enumerate(as_completed(waiting), 1):
             row = done.result()
-            rows.append(row)
-            sys.stderr.write(f"{n}/{count} {row['identity']} {row['outcome']} ({row['seconds']:.0f} s)\n")
-    command = f"python -m blind.study --kind {study.kind} --count {count} --model {study.model} --key {study.key}"
-    summary = {"command": command} | summarise(study.kind, sorted(rows, key=lambda r: r["identity"]))
-    _atomic(study.out / f"{study.kind}.json", summary)
-    if study.kind in TITLES:
-        write_page(study.out)
-    return summary
+            rows = sorted([*rows, row], key=lambda r: order.get(r["identity"], count))
+            table.write(file, above, rows)
+            sys.stderr.write(f"{n}/{len(waiting)} {row['identity']} {row['outcome']} ({row['seconds']:.0f} s)\n")
+    write_page(study.out)
+    return rows
+
+
+def _commit() -> str:
+    done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
+    return done.stdout.strip() or "unknown"
 
 
 def main() -> None:
@@ -176,14 +215,14 @@ def main() -> None:
     p.add_argument("--kind", choices=KINDS, required=True)
     p.add_argument("--count", type=int, required=True)
     p.add_argument("--out", type=Path, default=Path("results/blind"))
-    p.add_argument("--model", default="problems/snake10.toml")
+    p.add_argument("--model", help="default: none for random protocols, else problems/snake10.toml")
     p.add_argument("--diagnose", default=Study.diagnose, help="command before CAMPAIGN --model MODEL --out DIR")
     p.add_argument("--key", default=Study.key, help="another key, other campaigns")
     p.add_argument("--jobs", type=int, default=1)
     p.add_argument("--keep", action="store_true", help="keep the campaign folders")
     a = p.parse_args()
-    study = Study(a.kind, a.out, a.model, a.diagnose, a.key, keep=a.keep)
-    sys.stdout.write(json.dumps(run(study, a.count, a.jobs), indent=1) + "\n")
+    model = a.model or (None if a.kind == "random" else "problems/snake10.toml")
+    run(Study(a.kind, a.out, model, a.diagnose, a.key, keep=a.keep), a.count, a.jobs)
 
 
 if __name__ == "__main__":

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from blind.catalogue import CATALOGUE
 from blind.score import confusion, wilson
 
+ODDS_EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0 + 1e-9)
 STRENGTH_EDGES = (0.0, 1.0, 3.0, 6.0, 12.0, np.inf)
-HELD_OUT, SECONDS = 1.2, 20.0  # targets: floors, seconds
+HELD_OUT, SECONDS = 1.2, 15.0  # targets: floors, seconds of processor time
 Row = Mapping[str, Any]
 
 
@@ -95,6 +97,31 @@ def _case(row: Row) -> dict[str, Any]:
     return {k: row.get(k) for k in keys}
 
 
+def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Stated odds of names against how often they are true: bins of the probability, found frequency and its interval.
+
+    What is hidden too weakly to be seen (S < 1) is left out, and so are rows whose answers are not scored.
+    """
+    pairs = [
+        (p, name in r.get("hidden", []))
+        for r in rows
+        if r["outcome"] != "unscored" and set(r.get("hidden", [])) <= set(_inside(r))
+        for name, p in (r.get("odds") or {}).items()
+    ]
+    bins = []
+    for low, high in zip(ODDS_EDGES[:-1], ODDS_EDGES[1:], strict=True):
+        inside = [true for p, true in pairs if low <= p < high]
+        if inside:
+            stated = float(np.mean([p for p, _ in pairs if low <= p < high]))
+            bins.append({"stated": stated, **share([{"true": t} for t in inside], lambda r: r["true"])})
+    return bins
+
+
+def _inside(row: Row) -> list[str]:
+    """Hidden effects that the catalogue has."""
+    return [h for h in row.get("hidden", []) if h.split("@")[0] in CATALOGUE]
+
+
 def _uncovered(rows: Sequence[Row]) -> dict[str, int]:
     """How often each parameter's interval missed the truth."""
     return dict(Counter(name for r in rows for name, inside in r.get("covered", {}).items() if not inside))
@@ -106,7 +133,7 @@ def summarise(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
     named = [r for r in rows if _named(r)]
     intervals = [{"outcome": "right" if inside else "wrong"} for r in rows for inside in r.get("covered", {}).values()]
     held_out = [r for r in named if r.get("held_out_over_floor") is not None and _right(r)]
-    seconds = [float(r["seconds"]) for r in rows]
+    seconds = [float(r["processor_s"]) for r in rows]
     summary: dict[str, Any] = {
         "kind": kind,
         "campaigns": len(rows),
@@ -121,7 +148,7 @@ def summarise(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
         "mean_group_size": _mean_group(named),
         "group_sizes": dict(sorted(Counter(str(len(r["group"])) for r in named).items())),
         "seconds": quantiles(seconds),
-        "within_20_s": share(rows, lambda r: r["seconds"] <= SECONDS),
+        "odds": calibration(rows),
         "confusion": confusion(_pairs(rows)),
         "misses": [r for r in rows if r["outcome"] not in ("right", "unscored")],
     }

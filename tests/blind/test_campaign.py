@@ -14,7 +14,7 @@ from blind.catalogue import CATALOGUE, Effect, draw
 from blind.folder import write
 from blind.gaits import progress
 from blind.outside import OUTSIDE
-from blind.snake import EDGES, JOINT_LIMIT, MASSES, SPEED_LIMIT, TICK
+from blind.snake import EDGES, JOINT_LIMIT, MASSES, SNAKE10, SPEED_LIMIT, TICK
 
 SEED = 11
 ROOT = Path(__file__).parents[2]
@@ -87,8 +87,8 @@ def test_repeated_trials_differ_as_in_a_laboratory(null: Campaign) -> None:
 def test_every_effect_leaves_a_trace_in_the_files(name: str, null: Campaign) -> None:
     kind = CATALOGUE[name]
     rng = np.random.default_rng(3)
-    place = kind.places[len(kind.places) // 2]
-    strongest = max((kind.draw(rng, place) for _ in range(20)), key=lambda p: abs(next(iter(p.values()))))
+    place = kind.places()[len(kind.places()) // 2]
+    strongest = max((kind.draw(rng, place, SNAKE10) for _ in range(20)), key=lambda p: abs(next(iter(p.values()))))
     if name == "speed_saturation":
         strongest = {"max_speed": 0.3}
     c = make(SEED, [Effect(name, place, strongest)], combinations=COMBINATIONS[:3])

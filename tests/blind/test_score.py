@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from blind import table
 from blind.campaign import Campaign, make
 from blind.catalogue import CATALOGUE, Effect
 from blind.handful import HANDFUL
@@ -145,11 +145,33 @@ def fake(tmp_path: Path) -> str:
 
 
 def test_study_runs_scores_and_resumes(tmp_path: Path, fake: str) -> None:
-    summary = run(Study("null", tmp_path / "out", "model.toml", fake), 2, 1)
-    assert summary["right"]["good"] == 2
+    rows = run(Study("null", tmp_path / "out", "model.toml", fake), 2, 1)
+    assert [row["outcome"] for row in rows] == ["right", "right"]
+    above, written = table.read(tmp_path / "out" / "null.csv")
     again = run(Study("null", tmp_path / "out", "model.toml", "no-such-command"), 2, 1)
-    assert again == summary
-    assert json.loads((tmp_path / "out" / "null.json").read_text())["campaigns"] == 2
+    assert again == written
+    assert above["key"] == "blind-6"
+    with pytest.raises(SystemExit, match="another key needs another --out"):
+        run(Study("null", tmp_path / "out", "model.toml", fake, "another"), 2, 1)
+
+
+def test_another_physics_is_asked_without_its_law_and_beside_its_healthy_self() -> None:
+    study = Study("physics", Path("unused"), "unused", key="k")
+    healthy, changed = study.case(0), study.case(5)
+    assert healthy.without == changed.without == ("grip_saturation",)
+    assert np.isfinite(healthy.campaign.world.ground.saturation_speed)
+    assert healthy.reference is None
+    assert changed.reference is not None
+    assert len(changed.campaign.effects) == 1
+    pairs = zip(changed.campaign.trials, changed.reference.trials, strict=True)
+    assert all(np.array_equal(a.setting.plan.table, b.setting.plan.table) for a, b in pairs)
+    assert not np.array_equal(changed.campaign.trials[0].drive.start, changed.reference.trials[0].drive.start)
+
+
+def test_what_stands_in_for_a_law_that_the_catalogue_lacks_is_wrong(tmp_path: Path, fake: str) -> None:
+    row = run_one(Study("physics", tmp_path / "out", "model.toml", fake), 0)
+    assert row["outcome"] == "right"
+    assert 0 < row["eps_effective"] < 1
 
 
 def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path: Path, fake: str) -> None:
@@ -164,7 +186,7 @@ def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path
 @pytest.mark.parametrize("index", range(1, len(HANDFUL)))
 def test_the_handful_is_strong(index: int) -> None:
     study = Study("handful", Path("unused"), "unused")
-    c = study.campaign(index, "handful")
+    c = study.case(index).campaign
     assert strength(c, c.effects[0], floor(c)) >= 6
 
 
@@ -190,3 +212,5 @@ def test_the_proposed_experiment_is_played_beside_a_random_gait(tmp_path: Path) 
 def test_a_diagnosis_that_fails_is_recorded(tmp_path: Path) -> None:
     row = run_one(Study("null", tmp_path, "model.toml", f"{sys.executable} -c raise(SystemExit(3))"), 0)
     assert row["outcome"] == "failed"
+    row = run_one(Study("null", tmp_path, "model.toml", f"{sys.executable} -c raise(SystemExit(2))"), 0)
+    assert row["outcome"] == "refused"

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from blind import table
 from blind.pages import page, write_page
-from blind.study import _atomic
 from blind.summary import quantiles, summarise
 
 SLOPE = {"name": "slope", "place": None, "parameters": {"pull_x": 0.002, "pull_y": 0.0}}
@@ -21,7 +21,7 @@ def row(
     return {
         "identity": f"{outcome}-{strength}",
         "outcome": outcome,
-        "seconds": 10.0,
+        "processor_s": 10.0,
         "strengths": [strength],
         "hidden": ["slope"],
         "truth": [SLOPE],
@@ -33,7 +33,7 @@ def row(
 
 ROWS = [
     row("right", 7.0, ["slope"], covered={"slope.pull_x": True, "slope.pull_y": False}),
-    row("right", 4.0, ["frame_drift"], ["slope"], held_out_over_floor=1.5, seconds=30.0),
+    row("right", 4.0, ["frame_drift"], ["slope"], held_out_over_floor=1.5, processor_s=30.0),
     row("wrong", 5.0, ["toe"]),
     row("unscored", 2.0, []),
     row("false alarm", 0.5, ["toe"]),
@@ -63,7 +63,6 @@ def test_a_group_of_two_named_effects_without_alternatives_counts_one_each() -> 
 def test_times_held_out_errors_and_intervals_are_summed_up() -> None:
     s = summarise("one", ROWS)
     assert s["seconds"]["median"] == 10.0
-    assert s["within_20_s"]["good"] == 4
     assert (s["held_out_within_1.2_floors"]["good"], s["held_out_within_1.2_floors"]["of"]) == (1, 2)
     assert s["intervals_cover"]["missed"] == {"slope.pull_y": 1}
     assert quantiles([]) is None
@@ -104,11 +103,40 @@ def test_the_page_shows_shares_targets_confusion_and_misses(tmp_path: Path) -> N
     followed = [row("unscored", 2.0, ["slope"], ["toe"], **more) for more in FOLLOWED]
     kinds = {"one": ROWS, "followup": followed}
     for kind, rows in kinds.items():
-        _atomic(tmp_path / f"{kind}.json", {"command": f"run {kind}"} | summarise(kind, rows))
+        table.write(tmp_path / f"{kind}.csv", {"command": f"run {kind}", "commit": "abc", "key": "k"}, rows)
     write_page(tmp_path)
     text = (tmp_path / "summary.md").read_text()
     assert "| One effect | 2 | 4 | 50 % | 15 - 85 % | 95 % |" in text
     assert "| wrong-5.0 | slope (pull_x 0.002, pull_y 0) | 5.0 | wrong | toe |  |" in text
     assert "| proposed experiment: smaller, truth kept | 1 | 3 | 33 % |" in text
     assert "| slope (pull_x 0.002, pull_y 0) | 2.0 | slope, toe | toe | - |" in text
-    assert page({}).startswith("# Hidden-effect trials")
+    assert page([]).startswith("# Hidden-effect trials")
+
+
+def test_a_table_keeps_rows_as_they_are(tmp_path: Path) -> None:
+    rows = [*ROWS, row("failed", 1.0, [], stderr="line one\nline, two")]
+    above = {"command": "run: it", "commit": "abc", "key": "k"}
+    table.write(tmp_path / "one.csv", above, rows)
+    assert table.read(tmp_path / "one.csv")[0] == above
+    again = table.read(tmp_path / "one.csv")[1]
+    assert again[:-1] == ROWS
+    assert again[-1]["stderr"] == "line one | line, two"
+    assert table.read(tmp_path / "none.csv") == ({}, [])
+
+
+def test_a_study_with_several_causes_is_summed_up_cause_by_cause(tmp_path: Path) -> None:
+    rows = [{**row("right", 7.0, ["slope"]), "cause": "one"}, {**row("right", 0.0, []), "cause": "null"}]
+    table.write(tmp_path / "random.csv", {"command": "c", "commit": "abc", "key": "k"}, rows)
+    write_page(tmp_path)
+    text = (tmp_path / "summary.md").read_text()
+    assert "| Random protocols: one effect | 1 | 1 |" in text
+    assert "| Random protocols: nothing hidden | 1 | 1 |" in text
+
+
+def test_stated_odds_stand_beside_the_frequency_that_was_found() -> None:
+    rows = [row("right", 7.0, ["slope"], odds={"slope": 0.95, "toe": 0.05}) for _ in range(3)]
+    rows.append(row("wrong", 7.0, ["toe"], odds={"toe": 0.92, "slope": 0.08}))
+    low, high = summarise("one", rows)["odds"]
+    assert (low["good"], low["of"]) == (1, 4)
+    assert (high["good"], high["of"]) == (3, 4)
+    assert high["stated"] == pytest.approx((3 * 0.95 + 0.92) / 4)

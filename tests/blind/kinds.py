@@ -1,0 +1,76 @@
+"""The studies: which campaign has which number, what is hidden in it, and how the diagnosis is asked.
+
+null, one, two, outside   the usual protocol of the ten-servo snake
+followup, handful         see near.py and handful.py
+random                    protocols drawn at random; of six, two hide nothing, two one effect, one two, one a cause
+                          outside the catalogue
+physics                   a law of the generator's floor is taken out of the catalogue; of three campaigns of a law,
+                          one is healthy, and two are changed, with the healthy one as their reference
+same                      healthy, and as the reference the same gaits on another day
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blind.campaign import COMBINATIONS, Campaign, Hide, make
+from blind.catalogue import CATALOGUE, Effect
+from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
+from blind.near import draw_near, short
+from blind.protocol import usual
+from blind.random_protocols import draw_protocol, effects_that_show
+
+HIDDEN: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside"}
+SIX = ("null", "one", "outside", "null", "one", "two")
+# What the floor of another physics does all the time, at a strength that is drawn between these.
+LAWS: dict[str, tuple[str, float, float]] = {
+    "grip_saturation": ("saturation_speed", 0.03, 0.1),
+    "rolling_resistance": ("crossover_speed", 0.02, 0.1),
+    "wheel_mount": ("share", 0.5, 1.0),
+    "contact_offset": ("offset", 0.015, 0.02),
+    "dry_friction": ("crossover_speed", 0.5, 2.0),  # far above the speeds of a body: Coulomb's law
+}
+ANOTHER_DAY = (1,)
+KINDS = (*HIDDEN, "followup", "handful", "random", "physics", "same")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One campaign of a study. cause: null, one, two or outside; reference: an earlier one; without: effects that the
+    catalogue must not have."""
+
+    campaign: Campaign
+    cause: str
+    reference: Campaign | None = None
+    without: tuple[str, ...] = ()
+
+
+def case(kind: str, index: int, seed: int, identity: str) -> Case:
+    """Number `index` of a study."""
+    if kind == "followup":
+        return Case(short(seed, draw_near(seed), identity), "one")
+    if kind == "handful":
+        return Case(make(seed, HANDFUL[index], identity, COMBINATIONS[:HANDFUL_COMBINATIONS]), "one")
+    if kind == "random":
+        cause, protocol = SIX[index % len(SIX)], draw_protocol(seed)
+        return Case(make(seed, HIDDEN[cause], identity, protocol=protocol, among=effects_that_show(protocol)), cause)
+    if kind == "physics":
+        return _another_physics(index, seed, identity)
+    if kind == "same":
+        return Case(make(seed, 0, identity), "null", make(seed, 0, "before", chance=ANOTHER_DAY))
+    return Case(make(seed, HIDDEN[kind], identity), kind)
+
+
+def _another_physics(index: int, seed: int, identity: str) -> Case:
+    law = list(LAWS)[index % len(LAWS)]
+    parameter, low, high = LAWS[law]
+    rng = np.random.default_rng([seed, 7])
+    base = [Effect(law, None, {parameter: float(np.exp(rng.uniform(np.log(low), np.log(high))))})]
+    among = sorted(set(CATALOGUE) - {law})
+    changed = (index // len(LAWS)) % 3 > 0
+    hide: Hide = int(changed)
+    found = make(seed, hide, identity, protocol=usual(seed), base=base, among=among)
+    before = make(seed, 0, "before", protocol=usual(seed), base=base, chance=ANOTHER_DAY) if changed else None
+    return Case(found, "one" if changed else "null", before, (law,))
