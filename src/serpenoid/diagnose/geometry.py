@@ -24,15 +24,6 @@ def shapes(body: Body, angles: Floats) -> Floats:
     return np.asarray(points - centre[:, None])
 
 
-def marker_angles(body: Body, markers: Floats) -> Floats:
-    """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where one is hidden."""
-    edge, link = np.diff(markers, axis=1), link_of_edge(body)
-    total = np.stack([edge[:, link == j].sum(axis=1) for j in range(link.max() + 1)], axis=1)
-    a, b = total[:, :-1], total[:, 1:]
-    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
-
-
 def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:
     """Poses (F, 3) that carry points (F, N, 2) to visible markers by least squares, and residuals (F, N, 2).
 

@@ -17,9 +17,10 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.evidence import Evidence
-from serpenoid.diagnose.geometry import marker_angles, register, shapes, turn
+from serpenoid.diagnose.geometry import register, shapes, turn
 from serpenoid.diagnose.observation import Observation, across, columns_of
 from serpenoid.diagnose.recording import Recording
+from serpenoid.measure.chain import marker_angles
 
 FRAMES_PER_TRIAL = 250
 LEAST_SEEN = 8

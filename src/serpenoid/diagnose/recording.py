@@ -16,12 +16,12 @@ from scipy.signal import savgol_filter
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.clocks import Clock, align, start_on_log
-from serpenoid.diagnose.geometry import marker_angles
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file, read_motion, read_table
-from serpenoid.measure.load import label_markers
+from serpenoid.measure.chain import marker_angles
 from serpenoid.measure.logs import ServoLog, read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.trial_files import label_markers
 
 SMOOTHED_S = 0.175  # local parabolas over this time
 

@@ -15,7 +15,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.geometry import filled, marker_angles, register, shapes
+from serpenoid.diagnose.geometry import filled, register, shapes
+from serpenoid.measure.chain import marker_angles
 from serpenoid.measure.smooth import WINDOWS, smooth, smoother
 
 

@@ -71,6 +71,7 @@ class TrialEntry(MotionKeys):
     power_log: str | None = None
     from_s: float | None = Field(default=None, description="use the motion file from here (its own clock)")
     to_s: float | None = Field(default=None, description="... to here")
+    believe: bool = Field(default=False, description="go on where this trial's data contradict what is promised here")
 
     @model_validator(mode="after")
     def _schedule(self) -> Self:

@@ -47,6 +47,15 @@ def link_of_edge(body: Body) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(is_joint)]).astype(np.int64)
 
 
+def marker_angles(body: Body, markers: Floats) -> Floats:
+    """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where one is hidden."""
+    edge, link = np.diff(markers, axis=1), link_of_edge(body)
+    total = np.stack([edge[:, link == j].sum(axis=1) for j in range(link.max() + 1)], axis=1)
+    a, b = total[:, :-1], total[:, 1:]
+    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
+
+
 def estimate_chain(
     body: Body,
     vertices: Floats,

@@ -53,7 +53,8 @@ def read_motive(path: str | Path, up_axis: str = "y") -> Tracks:
         where = place(path, first + row, list(markers.values())[marker][0], list(markers)[marker])
         raise InputError(f"{where}: a marker has all three coordinates or none. Was the file edited?")
     unlabelled = tuple(bool(UNLABELLED.search(name)) for name in markers)
-    return Tracks(times, tuple(markers), floor_plane(positions, up_axis), str(path), unlabelled)
+    floor = floor_plane(positions, up_axis)
+    return Tracks(times, tuple(markers), floor, str(path), unlabelled, space=positions)
 
 
 def _header(rows: Rows, path: Path) -> _Header:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +112,9 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     if not len(points) or rate <= 0:
         raise InputError(f"{path}: no frames, or POINT:RATE is not positive.")
     times = np.arange(len(points)) / rate
-    return _tracks(times, list(group["LABELS"]["value"])[: points.shape[1]], floor_plane(points, up_axis), unit, path)
+    names = list(group["LABELS"]["value"])[: points.shape[1]]
+    tracks = _tracks(times, names, floor_plane(points, up_axis), unit, path)
+    return replace(tracks, space=points * METRES[unit])
 
 
 def _tracks(times: Floats, names: list[str], floor: Floats, length_unit: str, path: Path) -> Tracks:

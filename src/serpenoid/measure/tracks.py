@@ -26,6 +26,7 @@ class Tracks:
     source: str
     unlabelled: tuple[bool, ...]  # (M,): a fragment without identity
     scale_known: bool = True
+    space: Floats | None = None  # (F, M, 3) in the file's own axes, where it has three
 
     def __post_init__(self) -> None:
         frames, markers = len(self.time_s), len(self.names)
@@ -54,7 +55,8 @@ class Tracks:
         if keep.sum() < 2:
             first, last = self.time_s[0], self.time_s[-1]
             raise InputError(f"{self.source}: under 2 frames in from_s..to_s (it runs {first:g}..{last:g} s).")
-        return replace(self, time_s=self.time_s[keep], floor=self.floor[keep])
+        space = None if self.space is None else self.space[keep]
+        return replace(self, time_s=self.time_s[keep], floor=self.floor[keep], space=space)
 
 
 def floor_plane(positions: Floats, up_axis: str) -> Floats:

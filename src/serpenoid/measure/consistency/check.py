@@ -1,0 +1,227 @@
+"""A campaign checked against itself: what each witness says of each promise, and which rivals are certain.
+
+Witnesses: the servo log's commands (the table itself, but for rounding), its positions, the cameras' angles. The
+schedule is laid over the first of them that a trial has; the servo log's positions are laid over the cameras. Wiring is
+the same in every trial, so its evidence is summed over trials.
+
+    posterior odds of a rival = prior odds of a fault x its share among faults x evidence ratio
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.hypotheses import KINDS, Fault, schedule_faults, turned, wiring_faults
+from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
+from serpenoid.measure.consistency.signals import Sampled, Signal, period_s, sample
+from serpenoid.measure.schedule import Schedule
+
+FAULTY = 0.05  # of campaigns have something wrong in their file
+CERTAIN = 0.99  # posterior probability of a rival at which the contract is not believed
+ODDS = float(np.log(CERTAIN / (1 - CERTAIN)) + np.log((1 - FAULTY) / FAULTY))  # nats that a rival must be ahead
+TIED = 3.0  # nats: rivals as near as this to the best are named with it
+POINTS = 40  # of the grid in a cycle
+PERIODS = 8  # of a recording that are looked at, from where it begins to move
+UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
+SURE = 0.95  # of it is explained by what was really played; with less it is named as the nearest only
+HOPELESS = 50.0  # nats behind at the contract's rate: other rates are not tried
+WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A trial's promise and its witnesses, each on its own clock; any witness may be missing."""
+
+    trial: str
+    label: str  # of its joint table
+    schedule: Schedule | None
+    cameras: Signal | None = None
+    servos: Signal | None = None
+    commands: Signal | None = None
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """What a witness shows instead, the likely cure, and by how much it is likelier [nats, beyond prior odds]."""
+
+    trial: str
+    kind: str
+    words: str
+    cure: str
+    certainty: float
+
+    def __str__(self) -> str:
+        return f"trial `{self.trial}`: {self.words}. Remedy: {self.cure}."
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One hypothesis' lead over the contract in one trial [nats], its prior share taken off separately."""
+
+    trial: str
+    witness: str
+    kind: str
+    words: str
+    cure: str
+    lead: float
+    log_share: float
+    everywhere: bool
+    explained: float  # of the motion's variance
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All contradictions of a campaign, remarks that are none, and all rivals that were scored."""
+
+    contradictions: tuple[Contradiction, ...]
+    remarks: tuple[tuple[str, str], ...]  # (trial, remark)
+    rivals: tuple[Rival, ...]
+
+
+def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
+    """Score every promise of every trial. `tables`: all joint tables of the campaign by label."""
+    rivals: list[Rival] = []
+    lost: list[Contradiction] = []
+    remarks: list[tuple[str, str]] = []
+    for claim in claims:
+        for compared in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
+            if compared is None:
+                continue
+            contract, found, witness = compared
+            rivals += found
+            lost += _unexplained(claim, contract, found, witness)
+            remarks += _weakness(claim, contract, witness)
+    return Verdict(tuple([*_certain(rivals), *lost]), tuple(remarks), tuple(rivals))
+
+
+Compared = tuple[Match, list[Rival], str]
+
+
+def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Compared | None:
+    schedule = claim.schedule
+    seen = [
+        (claim.commands, "the servo log's commands", EXACT),
+        (claim.servos, "the servo log's positions", PHYSICAL),
+        (claim.cameras, "the recorded shapes", PHYSICAL),
+    ]
+    for signal, witness, prior in seen:
+        if schedule is not None and signal is not None and signal.enough:
+            own = period_s(signal)
+            faults = schedule_faults(schedule, claim.label, tables, own)
+            return _scored(claim, signal, course_of(schedule), own, faults, witness, prior)
+    return None
+
+
+def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared | None:
+    cameras, servos = claim.cameras, claim.servos
+    if cameras is None or servos is None or not (cameras.enough and servos.enough):
+        return None
+    if cameras.values.shape[1] != servos.values.shape[1]:
+        return None
+    own, promised = period_s(cameras), period_s(servos)
+    course = _logged(servos, promised)
+    joints = cameras.values.shape[1]
+    logs = [(c.trial, c.servos) for c in claims if c is not claim and c.servos is not None]
+    others = [(name, log) for name, log in logs if log.values.shape[1] == joints and log.enough]
+    share = -float(np.log(KINDS * max(len(others), 1)))
+    faults = turned(course, "the servo log")
+    for name, log in others:
+        words = f"follow the servo log of trial `{name}`, not their own"
+        faults.append(Fault("log", words, "name that file in `servo_log`", _logged(log, promised), share))
+    if own is not None and promised is not None and abs(np.log(own / promised)) > 0.05:
+        words = f"last {own / promised:.4g} times as long as in the servo log"
+        cure = "check the frame rate of the recording"
+        faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
+    return _scored(claim, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
+
+
+def _logged(servos: Signal, period: float | None) -> Course:
+    """What a servo log says, held beyond its ends."""
+    known = np.isfinite(servos.values).all(axis=1)
+    time, values = servos.time_s[known] - servos.time_s[known][0], servos.values[known]
+    total = float(time[-1])
+
+    def angles(at: Floats) -> Floats:
+        return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+
+    return Course(angles, total, period or total)
+
+
+def _scored(
+    claim: Claim, signal: Signal, course: Course, own: float | None, faults: list[Fault], witness: str, prior: Prior
+) -> Compared:
+    """The contract and all rivals laid over one witness."""
+    grid = _window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
+    contract = match(grid, course, prior)
+    rivals = []
+    for fault in faults:
+        found = match_at(grid, fault.course, contract.rate, prior)
+        if found.evidence > contract.evidence - HOPELESS or fault.timed is not None:
+            found = match(grid, fault.course, prior, 0.1 if fault.timed is None else 0.02)
+        words, cure = (fault.words, fault.cure) if fault.timed is None else fault.timed(found.rate)
+        rivals.append(
+            Rival(claim.trial, witness, fault.kind, f"{witness} {words}", cure,
+                  found.evidence - contract.evidence, fault.log_share, fault.everywhere, found.explained)
+        )  # fmt: skip
+    for wiring in wiring_faults(grid, contract):
+        words = f"{witness} {wiring.words}"
+        rivals.append(
+            Rival(claim.trial, witness, "wiring", words, wiring.cure, wiring.gain, wiring.log_share, True, 1.0)
+        )
+    return contract, rivals, witness
+
+
+def _window(signal: Signal, shortest: float, longest: float) -> Sampled:
+    """On a grid fine enough for the shorter period, from a period before the motion begins and as long as needed."""
+    whole = sample(signal, shortest / POINTS)
+    if whole.span_s <= PERIODS * longest:
+        return whole
+    away = np.abs(whole.values - whole.values[: POINTS // 4].mean(axis=0)).max(axis=1) * whole.weight
+    begin = whole.start_s + whole.step_s * int(np.argmax(away > 0.2 * away.max())) - longest
+    return sample(signal, shortest / POINTS, begin, begin + PERIODS * longest)
+
+
+def _certain(rivals: Sequence[Rival]) -> list[Contradiction]:
+    """The best certain rivals of every trial; what would be wrong in every trial has the evidence of them all."""
+    together: dict[tuple[str, str], float] = defaultdict(float)
+    for rival in rivals:
+        together[rival.kind, rival.words] += rival.lead
+    by_trial: dict[str, list[Rival]] = defaultdict(list)
+    for rival in rivals:
+        lead = together[rival.kind, rival.words] if rival.everywhere else rival.lead
+        if rival.lead > 0 and lead + rival.log_share > ODDS:
+            by_trial[rival.trial].append(rival)
+    return [_contradiction(trial, certain) for trial, certain in by_trial.items()]
+
+
+def _contradiction(trial: str, certain: list[Rival]) -> Contradiction:
+    best = max(rival.lead + rival.log_share for rival in certain)
+    near = sorted(certain, key=lambda rival: -rival.lead - rival.log_share)
+    near = [rival for rival in near if rival.lead + rival.log_share > best - TIED][:3]
+    words = "; or ".join(dict.fromkeys(rival.words for rival in near))
+    if near[0].explained < SURE:
+        words = f"do not follow what is promised; nearest, and not near: {words}"
+    cure = "; or ".join(dict.fromkeys(rival.cure for rival in near))
+    return Contradiction(trial, near[0].kind, words, cure, float(best))
+
+
+def _unexplained(claim: Claim, contract: Match, rivals: Sequence[Rival], witness: str) -> list[Contradiction]:
+    """A motion that neither the contract nor any rival explains."""
+    if contract.explained > UNEXPLAINED or any(rival.lead + rival.log_share > ODDS for rival in rivals):
+        return []
+    what = "its servo log" if witness == "the recorded shapes" and claim.servos is not None else f"`{claim.label}`"
+    words = f"{witness} follow neither {what} nor anything else in this campaign"
+    cure = "is the file of another trial named here?"
+    return [Contradiction(claim.trial, "nothing", words, cure, 0.0)]
+
+
+def _weakness(claim: Claim, contract: Match, witness: str) -> list[tuple[str, str]]:
+    gain = float(np.median(contract.gain))
+    if contract.explained < 0.5 or abs(gain - 1) < WEAK:
+        return []
+    return [(claim.trial, f"{witness}: joints move {gain:.2f} times as far as promised, all alike (weak servos?)")]

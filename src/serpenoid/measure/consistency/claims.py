@@ -1,0 +1,118 @@
+"""A campaign's files as claims to be checked, and what becomes of contradictions: refused, or said in every answer."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Body
+from serpenoid.errors import InputError
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.chain import marker_angles
+from serpenoid.measure.consistency.check import ODDS, Claim, Contradiction, Verdict, check
+from serpenoid.measure.consistency.geometry import Plane, layout, marker_faults
+from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.logs import ServoLog, read_joint_table
+from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.trial_files import Files, label_markers, neighbour_ratio, read_files
+
+MOST_TABLES = 100  # that a campaign is compared with
+PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
+UP = {"motive": "y", "c3d": "z"}
+
+
+def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]) -> dict[str, tuple[str, ...]]:
+    """Remarks on every trial by name. Raises InputError with every contradiction and its likely cure.
+
+    A trial with `believe = true` is computed all the same, and the contradiction is among its remarks.
+    """
+    verdict = check_files(file, folder, body, read)
+    believed = {files.entry.name for files in read if files.entry.believe}
+    refused = [c for c in verdict.contradictions if c.trial not in believed]
+    if refused:
+        raise InputError(
+            "\n".join(map(str, refused))
+            + "\nThe campaign contradicts itself, so nothing is computed from it. Mend campaign.toml, or set "
+            "`believe = true` in a trial to go on regardless."
+        )
+    remarks: dict[str, list[str]] = defaultdict(list)
+    for trial, remark in verdict.remarks:
+        remarks[trial].append(remark)
+    for one in verdict.contradictions:
+        remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
+    return {trial: tuple(said) for trial, said in remarks.items()}
+
+
+def contradictions(path: str | Path) -> tuple[Contradiction, ...]:
+    """All contradictions of a campaign folder, whatever `believe` says."""
+    file, folder = load_campaign_file(path)
+    return check_files(file, folder, *read_files(file, folder)).contradictions
+
+
+def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]) -> Verdict:
+    """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
+    markers = [fault for files in read for fault in _markers(file, body, files)]
+    if markers:
+        return Verdict(tuple(markers), (), ())
+    return check([_claim(body, files) for files in read], _tables(read, folder))
+
+
+def _markers(file: CampaignFile, body: Body, files: Files) -> list[Contradiction]:
+    if files.tracks is None or files.labelled is None:
+        return []
+    tracks, keys, vertices = files.tracks, files.keys, files.labelled.vertices
+    edges = body.edges_m if file.lengths_given else None
+    if edges is not None and not tracks.scale_known:
+        edges = edges * neighbour_ratio(vertices, body)
+    plan = layout(vertices, edges)
+    if not len(plan.points):
+        return []
+    names = keys.markers or [f"vertex {k}" for k in range(body.vertices)]
+
+    def other(floor: Floats) -> Floats:
+        changed = Tracks(tracks.time_s, tracks.names, floor, tracks.source, tracks.unlabelled, tracks.scale_known)
+        return label_markers(changed, keys, edges, body.vertices).vertices
+
+    up = keys.up_axis or UP.get(keys.format or "", "z")
+    found = marker_faults(plan, names, None if tracks.space is None else Plane(tracks.space, up, other))
+    certain = [fault for fault in found[:1] if fault.gain > ODDS]
+    return [Contradiction(files.entry.name, f.kind, f"its markers {f.words}", f.cure, f.gain) for f in certain]
+
+
+def _claim(body: Body, files: Files) -> Claim:
+    cameras = servos = commands = None
+    if files.tracks is not None and files.labelled is not None:
+        cameras = Signal(files.tracks.time_s, marker_angles(body, files.labelled.vertices))
+    log = files.servo_log
+    if log is not None:
+        servos = Signal(log.time_s, log.position)
+        commands = None if log.command is None else Signal(*_played(log, log.command))
+    return Claim(files.entry.name, _label(files), files.schedule, cameras, servos, commands)
+
+
+def _played(log: ServoLog, values: Floats) -> tuple[Floats, Floats]:
+    """The rows of a log in which the table is followed."""
+    if log.phase is None or not PLAYED & set(log.phase):
+        return log.time_s, values
+    played = np.array([phase in PLAYED for phase in log.phase])
+    return log.time_s[played], values[played]
+
+
+def _label(files: Files) -> str:
+    return Path(files.entry.joint_table or "the joint table").stem
+
+
+def _tables(read: Sequence[Files], folder: Path) -> Mapping[str, Floats]:
+    """All joint tables by name: those of the trials, and what lies beside them in their folders."""
+    named = [folder / files.entry.joint_table for files in read if files.entry.joint_table is not None]
+    found: dict[str, Floats] = {}
+    for path in dict.fromkeys([*named, *(beside for one in named for beside in sorted(one.parent.glob("*.csv")))]):
+        if len(found) < MOST_TABLES and path.stem not in found:
+            with suppress(InputError):
+                found[path.stem] = read_joint_table(path)
+    return found

@@ -1,0 +1,170 @@
+"""What a contract may say instead: every single fault that people make, with the words that cure it.
+
+A fault is one thing wrong: another table, a table played backwards or from another row, joints in another order, signs
+flipped, another duration of cycle or pause, another rate of the recording. `diagnose` may add its own (`Fault` with any
+schedule) and have them scored beside these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.match import Course, Match, course_of, match_columns
+from serpenoid.measure.consistency.signals import Sampled
+from serpenoid.measure.schedule import Schedule
+
+SAME_TABLE = 1e-6  # rad: tables written with six decimals
+ROLLS = 12  # starting rows that are tried, a twelfth of a cycle apart; one twelfth is not told from play in the joints
+NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
+KINDS = 8  # of faults, alike in prior odds
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that the contract may have wrong. `everywhere`: it would be so in every trial (wiring, markers).
+
+    log_share: log prior probability among all faults.
+    """
+
+    kind: str
+    words: str
+    cure: str
+    course: Course
+    log_share: float
+    everywhere: bool = False
+    timed: Callable[[float], tuple[str, str]] | None = None  # words and cure at a rate found more exactly
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """One joint turned round or two exchanged: log evidence relative to the contract, without laying anything anew."""
+
+    words: str
+    cure: str
+    log_share: float
+    gain: float
+
+
+def schedule_faults(
+    schedule: Schedule, label: str, tables: Mapping[str, Floats], period_s: float | None
+) -> list[Fault]:
+    """All faults of a schedule that need it laid over the signal anew; `period_s` is the signal's own."""
+    return [
+        *_other_tables(schedule, label, tables), *_backwards(schedule, label), *turned(course_of(schedule), label),
+        *_rolled(schedule), *_timed(schedule, period_s),
+    ]  # fmt: skip
+
+
+def _other_tables(schedule: Schedule, label: str, tables: Mapping[str, Floats]) -> list[Fault]:
+    own = schedule.table
+    others = {n: t for n, t in tables.items() if t.shape[1] == own.shape[1] and not _same(t, own)}
+    share = -np.log(KINDS * max(len(others), 1))
+    return [
+        Fault("table", f"follow `{name}`, not `{label}`", f"name `{name}` in `joint_table`",
+              course_of(replace(schedule, table=table)), share)
+        for name, table in others.items()
+    ]  # fmt: skip
+
+
+def _backwards(schedule: Schedule, label: str) -> list[Fault]:
+    table = np.concatenate([schedule.table[:1], schedule.table[:0:-1]])
+    words, cure = f"follow `{label}` played backwards", "reverse the rows of `joint_table`"
+    return [Fault("reversed", words, cure, course_of(replace(schedule, table=table)), -np.log(KINDS))]
+
+
+def turned(course: Course, label: str) -> list[Fault]:
+    """All signs flipped, joints counted from the other end, head and tail exchanged: alike in every trial."""
+    made: list[tuple[str, str, str, Callable[[Floats], Floats]]] = [
+        ("signs", f"follow `{label}` with all signs flipped",
+         "check `up_axis` (a mirrored floor) and the direction of the joints", lambda angles: -angles),
+        ("order", f"follow `{label}` with its joints in reversed order",
+         "`joint_1` is the joint next to the tail: reverse the columns", lambda angles: angles[:, ::-1]),
+        ("ends", f"follow `{label}` with head and tail exchanged",
+         "`markers` run from tail to head: reverse them (or set `first_point`)", lambda angles: -angles[:, ::-1]),
+    ]  # fmt: skip
+    return [
+        Fault(kind, words, cure, course.changed(change), -np.log(KINDS), True) for kind, words, cure, change in made
+    ]
+
+
+def _timed(schedule: Schedule, period_s: float | None) -> list[Fault]:
+    if period_s is None:
+        return []
+    found = []
+    duration, pause = schedule.cycle_duration_s, schedule.pause_s
+    made: list[tuple[str, float, float]] = []
+    for times in (1, 2, 0.5):  # a gait may repeat itself within a cycle, and a signal look alike twice
+        ratio = times * period_s / schedule.period_s
+        made.append(("rate", duration * ratio, pause * ratio))
+        if times * period_s > pause:
+            made.append(("duration", times * period_s - pause, pause))
+        if times * period_s > duration:
+            made.append(("pause", duration, times * period_s - duration))
+    for kind, new_duration, new_pause in made:
+        timed = replace(schedule, cycle_duration_s=new_duration, pause_s=new_pause)
+        off = max(abs(np.log(new_duration / duration)), abs(np.log(timed.period_s / schedule.period_s)))
+        if off > 0.05 and (
+            kind != "rate" or pause > 0
+        ):  # nearer than the clocks that `match` tries is no other hypothesis
+            said = partial(_time_words, kind, schedule, new_duration, new_pause)
+            share = -float(np.log(KINDS * len(made)))
+            found.append(Fault(kind, *said(1.0), course_of(timed), share, timed=said))
+    return found
+
+
+def _time_words(kind: str, schedule: Schedule, duration: float, pause: float, rate: float) -> tuple[str, str]:
+    duration, pause = rate * duration, rate * pause
+    says = f"`cycle_duration_s` says {schedule.cycle_duration_s:.3g}"
+    if kind == "duration":
+        return f"show a cycle of {duration:.3g} s, and {says}", f"set `cycle_duration_s = {duration:.3g}`"
+    if kind == "pause":
+        return (
+            f"show a pause of {pause:.3g} s after every cycle, and `pause_s` says {schedule.pause_s:g}",
+            f"set `pause_s = {pause:.3g}`",
+        )
+    factor = duration / schedule.cycle_duration_s
+    return (
+        f"run {factor:.4g} times as long as the schedule (a cycle of {duration:.3g} s, and {says})",
+        f"check the frame rate of the recording, `cycle_duration_s = {duration:.3g}` and `pause_s = {pause:.3g}`",
+    )
+
+
+def _rolled(schedule: Schedule) -> list[Fault]:
+    """Told from the contract by what the body rests in, before and after and in pauses."""
+    rows = len(schedule.table)
+    firsts = sorted({round(rows * k / ROLLS) % rows for k in range(2, ROLLS - 1)} - {0})
+    share = -np.log(KINDS * max(len(firsts), 1))
+    return [
+        Fault("shift", f"begin near row {first} of the joint table, not at row 0",
+              f"begin the table there: the body rests in its row {first}",
+              course_of(replace(schedule, table=np.roll(schedule.table, -first, axis=0))), share)
+        for first in firsts
+    ]  # fmt: skip
+
+
+def _same(one: Floats, other: Floats) -> bool:
+    return one.shape == other.shape and bool(np.allclose(one, other, atol=SAME_TABLE))
+
+
+def wiring_faults(signal: Sampled, contract: Match) -> list[Wiring]:
+    """Every joint turned round, every pair exchanged, at the contract's own start."""
+    columns = match_columns(signal, contract)
+    own, joints = contract.by_joint, len(contract.by_joint)
+    share = -np.log(KINDS * joints)
+    found = [
+        Wiring(f"turn `joint_{j + 1}` the other way", f"flip the sign of `joint_{j + 1}`", share,
+               float(columns[1, j, j] - own[j]))
+        for j in range(joints)
+    ]  # fmt: skip
+    pairs = -np.log(KINDS * max(joints * (joints - 1) / 2, 1))
+    for i in range(joints):
+        for j in range(i):
+            gain = float(columns[0, i, j] + columns[0, j, i] - own[i] - own[j])
+            words = f"have `joint_{j + 1}` and `joint_{i + 1}` exchanged"
+            found.append(Wiring(words, f"exchange `joint_{j + 1}` and `joint_{i + 1}`", pairs, gain))
+    return found

@@ -1,0 +1,197 @@
+"""One hypothesis laid over one signal: log evidence of the measured angles under a commanded motion.
+
+    measured_j(t) = gain_j commanded_j(t - start) + zero_j + discrepancy_j(t) + noise
+    log evidence = max over start, gain, zero of  sum_j [ log t(residual_j) + log p(gain_j) + log p(zero_j) ]
+
+Gain (0 .. 1.5: a joint may be weak or stuck, never turn backwards) and zero are what physics may do to a joint; both
+have priors with a narrow part (a healthy servo) and a wide one (a damaged one), and all joints may be weak alike. The
+discrepancy's size is unknown: its Student t has one observation's worth of belief in a tenth of the joint's own motion,
+and as many degrees of freedom as that motion has, whatever the number of frames: amplitudes and phases of two
+harmonics. Repeated cycles repeat their discrepancy, so they do not count again.
+
+Legend: n grid points, K starts, m joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.signals import Sampled
+from serpenoid.measure.schedule import Schedule
+
+FREEDOM = 4.0  # numbers per joint that a discrepancy disturbs independently (above)
+TYPICAL = 0.1  # of a joint's motion: the discrepancy that is no surprise
+DAMAGED = 0.1  # prior share of joints that do what a healthy one does not
+HIGHEST_GAIN = 1.5
+RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
+
+
+@dataclass(frozen=True)
+class Course:
+    """A motion as promised: joint angles (R, m) at times (R,) [s] since its start, how long, how soon it repeats."""
+
+    angles: Callable[[Floats], Floats]
+    total_s: float
+    period_s: float
+
+    def slowed(self, factor: float) -> Course:
+        """The same, lasting `factor` times as long."""
+        return Course(lambda time: self.angles(time / factor), self.total_s * factor, self.period_s * factor)
+
+    def changed(self, change: Callable[[Floats], Floats]) -> Course:
+        """The same with its angles (R, m) changed."""
+        return Course(lambda time: change(self.angles(time)), self.total_s, self.period_s)
+
+
+def course_of(schedule: Schedule) -> Course:
+    """What a schedule promises, from its own start on."""
+    return Course(
+        lambda time: schedule.commanded(time + schedule.start_s), schedule.cycles * schedule.period_s, schedule.period_s
+    )
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Of gain and zero: standard deviations of a healthy joint; `damage` False: there is no other kind."""
+
+    gain_sd: float = 0.1
+    zero_sd: float = 0.05  # rad
+    play: float = 0.03  # rad: of a worn joint, whatever its amplitude
+    damage: bool = True
+
+
+PHYSICAL = Prior()
+EXACT = Prior(0.02, 0.01, 0.0, damage=False)  # commands in a log are the table itself, but for rounding
+
+
+@dataclass(frozen=True)
+class Match:
+    """Log evidence [nats], the same joint by joint (m,), the best start [s], gains and zeros (m,), variance explained.
+
+    rate: how many times as long as promised the motion lasted; course: the promise at that rate.
+    """
+
+    evidence: float
+    by_joint: Floats
+    start_s: float
+    gain: Floats
+    zero: Floats
+    explained: float
+    course: Course
+    rate: float = 1.0
+
+
+def match(signal: Sampled, course: Course, prior: Prior = PHYSICAL, off: float = 0.1) -> Match:
+    """The best start of `course` in the signal; its clock may run fast or slow by `RATES`.
+
+    off: how much of a cycle the ends of the signal may be away from the nearest rate that is tried.
+    """
+    cycles = min(signal.span_s, course.total_s) / course.period_s
+    steps = max(1, int(np.ceil(RATES * cycles / off)))
+    found = [match_at(signal, course, f, prior) for f in (1 + RATES * np.arange(-steps, steps + 1) / steps)]
+    return max(found, key=lambda one: one.evidence)
+
+
+def match_at(signal: Sampled, course: Course, rate: float, prior: Prior = PHYSICAL) -> Match:
+    """The best start of `course` lasting `rate` times as long as promised."""
+    return replace(_match_one(signal, course.slowed(float(rate)), prior), rate=float(rate))
+
+
+def _match_one(signal: Sampled, course: Course, prior: Prior) -> Match:
+    begin, commanded = _commanded(signal, course)
+    cov, variance, mean = _sliding(signal, commanded)
+    gain = np.clip(cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
+    left = np.maximum(signal.spread - 2 * gain * cov + gain**2 * variance, 0.0)  # (K, m)
+    measured = (signal.weight @ signal.values) / signal.weight.sum()
+    zero = measured - gain * mean
+    fit = log_student(left, signal, prior)
+    belief = log_prior(zero, 0.0, prior.zero_sd, np.pi, prior.damage)
+    best = int(np.argmax((fit + belief).sum(axis=1)))
+    by_joint = fit[best] + belief[best]
+    by_gain = log_gains(gain[best], prior)
+    explained = _explained(left[best], signal)
+    start = signal.start_s - (begin + best * signal.step_s)
+    return Match(
+        float(by_joint.sum() + by_gain.sum()), by_joint + by_gain, start, gain[best], zero[best], explained, course
+    )
+
+
+def _explained(left: Floats, signal: Sampled) -> float:
+    """Share of the motion's variance, noise taken off both; 1 where there is no motion beyond noise."""
+    noise = float(signal.noise_variance.sum())
+    moved = float(signal.spread.sum()) - noise
+    return 1.0 if moved < noise else 1 - max(float(left.sum()) - noise, 0.0) / moved
+
+
+def _commanded(signal: Sampled, course: Course) -> tuple[float, Floats]:
+    """Commands on the signal's grid for every start that leaves half of the shorter of the two in common."""
+    total = course.total_s
+    common = 0.5 * min(signal.span_s, total)
+    begin, end = common - signal.span_s, total - common + signal.span_s
+    count = max(int((end - begin) / signal.step_s) + 1, len(signal.values))
+    return begin, course.angles(np.asarray(begin + signal.step_s * np.arange(count)))
+
+
+def _sliding(signal: Sampled, commanded: Floats) -> tuple[Floats, Floats, Floats]:
+    """Covariance with the signal, variance and mean of the commands under every start (K, m)."""
+    starts = len(commanded) - len(signal.values) + 1
+    size = next_fast_len(len(commanded) + len(signal.values))
+    weight, values = rfft(signal.weight, size)[:, None], rfft(signal.values, size, axis=0)
+    there, square = rfft(commanded, size, axis=0), rfft(commanded**2, size, axis=0)
+    count = signal.weight.sum()
+    mean, second, product = (
+        irfft(np.conj(a) * b, size, axis=0)[:starts] / count
+        for a, b in ((weight, there), (weight, square), (values, there))
+    )
+    own = (signal.weight @ signal.values) / count
+    return product - mean * own, second - mean**2, mean
+
+
+def log_student(left: Floats, signal: Sampled, prior: Prior) -> Floats:
+    """Log density of mean square residuals (..., m) [rad^2], up to a constant of the signal."""
+    typical = TYPICAL**2 * signal.spread + prior.play**2 + signal.noise_variance
+    return np.asarray(-(FREEDOM + 1) / 2 * np.log1p(FREEDOM * left / typical))
+
+
+def log_prior(value: Floats, centre: float, sd: float, width: float, damage: bool = True) -> Floats:
+    """Log density of a normal about `centre`, mixed with a uniform one of `width` for what is damaged."""
+    narrow = -0.5 * ((value - centre) / sd) ** 2 - np.log(sd * np.sqrt(2 * np.pi))
+    if not damage:
+        return np.asarray(narrow)
+    return np.logaddexp(np.log(1 - DAMAGED) + narrow, np.log(DAMAGED / width))
+
+
+def log_gains(gain: Floats, prior: Prior) -> Floats:
+    """Log prior of gains (m,): about 1, or about one weakness that all joints share."""
+    alone = log_prior(gain, 1.0, prior.gain_sd, HIGHEST_GAIN, prior.damage)
+    if not prior.damage:
+        return alone
+    weak = float(np.clip(np.median(gain), 0.05, HIGHEST_GAIN))
+    together = log_prior(gain, weak, prior.gain_sd * weak, HIGHEST_GAIN) + np.log(DAMAGED / HIGHEST_GAIN) / len(gain)
+    return alone if alone.sum() >= together.sum() else together
+
+
+def match_columns(signal: Sampled, contract: Match) -> Floats:
+    """Log evidence (2, m, m) of measured joint i under commanded joint j, laid as the contract is; gains about 1.
+
+    [0, i, j]: joint j as it is; [1, i, j]: its sign flipped. Such a fault is not also a weak servo, so no damage.
+    """
+    at = signal.start_s - contract.start_s + signal.step_s * np.arange(len(signal.values))
+    commanded = contract.course.angles(at.astype(np.float64))
+    count = signal.weight.sum()
+    mean, own = (signal.weight @ commanded) / count, (signal.weight @ signal.values) / count
+    there, here = (commanded - mean) * signal.weight[:, None], signal.values - own * signal.weight[:, None]
+    cov, variance = here.T @ there / count, np.asarray((there**2).sum(axis=0) / count)
+    found = []
+    for sign in (1.0, -1.0):
+        gain = np.clip(sign * cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
+        left = np.maximum(signal.spread[:, None] - 2 * gain * sign * cov + gain**2 * variance, 0.0)
+        zero = own[:, None] - sign * gain * mean
+        fit = log_student(left.T, signal, PHYSICAL).T + log_prior(zero, 0.0, PHYSICAL.zero_sd, np.pi)
+        found.append(fit + np.log(1 - DAMAGED) + log_prior(gain, 1.0, PHYSICAL.gain_sd, 1.0, damage=False))
+    return np.stack(found)

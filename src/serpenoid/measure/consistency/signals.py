@@ -1,0 +1,97 @@
+"""Joint angles over time from one witness (cameras, servos, commands), on an even grid, with their noise and period.
+
+Legend: R rows as recorded, n grid points, m joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.measure.cells import Floats
+
+MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
+REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
+
+
+@dataclass(frozen=True)
+class Signal:
+    """What a witness says of the joint angles (R, m) [rad] at times (R,) [s]; NaN where it does not know."""
+
+    time_s: Floats
+    values: Floats
+
+    @property
+    def enough(self) -> bool:
+        """Whether it can be laid over anything."""
+        known = np.isfinite(self.values).all(axis=1)
+        return bool(known.sum() >= 8 and np.nanstd(self.values) > 0)
+
+    @property
+    def noise_variance(self) -> Floats:
+        """White noise of every joint (m,) [rad^2], from second differences: mean (a - 2 b + c)^2 / 6, by medians."""
+        bend = np.diff(self.values, n=2, axis=0)
+        bend = bend[np.isfinite(bend).all(axis=1)]
+        if len(bend) < 8:
+            return np.full(self.values.shape[1], 1e-8)
+        return np.asarray((1.4826 * np.median(np.abs(bend), axis=0)) ** 2 / 6 + 1e-12)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """The same on an even grid: values (n, m), zero where nothing is known; weight (n,) 0 or 1."""
+
+    start_s: float
+    step_s: float
+    values: Floats
+    weight: Floats
+    noise_variance: Floats
+
+    @property
+    def span_s(self) -> float:
+        return self.step_s * (len(self.values) - 1)
+
+    @property
+    def spread(self) -> Floats:
+        """Variance of every joint over the known rows (m,)."""
+        count = self.weight.sum()
+        mean = (self.weight @ self.values) / count
+        return np.asarray(self.weight @ (self.values - mean) ** 2 / count)
+
+
+def sample(signal: Signal, step_s: float, begin_s: float | None = None, end_s: float | None = None) -> Sampled:
+    """On a grid of `step_s`, linear between known rows; weight 0 inside gaps longer than two steps and three rows."""
+    known = np.isfinite(signal.values).all(axis=1)
+    time, values = signal.time_s[known], signal.values[known]
+    begin, end = max(begin_s or -np.inf, time[0]), min(end_s or np.inf, time[-1])
+    step = max(step_s, (end - begin) / MOST_POINTS)
+    at = begin + step * np.arange(int((end - begin) / step) + 1)
+    right = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
+    longest = max(2 * step, 3 * float(np.median(np.diff(signal.time_s))))
+    weight = (time[right] - time[right - 1] <= longest).astype(float)
+    grid = np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+    return Sampled(float(begin), float(step), grid * weight[:, None], weight, signal.noise_variance)
+
+
+def period_s(signal: Signal) -> float | None:
+    """After what time the motion repeats: the first delay at which it agrees with itself nearly best; None: never."""
+    whole = sample(signal, float(np.median(np.diff(signal.time_s))))
+    centred = (whole.values - (whole.weight @ whole.values) / whole.weight.sum()) * whole.weight[:, None]
+    size = 2 * len(centred)
+    power = np.abs(np.fft.rfft(centred, size, axis=0)) ** 2
+    both = np.abs(np.fft.rfft(whole.weight, size)) ** 2
+    overlap = np.maximum(np.fft.irfft(both)[: len(centred)], 1.0)
+    agreement = np.fft.irfft(power.sum(axis=1))[: len(centred)] / overlap
+    usable = len(centred) * 2 // 3
+    agreement = agreement[:usable] / agreement[0]
+    below = np.flatnonzero(agreement < 0.5)
+    if not len(below):
+        return None
+    after = agreement[below[0] :]
+    best = float(after.max())
+    peaks = 1 + np.flatnonzero((after[1:-1] >= after[:-2]) & (after[1:-1] >= after[2:]))
+    good = peaks[after[peaks] >= REPEATING * best] if len(peaks) else peaks
+    if best < 0.5 or not len(good):
+        return None
+    return float(whole.step_s * (below[0] + good[0]))

@@ -1,0 +1,97 @@
+"""A campaign's files as read: tracks, logs and tables of every trial, markers given to vertices, nothing aligned."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Body
+from serpenoid.errors import InputError
+from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
+from serpenoid.measure.relabel import Labelled, label_vertices
+from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.tracks import Tracks
+
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True)
+class Files:
+    """One trial's files."""
+
+    entry: TrialEntry
+    keys: MotionKeys
+    table: Floats | None
+    servo_log: ServoLog | None
+    power_log: PowerLog | None
+    tracks: Tracks | None
+    labelled: Labelled | None
+
+    @property
+    def schedule(self) -> Schedule | None:
+        """As the campaign file promises it; its start is not known yet."""
+        entry = self.entry
+        if self.table is None or entry.cycle_duration_s is None:
+            return None
+        return Schedule(self.table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
+
+
+def read_files(file: CampaignFile, folder: Path, progress: Progress | None = None) -> tuple[Body, tuple[Files, ...]]:
+    """All files of all trials, and the body with its lengths, estimated where the campaign gives none."""
+    read, faults = [], []
+    for index, entry in enumerate(file.trial):
+        if progress is not None:
+            progress(index, len(file.trial), entry.name)
+        try:
+            read.append(read_trial(file, entry, folder))
+        except InputError as error:
+            faults.append(f"trial `{entry.name}`: {error}")
+    if faults:
+        raise InputError("\n".join(faults))
+    return (file.body if file.lengths_given else _estimate_lengths(file, read)), tuple(read)
+
+
+def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
+    """Read one trial's files."""
+    keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
+    labelled = None
+    if tracks is not None:
+        edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
+        labelled = label_markers(tracks, keys, edges, file.body.vertices)
+    log = read_servo_log(folder / entry.servo_log) if entry.servo_log else None
+    power = read_power_log(folder / entry.power_log) if entry.power_log else None
+    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled)
+
+
+def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, count: int) -> Labelled:
+    """Tracks as vertices 0 .. N - 1 (N = `count`), by marker names and edge lengths (N - 1,), if known."""
+    markers = None if keys.format == "tidy" else keys.markers  # tidy columns are vertices already
+    return label_vertices(tracks, markers, edges, count, keys.first_point == "head")
+
+
+def neighbour_ratio(vertices: Floats, body: Body) -> float:
+    """Measured over stated distance of neighbours, the median; NaN where no two are ever seen together."""
+    distances = np.linalg.norm(np.diff(vertices, axis=1), axis=2)
+    ever = np.isfinite(distances).any(axis=0)  # an end of the others is hidden throughout
+    return float(np.median(np.nanmedian(distances[:, ever], axis=0) / body.edges_m[ever])) if ever.any() else np.nan
+
+
+def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
+    """The body with edge lengths = medians of the distances between neighbouring markers over all recordings."""
+    distances = [
+        np.linalg.norm(np.diff(files.labelled.vertices, axis=1), axis=2) for files in read if files.labelled is not None
+    ]
+    if not distances:
+        raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
+    together = np.concatenate(distances)
+    ever = np.isfinite(together).any(axis=0)
+    edges = np.full(together.shape[1], np.nan)
+    edges[ever] = np.nanmedian(together[:, ever], axis=0)
+    if not np.isfinite(edges).all() or (edges <= 0).any():
+        raise InputError("[body] has no lengths, and some neighbouring markers are never seen together.")
+    return file.body.model_copy(update={"edge_lengths": tuple(edges.tolist())})

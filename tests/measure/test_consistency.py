@@ -1,0 +1,260 @@
+"""A campaign that contradicts its data is never believed; physics that damages a robot is no contradiction."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rehearsal import serpenoid_table, snake
+from serpenoid.compare.rehearse import Laboratory, write_campaign
+from serpenoid.errors import InputError
+from serpenoid.files import write_csv
+from serpenoid.measure.campaign import load_campaign_file
+from serpenoid.measure.consistency.check import ODDS, Claim, Verdict, check
+from serpenoid.measure.consistency.claims import check_files, contradictions
+from serpenoid.measure.consistency.geometry import layout, marker_faults
+from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.load import load_campaign
+from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.trial_files import read_files
+
+pytestmark = pytest.mark.usefixtures("virtual_machine")
+TABLES = {
+    "gait-1": serpenoid_table(40), "gait-2": serpenoid_table(40, a=4.0, xi=1.3),
+    "gait-3": serpenoid_table(40, a=5.0, xi=0.8, turn=1.5),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def valid(tmp_path_factory, virtual_machine) -> Path:
+    folder = tmp_path_factory.mktemp("valid")
+    lab = Laboratory(frames_per_second=30.0, lag_s=0.05)
+    write_campaign(folder, snake(), TABLES, lab, 1, 0, cycle_duration_s=2.0, cycles=2, pause_s=1.0)
+    return folder
+
+
+def text(old: str, new: str) -> Callable[[Path], None]:
+    """An edit of campaign.toml, at its first place."""
+
+    def edit(folder: Path) -> None:
+        path = folder / "campaign.toml"
+        assert old in path.read_text()
+        path.write_text(path.read_text().replace(old, new, 1))
+
+    return edit
+
+
+def without_logs(folder: Path) -> None:
+    path = folder / "campaign.toml"
+    path.write_text("\n".join(row for row in path.read_text().splitlines() if not row.startswith("servo_log")))
+
+
+def table(change: Callable[[np.ndarray], np.ndarray]) -> Callable[[Path], None]:
+    """All joint tables changed, as one who mixed up the wiring would."""
+
+    def edit(folder: Path) -> None:
+        for name, rows in TABLES.items():
+            header = [f"joint_{j}" for j in range(1, rows.shape[1] + 1)]
+            write_csv(folder / "gaits" / f"{name}.csv", header, change(rows).tolist())
+
+    return edit
+
+
+def markers(change: Callable[[list[str]], list[str]]) -> Callable[[Path], None]:
+    """`markers` of [motion] in another order."""
+
+    def edit(folder: Path) -> None:
+        path = folder / "campaign.toml"
+        names = [f'"Snake:vertex_{k}"' for k in range(12)]
+        old, new = ", ".join(names), ", ".join(change(names))
+        path.write_text(path.read_text().replace(old, new))
+
+    return edit
+
+
+def exchanged(order: list, i: int, j: int) -> list:
+    new = list(order)
+    new[i], new[j] = new[j], new[i]
+    return new
+
+
+def flipped(rows: np.ndarray) -> np.ndarray:
+    changed = rows.copy()
+    changed[:, 3] *= -1
+    return changed
+
+
+def swapped(rows: np.ndarray) -> np.ndarray:
+    return rows[:, exchanged(list(range(10)), 2, 6)]
+
+
+MILLIMETRES = "edge_lengths = [41.8, " + ", ".join(["83.6"] * 9) + ", 41.8]"
+TWO_SECONDS = r"set `cycle_duration_s = (2|2\.0.|1\.9.)`"  # to a frame
+FAULTS = {
+    "cycle duration halved": (text("cycle_duration_s = 2.0", "cycle_duration_s = 1.0"), TWO_SECONDS),
+    "cycle duration doubled": (text("cycle_duration_s = 2.0", "cycle_duration_s = 4.0"), TWO_SECONDS),
+    "a pause that was none": (text("pause_s = 1.0", "pause_s = 0.0"), "set `pause_s = (1|0.9|1.0)"),
+    "another table": (text('"gaits/gait-1.csv"', '"gaits/gait-3.csv"'), "follow `gait-1`, not `gait-3`"),
+    "played backwards": (table(lambda rows: np.concatenate([rows[:1], rows[:0:-1]])), "played backwards"),
+    "all signs": (table(lambda rows: -rows), "all signs flipped"),
+    "one sign": (table(flipped), "turn `joint_4` the other way"),
+    "joint order": (table(lambda rows: rows[:, ::-1]), "joints in reversed order"),
+    "two joints exchanged": (table(swapped), "`joint_3` and `joint_7` exchanged"),
+    "shifted in time": (table(lambda rows: np.roll(rows, 12, axis=0)), "begin near row (10|13)"),
+    "up axis": (text('up_axis = "y"', 'up_axis = "x"'), 'set `up_axis = "y"`'),
+    "markers exchanged": (markers(lambda names: exchanged(names, 4, 7)), "`Snake:vertex_7` and `Snake:vertex_4`"),
+    "neighbours exchanged": (markers(lambda names: exchanged(names, 4, 5)), "exchanged along the body"),
+    "tail for head": (markers(lambda names: names[::-1]), "head and tail exchanged"),
+    "one edge": (text("[0.0418, 0.0836", "[41.8, 0.0836"), "show edge 0 0.041"),
+    "body in millimetres": (text("BODY", MILLIMETRES), "is the file in m, \\[body\\] in mm"),
+}  # fmt: skip
+MARKERS = {
+    "up axis",
+    "markers exchanged",
+    "neighbours exchanged",
+    "one edge",
+    "body in millimetres",
+}  # judged before any log
+
+
+TRIED = [(fault, logs) for fault in FAULTS for logs in (True, False) if logs or fault not in MARKERS]
+
+
+@pytest.mark.parametrize(("fault", "logs"), TRIED)
+def test_a_contradiction_is_refused_with_its_cure(valid, tmp_path, fault, logs):
+    folder = tmp_path / "campaign"
+    shutil.copytree(valid, folder)
+    edit, cure = FAULTS[fault]
+    if fault == "body in millimetres":
+        row = next(r for r in (folder / "campaign.toml").read_text().splitlines() if r.startswith("edge_lengths"))
+        edit = text(row, MILLIMETRES)
+    edit(folder)
+    if not logs:
+        without_logs(folder)
+    with pytest.raises(InputError, match=cure) as refusal:
+        load_campaign(folder)
+    assert "nothing is computed from it" in str(refusal.value)
+    touched = 1 if re.search("duration|pause|another table", fault) else 3
+    assert len(str(refusal.value).splitlines()) == touched + 1  # no trial is accused that agrees with its data
+
+
+def test_a_servo_log_of_another_trial_is_recognised(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    text('servo_log = "gait-2-1/servo.csv"', 'servo_log = "gait-1-1/servo.csv"')(tmp_path / "c")
+    with pytest.raises(InputError, match="trial `gait-2-1`: the servo log's commands follow `gait-1`, not `gait-2`"):
+        load_campaign(tmp_path / "c")
+
+
+def test_shapes_of_no_gait_of_the_campaign_are_refused(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    without_logs(tmp_path / "c")
+    rng = np.random.default_rng(3)
+    other = 0.5 * np.cos(2 * np.pi * np.arange(40)[:, None] / 40 * 3 + rng.uniform(0, 6, 10))
+    write_csv(tmp_path / "c/gaits/gait-1.csv", [f"joint_{j}" for j in range(1, 11)], other.tolist())
+    with pytest.raises(InputError, match="trial `gait-1-1`: .*(do not follow|neither)"):
+        load_campaign(tmp_path / "c")
+
+
+def test_a_contradiction_that_is_believed_is_said_in_the_trial(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    text('"gaits/gait-1.csv"', '"gaits/gait-3.csv"\nbelieve = true')(tmp_path / "c")
+    trial = load_campaign(tmp_path / "c").trials[0]
+    assert any("believed against its data: the servo log's commands follow `gait-1`" in note for note in trial.notes)
+    assert [c.kind for c in contradictions(tmp_path / "c")] == ["table"]
+
+
+def test_the_valid_campaign_agrees_with_itself(valid):
+    assert all(trial.notes == () for trial in load_campaign(valid).trials)
+    assert contradictions(valid) == ()
+
+
+def leads(folder: Path) -> Verdict:
+    file, place = load_campaign_file(folder)
+    return check_files(file, place, *read_files(file, place))
+
+
+def damaged(angles: np.ndarray, kind: str, rng: np.random.Generator) -> np.ndarray:
+    """What wear does to joint angles (R, m) over time."""
+    moved, joints = angles.copy(), angles.shape[1]
+    if kind == "stuck joints":
+        moved[:, rng.choice(joints, max(1, joints // 4), replace=False)] = 0.2
+    elif kind == "weak servos":
+        moved *= rng.uniform(0.4, 0.8)
+    elif kind == "wrong zeros":
+        moved += rng.normal(0, 0.15, joints)
+    elif kind == "slow servos":
+        reach = rng.uniform(0.4, 0.7) * np.abs(np.diff(angles, axis=0)).max()
+        for row in range(1, len(moved)):
+            moved[row] = moved[row - 1] + np.clip(moved[row] - moved[row - 1], -reach, reach)
+    elif kind == "play":
+        for row in range(1, len(moved)):
+            moved[row] = np.clip(moved[row - 1], moved[row] - 0.08, moved[row] + 0.08)
+    return moved
+
+
+@pytest.mark.parametrize("kind", ["healthy", "stuck joints", "weak servos", "wrong zeros", "slow servos", "play"])
+@pytest.mark.parametrize("joints", [1, 3, 8, 20])
+def test_a_damaged_robot_is_no_contradiction(kind, joints):
+    """Over sizes, frame rates, marker noise, damage; the shapes alone, without any log."""
+    for seed in range(3):
+        rng = np.random.default_rng([seed, joints])
+        tables = {f"gait-{k}": varied(rng, joints) for k in range(5)}
+        rate, noise = rng.choice([25.0, 60.0, 250.0]), rng.choice([0.002, 0.01, 0.04])
+        schedule = Schedule(tables["gait-0"], rng.uniform(1, 4), int(rng.integers(1, 4)), float(rng.choice([0, 1.0])))
+        time = np.arange(-0.5, schedule.end_s + 0.5, 1 / rate)
+        angles = damaged(schedule.commanded(time), kind, rng)
+        angles += rng.normal(0, noise, angles.shape)
+        found = check([Claim("t", "gait-0", schedule, cameras=Signal(time + 7.0, angles))], tables)
+        assert found.contradictions == (), found.contradictions
+
+
+def varied(rng: np.random.Generator, joints: int) -> np.ndarray:
+    wave = np.exp(1j * rng.uniform(0, 2 * np.pi)) * np.exp(2j * np.pi * rng.uniform(0.5, 1.5) * np.arange(joints) / 10)
+    phase = np.exp(2j * np.pi * np.arange(40)[:, None] / 40)
+    return rng.uniform(0.3, 0.8) * np.real(phase * wave) + rng.uniform(-0.2, 0.2, joints)
+
+
+def test_one_joint_cannot_tell_a_half_cycle_from_a_flipped_sign():
+    """A sine with its sign flipped is a sine half a cycle later: nothing may be concluded."""
+    rows = 0.6 * np.sin(2 * np.pi * np.arange(40) / 40)[:, None]
+    schedule = Schedule(rows, 2.0, 3, 0.0)
+    time = np.arange(0.3, 5.9, 1 / 50)
+    signal = Signal(time, -schedule.commanded(time))
+    assert check([Claim("t", "sine", schedule, cameras=signal)], {"sine": rows}).contradictions == ()
+
+
+@pytest.mark.parametrize("pause", [0.0, 0.8])
+def test_the_period_of_a_signal_includes_its_pause(pause):
+    schedule = Schedule(serpenoid_table(40), 1.7, 4, pause)
+    time = np.arange(0, schedule.end_s, 1 / 60)
+    found = period_s(Signal(time, schedule.commanded(time)))
+    assert found == pytest.approx(1.7 + pause, abs=0.02)  # a frame
+
+
+def tracked(count: int) -> np.ndarray:
+    """Points (F, N, 2) of an animal with a travelling bend, without lengths."""
+    time, s = np.arange(80)[:, None] / 20, np.linspace(0, 1, count)
+    angle = 0.6 * np.sin(2 * np.pi * (time - s[:-1]))
+    edge = np.stack([np.cos(angle), np.sin(angle)], axis=2) / (count - 1)
+    return np.concatenate([np.zeros((80, 1, 2)), np.cumsum(edge, axis=1)], axis=1) + 0.2 * time[..., None]
+
+
+@pytest.mark.parametrize("count", [5, 8, 20])
+def test_an_animal_without_lengths_shows_which_points_are_exchanged(count):
+    points = tracked(count)
+    names = [f"p{k}" for k in range(count)]
+    assert [f for f in marker_faults(layout(points, None), names, None) if f.gain > ODDS] == []
+    order = exchanged(list(range(count)), 1, 2)
+    found = marker_faults(layout(points[:, order], None), names, None)
+    assert found[0].gain > ODDS
+    assert "`p1` and `p2`" in found[0].words
+
+
+def test_a_body_of_three_points_says_nothing_about_its_order():
+    points = tracked(3)[:, [1, 0, 2]]
+    assert all(f.gain < ODDS for f in marker_faults(layout(points, None), list("abc"), None))
