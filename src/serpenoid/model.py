@@ -16,7 +16,6 @@ from serpenoid.effects.base import ActuationEffect, MediumEffect, ObservationEff
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 
-
 UNEVEN = 1.2  # times as heavy per length: more than the spread of a well-made robot's modules
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.files import write_text
+from serpenoid.glossary import glossed
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -31,6 +32,17 @@ class Table:
     def numeric(self) -> list[bool]:
         """Of every column: whether a row has a number there."""
         return [any(isinstance(row[k], int | float) for row in self.rows) for k in range(len(self.header))]
+
+
+@dataclass(frozen=True)
+class Card:
+    """One question of the lead and its answer; tone: "good", "warn" or "plain"; rows: (name, value)."""
+
+    about: str
+    answer: str
+    sentences: Sequence[str] = ()
+    rows: Sequence[tuple[str, str]] = ()
+    tone: str = "plain"
 
 
 @dataclass(frozen=True)
@@ -60,6 +72,7 @@ def _environment() -> Environment:
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     found.filters["shortened"] = _shortened
+    found.filters["glossed"] = glossed
     return found
 
 

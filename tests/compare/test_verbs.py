@@ -62,7 +62,7 @@ def test_compare_quiet_without_figures_writes_numbers_only(folder, tmp_path, cap
         == 0
     )
     assert capsys.readouterr().out == ""
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["compare.json", "comparison.csv"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["compare.json", "comparison.csv", "summary.txt"]
     record = json.loads((tmp_path / "compare.json").read_text())
     assert [p["dissipation_coefficient"] for p in record["cost_of_transport"]] == [0.5, 1.0]
 
@@ -169,4 +169,4 @@ def test_whatever_a_campaign_says_stands_in_the_report_as_text(folder, tmp_path)
     assert "&lt;img src=x onerror=" in page
     assert "<img src=x" not in page
     assert "{{data}} {{ 7*7 }}" in page  # said, not replaced
-    assert len(re.findall(r"<script", page)) == 2  # the page's own
+    assert len(re.findall(r"<script", page)) == 3  # the page's own

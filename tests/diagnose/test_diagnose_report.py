@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.quiver import Quiver
 
+from serpenoid.animated import ALL_FRAMES, animation_data
+from serpenoid.diagnose.animate import animated
+from serpenoid.diagnose.cards import cards, worse
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.maps import windows
+from serpenoid.diagnose.maps import ACROSS, cell_side, windows
 from serpenoid.diagnose.report import write_pages
+from serpenoid.glossary import glossed
 from serpenoid.plot import diagnosis, diagnosis_ladder, diagnosis_maps
 
-ORDER = ["Before and after", "Evidence", "Ranking", "Residual maps: shape", "Residual maps: motion", "Alternatives"]
+ORDER = [
+    "Before and after", "Evidence", "Candidates", "Residuals of the shape", "Residuals of the motion", "Alternatives",
+]  # fmt: skip
+LAYERS = ("baseline", "extended")
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +31,7 @@ def report(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> tuple[str, list
     """The page and the names of its figures, with some joint table as the next experiment."""
     d, record, out = diagnosed
     names = diagnosis.draw_all(out, d, np.zeros((20, 10)))
-    write_pages(out, record)
+    write_pages(out, record, animated(d))
     return (out / "report.html").read_text(encoding="utf-8"), names
 
 
@@ -74,3 +83,52 @@ def test_all_axes_are_labelled_with_units(diagnosed: tuple[Diagnosis, dict[str, 
     grid = diagnosis_maps.residuals_figure(w, True).axes
     assert [ax.get_ylabel() for ax in grid[::3]] == ["forward [mm/s]", "to the left [mm/s]", "turning left [°/s]"]
     assert all(ax.get_xlabel() for ax in grid[6:])
+
+
+def test_the_lead_is_three_cards_and_says_what_became_worse(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> None:
+    record = diagnosed[1]
+    verdict, cause, gain = cards(record)
+    assert verdict.answer == "explained"
+    assert "load at vertex 2" in cause.answer
+    assert "Nothing became worse." in gain.sentences
+    spoilt = {**record, "gain": {**record["gain"], "heading_error_rad": {"before": 0.01, "after": 0.02}}}
+    assert worse(spoilt) == ["heading error, RMS"]
+    assert cards(spoilt)[2].tone == "warn"
+
+
+def test_every_trial_moves_in_the_animation_and_the_extended_model_stays_closer(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path],
+) -> None:
+    d = diagnosed[0]
+    trials = animated(d)
+    assert [t.name for t in trials] == [t.recording.name for t in d.motion.selection.motion.tracks]
+    for trial in trials:
+        apart = {k: np.abs(trial.layers[k].bodies - trial.layers["measured"].bodies).max() for k in LAYERS}
+        assert all(np.isfinite(x) for x in apart.values())
+    mean = {k: np.mean([np.abs(t.layers[k].path - t.layers["measured"].path).max() for t in trials]) for k in LAYERS}
+    assert mean["extended"] < mean["baseline"]
+    data = animation_data(trials)
+    assert len(data) == len(trials)
+    assert sum(len(t["time"]) for t in data) <= ALL_FRAMES
+
+
+def test_before_and_after_share_one_scale_on_the_floor(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> None:
+    found = diagnosed[0].motion.selection
+    fig = diagnosis_maps.floor_figure(windows(found.motion, found.null.predictions, found.best.predictions), True)
+    quivers = [c for ax in fig.axes for c in ax.collections if isinstance(c, Quiver)]
+    assert len(quivers) == 2
+    assert quivers[0].scale == quivers[1].scale
+    assert len([ax for ax in fig.axes if ax.get_ylabel() == "RMS over chance"]) == 1
+
+
+@pytest.mark.parametrize("size", [2e-3, 0.3, 40.0])
+def test_squares_of_the_floor_suit_the_size_of_what_was_visited(size: float) -> None:
+    corners = np.array([[[0.0, 0.0], [size, size / 3]]])
+    side = cell_side(SimpleNamespace(vertices=corners))  # type: ignore[arg-type]
+    assert size / ACROSS <= side * (1 + 1e-9) < 2.5 * size / ACROSS  # steps of 1, 2, 5 are at most 2.5 apart
+
+
+def test_terms_are_explained_once_and_names_stay_text() -> None:
+    text = str(glossed("noise level <b>, noise level, Simone"))
+    assert text.count("<abbr") == 1
+    assert "&lt;b&gt;" in text

@@ -114,10 +114,11 @@ def _diagnosed(
 
 
 def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:
+    from serpenoid.diagnose.animate import animated
     from serpenoid.diagnose.report import write_pages
     from serpenoid.gaits.table import read_table
     from serpenoid.plot.diagnosis import draw_all
 
     proposed = record["next_experiment"]
     draw_all(folder, found, read_table(folder / proposed["joint_table"]) if proposed else None)
-    write_pages(folder, record)
+    write_pages(folder, record, animated(found))

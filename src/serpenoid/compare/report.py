@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from serpenoid.animated import Animated, Layer, animation_data
 from serpenoid.compare.study import Study
 from serpenoid.compare.three import Comparison
 from serpenoid.measure.load import Campaign
 from serpenoid.pages import Picture, Table, write_page
 
-FRAMES = 160  # of an animation: smooth enough to scrub, small enough to mail
+LAYERS = {
+    "Exp": ("Exp: measured", "#009E73", 16),
+    "Sim": ("Sim: commanded shapes, simulated", "#E69F00", 10),
+    "Resim": ("Resim: measured shapes, simulated", "#0072B2", 4),
+}
 
 
 def write_report(
-    path: Path, study: Study, campaign: Campaign, origin: str, drawn: Mapping[str, tuple[Path, str]],
-    animated: Sequence[Comparison],
+    path: Path, study: Study, campaign: Campaign, origin: str, drawn: Mapping[str, tuple[Path, str]]
 ) -> None:  # fmt: skip
     """Write the report. origin: of the anisotropy ratio; drawn: name -> (SVG file, caption)."""
     write_page(
@@ -37,23 +39,19 @@ def write_report(
             "costs": _pictures(drawn, "cost", "power"),
             "trials": _pictures(drawn, "compare-"),
         },
-        animation=[animation_data(c) for c in animated],
+        animation=animation_data([animated(c) for c in study.comparisons]),
     )
 
 
-def animation_data(comparison: Comparison) -> dict[str, Any]:
-    """Bodies at up to FRAMES moments, rounded to a tenth of a thousandth of a body length."""
-    rows = np.unique(np.linspace(0, len(comparison.time_s) - 1, FRAMES).round().astype(int))
-    classes = {"Exp": comparison.exp, "Sim": comparison.sim, "Resim": comparison.resim}
-    return {
-        "name": f"{comparison.trial}, cycle {comparison.cycle + 1}",
-        "time": (comparison.time_s[rows] - comparison.time_s[0]).round(3).tolist(),
-        "classes": {
-            name: {"bodies": path.vertices[rows].round(4).tolist(), "path": path.poses[rows, :2].round(4).tolist()}
-            for name, path in classes.items()
-            if path is not None
-        },
+def animated(comparison: Comparison) -> Animated:
+    """One passage as the page's animation takes it."""
+    paths = {"Exp": comparison.exp, "Sim": comparison.sim, "Resim": comparison.resim}
+    layers = {
+        name: Layer(*LAYERS[name], bodies=path.vertices, path=path.poses[:, :2])
+        for name, path in paths.items()
+        if path is not None
     }
+    return Animated(f"{comparison.trial}, cycle {comparison.cycle + 1}", comparison.time_s, layers)
 
 
 def _lead(study: Study, campaign: Campaign, origin: str) -> list[str]:

@@ -53,7 +53,7 @@ def write_study(
         return
     drawn = _draw(folder, study, progress)
     path, origin = folder / "report.html", record["anisotropy_ratio_origin"]
-    report.write_report(path, study, campaign, origin, drawn, _one_per_gait(study))
+    report.write_report(path, study, campaign, origin, drawn)
 
 
 def _draw(folder: Path, study: Study, progress: Callable[[int, str], None]) -> dict[str, tuple[Path, str]]:

@@ -21,7 +21,7 @@ from serpenoid.diagnose.windows import Prediction, Track
 
 SPEEDS, TIMES = 8, 6  # bins
 MOST_PHASES = 16
-CELL_M, LEAST_VISITS = 0.1, 8  # squares of the floor
+ACROSS, LEAST_VISITS = 20, 8  # squares of the floor, at most, along its longer side; vertices on one, at least
 
 
 @dataclass(frozen=True)
@@ -159,16 +159,24 @@ class Cell:
     noise: float
 
 
+def cell_side(w: Windows) -> float:
+    """Side of a square [m]: the least of 1, 2, 5 times a power of ten of which ACROSS span the visited floor."""
+    extent = float(np.ptp(w.vertices.reshape(-1, 2), axis=0).max())
+    decade = 10.0 ** np.floor(np.log10(extent / ACROSS))
+    return float(next(k * decade for k in (1, 2, 5, 10) if k * decade * ACROSS >= extent * (1 - 1e-12)))
+
+
 def on_floor(w: Windows, residual: Floats) -> list[Cell]:
     """Residual velocities along the floor's axes, of the vertices on each square that enough of them visited."""
     moved = turn(w.frame[:, None, 2], w.at_vertices(residual)).reshape(-1, 2)
     chance = (w.noise_at_vertices() ** 2).sum(axis=2).ravel()
-    cells = np.floor(w.vertices.reshape(-1, 2) / CELL_M).astype(int)
+    side = cell_side(w)
+    cells = np.floor(w.vertices.reshape(-1, 2) / side).astype(int)
     found = []
     for cell in np.unique(cells, axis=0):
         mine = (cells == cell).all(axis=1)
         if mine.sum() >= LEAST_VISITS:
-            x, y = (cell + 0.5) * CELL_M
+            x, y = (cell + 0.5) * side
             rms = float(np.sqrt((moved[mine] ** 2).sum(axis=1).mean()))
             noise = float(np.sqrt(chance[mine].mean()))
             found.append(Cell(float(x), float(y), int(mine.sum()), moved[mine].mean(axis=0), rms, noise))

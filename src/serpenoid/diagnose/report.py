@@ -1,4 +1,4 @@
-"""The HTML report: the verdict with paths before and after on one page, then what it rests on.
+"""The HTML report: three cards, the trials in motion, paths before and after, then what it rests on.
 
 Every table is a function of the record (diagnosis.json); figures that were not drawn are left out. The markup is in
 templates/diagnosis.html.
@@ -10,15 +10,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from serpenoid.diagnose.words import MEANINGS, Record, ends, faint, parameter, reference, shown, title, untestable
+from serpenoid.animated import Animated, animation_data
+from serpenoid.diagnose.cards import GAINS, cards, times_noise
+from serpenoid.diagnose.words import Record, ends, faint, reference, shown, title, untestable
 from serpenoid.effects.catalogue import find
 from serpenoid.pages import Picture, Table, write_page
 
 CAPTIONS = {
     "paths": "Centroid from the measured first pose, which heads along x; dots mark the ends. Each prediction comes "
     "from a fit to the other gaits. Ink: measured, orange: baseline, blue: extended model.",
-    "ladder": "Error on each rung before and after the named effects. Dashed: noise floor. Percentages: share of the "
-    "mean square error that the floor does not explain.",
+    "ladder": "Error of each stage before and after the named effects, with its ratio to the noise level (dashed).",
     "joints": "Commanded minus realised angle, joint by joint.",
     "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
     "residuals": "Residual body velocity of every window (an eighth of a cycle, or half a pause), seen from the body: "
@@ -26,31 +27,29 @@ CAPTIONS = {
     "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
     "along-body": "Left and middle: the residual motion as each vertex makes it. Right: how much better held-out gaits "
     "would be predicted with a load or a worn wheel at that vertex, to first order (0: not at all).",
-    "on-floor": "Residual velocity of the vertices where they stood on the floor. Colour: RMS over what chance makes "
-    "of it (1: chance alone). Arrows: mean. Each panel has a scale of its own.",
-    "ranking": "Candidates on the rung of motion, beside eps alone; dark: named, dashed: what is needed. Wrong "
-    "candidates can gain much by standing in for the right one, so the best are fitted in full and compared again.",
+    "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
+    "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
+    "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
+    "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
+    "compared again.",
     "next-experiment": "Its joint angles.",
 }
-GAINS = {
-    "path_rms_m": ("path RMS", "m"), "displacement_error_m": ("displacement error, RMS", "m"),
-    "heading_error_rad": ("heading error, RMS", "rad"), "s": ("s (spread of ln ratio of displacements)", "1"),
-    "log_likelihood": ("log-likelihood per trial", "1"),
-}  # fmt: skip
-WORSE = 1.02  # a path RMS that does not come closer
 FIGURES = {
     "paths": ("paths",), "ladder": ("ladder",), "ranking": ("ranking",), "shape": ("joints", "markers"),
     "motion": ("residuals", "residuals-left", "along-body", "on-floor"), "experiment": ("next-experiment",),
 }  # fmt: skip
 
 
-def write_pages(folder: Path, record: Record) -> None:
-    """report.html, from the record and the figures that are in the folder."""
+def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -> None:
+    """report.html, from the record, the figures that are in the folder and the trials to be shown in motion."""
     write_page(
         folder / "report.html",
         "diagnosis.html",
         title=f"{record['campaign']}: {record['verdict']}",
-        lead=lead(record),
+        lead=[],
+        cards=cards(record),
+        animation=animation_data(trials),
+        beside=_beside(record),
         named=bool(record["effects"]),
         gain=_gain(record),
         ladder=_ladder(record),
@@ -62,40 +61,21 @@ def write_pages(folder: Path, record: Record) -> None:
     )
 
 
-def lead(record: Record) -> list[str]:
-    """The verdict in sentences."""
-    found = [f"Diagnosis: {MEANINGS[record['verdict']]}."]
-    for e in record["effects"]:
-        kind = find(e["name"])
-        numbers = "; ".join(f"{name} {parameter(p)}" for name, p in e["parameters"].items())
-        found.append(
-            f"{title(e)}: {numbers}. Its trace is {e['strength_floors']:.1f} times the noise floor. "
-            f"How it looks: {kind.looks_like}. What to do: {kind.what_to_do}."
-        )
-    found += [f"{text.capitalize()}: gaits not fitted are predicted better with it." for text in faint(record)]
-    others = [title(e) for e in record["alternatives"]]
-    if others:
-        found.append(f"The data cannot tell this from: {', '.join(others)}.")
-    rms = record["gain"]["path_rms_m"]
-    found.append(
-        f"Path RMS on gaits that were not fitted: {shown(rms['before'], 'm')} before, {shown(rms['after'], 'm')} "
-        f"after; repeats alone would leave about {shown(record['noise_floor_m'], 'm')}."
-    )
-    if record["effects"] and rms["after"] > WORSE * rms["before"]:
-        found.append("With the extension these paths are no closer: do not rely on the name without further trials.")
-    found += [f"{text}." for text in reference(record)]
-    found += [f"The rung of {rung} was skipped: {why}." for rung, why in record["skipped"].items()]
+def _beside(record: Record) -> list[str]:
+    """What was known, skipped, not tested, and what is left without a name."""
+    found = [f"{text}." for text in reference(record)]
+    found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]
     return found + left_over(record["residual_pattern"])
 
 
 def left_over(sentences: Sequence[str]) -> list[str]:
-    """A sentence for every rung, of `rung: what is left there`."""
-    rungs: dict[str, list[str]] = {}
+    """A sentence for every stage, of `stage: what is left there`."""
+    stages: dict[str, list[str]] = {}
     for text in sentences:
-        rung, _, what = text.partition(": ")
-        rungs.setdefault(rung, []).append(what)
-    return [f"Not accounted for on the rung of {rung}: {'; '.join(what)}." for rung, what in rungs.items()]
+        stage, _, what = text.partition(": ")
+        stages.setdefault(stage, []).append(what)
+    return [f"Not accounted for in the stage of {stage}: {'; '.join(what)}." for stage, what in stages.items()]
 
 
 def _pictures(folder: Path, names: Sequence[str]) -> list[Picture]:
@@ -118,10 +98,10 @@ def _with_interval(g: Record, side: str, unit: str) -> str:
 def _ladder(record: Record) -> Table:
     rows = [
         [s["rung"], s["compares"], *(shown(s[k], s["unit"]) for k in ("before", "after", "floor"))]
-        + [f"{s[f'share_above_floor_{side}']:.0%}" for side in ("before", "after")]
+        + [times_noise(s[side], s["floor"]) for side in ("before", "after")]
         for s in record["ladder"]
     ]
-    head = ["rung", "compares", "RMS before", "RMS after", "noise floor", "above it before", "after"]
+    head = ["stage", "compares", "RMS before", "RMS after", "noise level", "before", "after"]
     return Table(head, rows)
 
 
@@ -152,7 +132,7 @@ def _values(e: Record) -> str:
 
 
 def _apart(e: Record) -> str:
-    return f"{e['separation_floors']:.1f} floors" if e.get("separation_floors") is not None else ""
+    return f"{e['separation_floors']:.1f} times the noise" if e.get("separation_floors") is not None else ""
 
 
 def _experiment(plan: Record | None) -> dict[str, Any]:

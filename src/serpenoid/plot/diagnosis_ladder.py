@@ -1,4 +1,4 @@
-"""Pictures of the ladder of residuals: every rung with its floor, joint by joint, marker by marker."""
+"""Pictures of the residuals stage by stage, each with its noise level, and joint by joint, marker by marker."""
 
 from __future__ import annotations
 
@@ -24,20 +24,22 @@ TITLES = {
 
 
 def ladder_figure(ladder: Sequence[Step]) -> Figure:
-    """One panel a rung, since units differ: error before and after, floor, and the share above it."""
+    """One panel a stage, since units differ: error before and after, and how many times the noise level they are."""
     fig = figure(2.4 * max(len(ladder), 1.5), 2.9)
     for ax, step in zip(fig.subplots(1, len(ladder), squeeze=False).flat, ladder, strict=True):
-        rung(step.error, ax)
+        stage(step.error, ax)
     return fig
 
 
-def rung(error: Error, ax: Axes) -> Axes:
-    """Two bars and the floor."""
+def stage(error: Error, ax: Axes) -> Axes:
+    """Two bars and the noise level."""
     scale, unit = UNITS[error.unit]
     for i, (value, colour) in enumerate(((error.before, ORANGE), (error.after, BLUE))):
         ax.bar(i, scale * value, color=colour, width=0.62)
-        top = scale * max(value, error.floor)  # clear of the floor's line
-        ax.text(i, top, f"{error.share_above(value):.0%}\nabove", ha="center", va="bottom", fontsize=SMALL)
+        top = scale * max(value, error.floor)  # clear of the line
+        ax.text(
+            i, top, f"{value / error.floor:.2g} \N{MULTIPLICATION SIGN} noise", ha="center", va="bottom", fontsize=SMALL
+        )
     ax.axhline(scale * error.floor, color=INK, lw=1.0, ls="--")
     ax.set_xticks([0, 1], ["before", "after"])
     ax.set_xlim(-0.6, 1.6)
@@ -49,7 +51,7 @@ def rung(error: Error, ax: Axes) -> Axes:
 
 
 def parts_figure(step: Step) -> Figure:
-    """Every joint or marker: error before and after on a logarithmic scale, with the floor."""
+    """Every joint or marker: error before and after on a logarithmic scale, with the noise level."""
     fig = figure(7.4, 2.7)
     parts(step, fig.add_subplot())
     return fig
@@ -64,7 +66,7 @@ def parts(step: Step, ax: Axes) -> Axes:
         ax.plot([k, k], [scale * p.before, scale * p.after], color=GREY, lw=0.8, zorder=1)
     ax.plot(numbers, [scale * p.before for p in step.parts], "o", color=ORANGE, ms=6, label="before")
     ax.plot(numbers, [scale * p.after for p in step.parts], "o", color=BLUE, ms=4, label="after")
-    ax.plot(numbers, floor, "--", color=INK, lw=1.0, label="noise floor")
+    ax.plot(numbers, floor, "--", color=INK, lw=1.0, label="noise level")
     ax.set_yscale("log")
     ax.set_ylim(0.4 * min(floor), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in floor]))
     ax.yaxis.set_major_formatter("{x:g}")

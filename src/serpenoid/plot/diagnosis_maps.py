@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib import colormaps
@@ -11,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.maps import CELL_M, Bin, Cell, Windows, by_phase, by_speed, by_time, on_floor
+from serpenoid.diagnose.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
 from serpenoid.diagnose.select import GAIN
 from serpenoid.plot.style import (
     BLUE,
@@ -29,6 +30,7 @@ from serpenoid.plot.style import (
 )
 
 HEAT = colormaps["YlOrRd"]
+MOST_TICKS = 14  # of vertices, one each, that stand beside each other without touching
 PALE = 4.0  # times chance: the darkest colour at least
 DIRECTIONS = (("forward", "mm/s", 1e3), ("to the left", "mm/s", 1e3), ("turning left", "°/s", 180 / np.pi))
 AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
@@ -99,12 +101,12 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
     """RMS over the windows of play [mm/s]."""
     floor = 1e3 * w.noise_along_body()[:, component]
     vertices = np.arange(len(floor))
-    ax.fill_between(vertices, 0, floor, color=FAINT, lw=0, label="noise floor")
+    ax.fill_between(vertices, 0, floor, color=FAINT, lw=0, label="noise level")
     ax.plot(vertices, 1e3 * w.along_body(w.before)[:, component], "-o", color=ORANGE, ms=4, label="baseline")
     if extended:
         ax.plot(vertices, 1e3 * w.along_body(w.after)[:, component], "-o", color=BLUE, ms=4, label="extended")
     ax.set_ylim(bottom=0)
-    ax.set_xticks(vertices[::2])
+    ax.set_xticks(vertices if len(vertices) <= MOST_TICKS else vertices[::2])
     return dress(ax, f"Residual {name}", "vertex (0 = tail)", "RMS [mm/s]")
 
 
@@ -116,7 +118,7 @@ def vertex_scores(scores: Scores, ax: Axes) -> Axes:
         if mine:
             places, gains = zip(*mine, strict=True)
             ax.plot(places, gains, "-", marker=mark, color=colour, ms=4, label=name)
-            ax.set_xticks(places[::2])
+            ax.set_xticks(places if len(places) <= MOST_TICKS else places[::2])
             largest = max(largest, *gains)
     ax.set_ylim(0, 1.1 * largest)
     ax.legend(frameon=False, fontsize=SMALL)
@@ -124,28 +126,51 @@ def vertex_scores(scores: Scores, ax: Axes) -> Axes:
 
 
 def floor_figure(w: Windows, extended: bool) -> Figure:
-    """Residual velocities of the vertices on squares of the floor, before and after, each on a scale of its own."""
+    """Residual velocities of the vertices on squares of the floor, before and after, on one scale."""
     kinds = [(w.before, "Baseline")] + ([(w.after, "Extended")] if extended else [])
+    maps = [on_floor(w, residual) for residual, _ in kinds]
+    side = cell_side(w)
+    unit, scale = metric(side)
+    fastest = max(float(np.hypot(*c.mean)) for cells in maps for c in cells)
+    scales = FloorScales(
+        side, unit, scale, float(f"{1e3 * fastest:.1g}"), max(PALE, *(c.rms / c.noise for cells in maps for c in cells))
+    )
     fig = figure(9.6 if extended else 5.4, 4.2)
-    for ax, (residual, name) in zip(fig.subplots(1, len(kinds), squeeze=False).flat, kinds, strict=True):
-        squares(on_floor(w, residual), name, ax)
+    axes = fig.subplots(1, len(kinds), squeeze=False, sharex=True, sharey=True).flat
+    for ax, cells, (_, name) in zip(axes, maps, kinds, strict=True):
+        squares(cells, name, scales, ax)
+    colour_bar(list(fig.axes), HEAT, 0, scales.darkest, "RMS over chance", shrink=0.8)
     return fig
 
 
-def squares(cells: Sequence[Cell], name: str, ax: Axes) -> Axes:
+@dataclass(frozen=True)
+class FloorScales:
+    """What panels share: side of a square [m], unit and its number per metre, key arrow [mm/s], darkest colour."""
+
+    side: float
+    unit: str
+    per_metre: float
+    key: float
+    darkest: float
+
+
+def metric(side: float) -> tuple[str, float]:
+    """Unit in which the floor is read, and how many of them a metre has."""
+    return ("m", 1.0) if side >= 0.02 else ("mm", 1e3) if side >= 2e-5 else ("\N{MICRO SIGN}m", 1e6)
+
+
+def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Axes:
     """Colour: RMS over what chance makes of it; arrow: mean [mm/s]."""
-    place, mean = np.array([(c.x, c.y) for c in cells]), 1e3 * np.array([c.mean for c in cells])
+    place = s.per_metre * np.array([(c.x, c.y) for c in cells])
+    mean = 1e3 * np.array([c.mean for c in cells])
     over = np.array([c.rms / c.noise for c in cells])
-    half = CELL_M / 2
+    half = s.per_metre * s.side / 2
     corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
-    largest = max(PALE, float(over.max()))
     ax.add_collection(
-        PolyCollection(place[:, None] + corners, facecolors=HEAT(over / largest), edgecolors="white", lw=0.5)
+        PolyCollection(place[:, None] + corners, facecolors=HEAT(over / s.darkest), edgecolors="white", lw=0.5)
     )
-    key = float(f"{np.hypot(*mean.T).max():.1g}")
-    q = ax.quiver(*place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=key / (1.6 * half), width=0.004)
-    ax.quiverkey(q, 0.75, 1.04, key, f"mean: {key:g} mm/s", labelpos="E", fontproperties={"size": SMALL})
-    colour_bar(ax, HEAT, 0, largest, "RMS over chance", shrink=0.8)
-    dress(ax, name, "x [m]", "y [m]", grid=False)
+    q = ax.quiver(*place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=s.key / (1.6 * half), width=0.004)
+    ax.quiverkey(q, 0.75, 1.04, s.key, f"mean: {s.key:g} mm/s", labelpos="E", fontproperties={"size": SMALL})
+    dress(ax, name, f"x [{s.unit}]", f"y [{s.unit}]", grid=False)
     fill_equal(ax)
     return ax

@@ -3,23 +3,21 @@
   const trials = JSON.parse(document.getElementById("data").textContent);
   if (!trials.length) return;
   document.getElementById("animation").hidden = false;
-  const colours = { Exp: "#009E73", Sim: "#E69F00", Resim: "#0072B2" };
-  const words = { Exp: "Exp: measured", Sim: "Sim: commanded shapes, simulated", Resim: "Resim: measured shapes, simulated" };
   const pick = document.getElementById("which"), play = document.getElementById("play");
   const scrub = document.getElementById("scrub"), clock = document.getElementById("clock");
   const stage = document.getElementById("stage"), pen = stage.getContext("2d");
-  const shown = { Exp: true, Sim: true, Resim: true };
+  const hidden = new Set();
   let trial = trials[0], frame = 0, running = false, begun = 0, place = null;
 
   trials.forEach((t, i) => pick.add(new Option(t.name, i)));
   function keys() {
     const box = document.getElementById("keys");
     box.replaceChildren();
-    for (const name of Object.keys(trial.classes)) {
+    for (const [name, c] of Object.entries(trial.classes)) {
       const label = document.createElement("label"), tick = document.createElement("input"), bar = document.createElement("i");
-      label.className = "key"; tick.type = "checkbox"; tick.checked = shown[name]; bar.style.background = colours[name];
-      tick.onchange = () => { shown[name] = tick.checked; draw(); };
-      label.append(tick, bar, words[name]);
+      label.className = "key"; tick.type = "checkbox"; tick.checked = !hidden.has(name); bar.style.background = c.colour;
+      tick.onchange = () => { if (tick.checked) hidden.delete(name); else hidden.add(name); draw(); };
+      label.append(tick, bar, c.label);
       box.append(label);
     }
   }
@@ -43,12 +41,12 @@
     pen.fillStyle = "#6b6b6b"; pen.font = "18px system-ui, sans-serif";
     pen.fillRect(30, stage.height - 26, place.scale / 4, 3); pen.fillText("a quarter body length", 30, stage.height - 34);
     for (const [name, c] of Object.entries(trial.classes)) {
-      if (!shown[name]) continue;
-      line(c.path, colours[name], 1.5, 0.35);
-      line(c.path.slice(0, frame + 1), colours[name], 3, 0.9);
-      line(c.bodies[frame], colours[name], { Exp: 16, Sim: 10, Resim: 4 }[name], 0.85);
+      if (hidden.has(name)) continue;
+      line(c.path, c.colour, 1.5, 0.35);
+      line(c.path.slice(0, frame + 1), c.colour, 3, 0.9);
+      line(c.bodies[frame], c.colour, c.width, 0.85);
       const head = place(c.bodies[frame][c.bodies[frame].length - 1]);
-      pen.beginPath(); pen.fillStyle = colours[name]; pen.arc(head[0], head[1], 10, 0, 7); pen.fill();
+      pen.beginPath(); pen.fillStyle = c.colour; pen.arc(head[0], head[1], 10, 0, 7); pen.fill();
     }
     scrub.value = frame;
     clock.textContent = trial.time[frame].toFixed(2) + " s";
