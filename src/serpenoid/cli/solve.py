@@ -11,9 +11,9 @@ depend on the number of steps; 0 .. 2.5 is the range of Even et al.
 
 An optimum counts only if step-by-step simulation reaches the same poses to 1e-8, the KKT conditions hold to 1e-8, a
 derivative-free search around it gains less than 1e-6, and its displacement is the gait's and not the time mesh's:
-simulated again with 2 T and 4 T steps, it is within 5 % of the extrapolated one (`--refine`: solved again with more steps
-until it is within 0.1 %; the table then has that many rows). Exit code 1: no such optimum was found. Ctrl-C keeps the best
-so far and exits with 130.
+simulated again with 2 T and 4 T steps, it is within 5 % of the extrapolated one (`--refine`: solved again with more
+steps until it is within 0.1 %; the table then has that many rows). Exit code 1: no such optimum was found. Ctrl-C keeps
+the best so far and exits with 130.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The mesh certificate: is the displacement of an optimum the gait's, or the time mesh's?
 
-An optimum is one of the discrete problem, and coarse steps can move what cannot move: one joint "swims" at T = 3, though
-by the scallop theorem it returns. So each optimum is simulated again with 2 T and 4 T steps. The step is of second order
-(docs/theory.md), hence with values D1, D2, D4 of a quantity
+An optimum is one of the discrete problem, and coarse steps can move what cannot move: one joint "swims" at T = 3,
+though by the scallop theorem it returns. So each optimum is simulated again with 2 T and 4 T steps. The step is of
+second order (docs/theory.md), hence with values D1, D2, D4 of a quantity
 
     limit = D4 + (D4 - D2) / 3,    doubt = |limit - (D2 + (D2 - D1) / 3)|,    error = |D1 - limit| + doubt
 

@@ -136,7 +136,7 @@ def floor_figure(w: Windows, extended: bool) -> Figure:
         side, unit, scale, float(f"{1e3 * fastest:.1g}"), max(PALE, *(c.rms / c.noise for cells in maps for c in cells))
     )
     fig = figure(9.6 if extended else 5.4, 4.2)
-    axes = fig.subplots(1, len(kinds), squeeze=False, sharex=True, sharey=True).flat
+    axes = fig.subplots(1, len(kinds), squeeze=False).flat
     for ax, cells, (_, name) in zip(axes, maps, kinds, strict=True):
         squares(cells, name, scales, ax)
     colour_bar(list(fig.axes), HEAT, 0, scales.darkest, "RMS over chance", shrink=0.8)

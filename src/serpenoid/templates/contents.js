@@ -5,7 +5,7 @@
     if (heading.closest("[hidden]")) continue;
     const link = document.createElement("a");
     heading.id ||= "section-" + i;
-    link.href = "#" + heading.id; link.textContent = heading.textContent;
+    link.setAttribute("href", "#".concat(heading.id)); link.textContent = heading.textContent;
     list.append(link);
   }
   list.hidden = !list.childElementCount;
