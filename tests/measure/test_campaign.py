@@ -13,6 +13,7 @@ from serpenoid.compare.rehearse import Laboratory, Rehearsal, write_campaign
 from serpenoid.compare.study import Study, compare_campaign
 from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign, load_campaign
+from serpenoid.measure.usage import usage
 
 LAB = Laboratory(frames_per_second=60.0, lag_s=0.05)
 
@@ -187,3 +188,30 @@ def snake_of(campaign: Campaign):
     from serpenoid.model import Model
 
     return Model(campaign.body, campaign.file.medium)
+
+
+def test_all_pieces_of_a_recording_with_long_gaps_are_used(rehearsed, tmp_path):
+    """An animal hidden twice for half a second: what lies between the holes counts, in fits and comparisons alike."""
+    truth, length = rehearsed[2]["wide-1"], rehearsed[1].body.total_length_m
+    points = truth.vertices * length
+    time = truth.time_s - truth.time_s[0]
+    for begin in (1.4, 3.0):
+        points[(time >= begin) & (time < begin + 0.5)] = np.nan
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(12))
+    table = np.column_stack([time, points.reshape(len(time), -1)])
+    np.savetxt(tmp_path / "tidy.csv", table, delimiter=",", header=header, comments="")
+    head = (rehearsed[0] / "campaign.toml").read_text()
+    body = head[: head.index("[motion]")]
+    rest = '[motion]\nformat = "tidy"\n\n[[trial]]\nname = "hidden"\nmotion = "tidy.csv"\n'
+    (tmp_path / "campaign.toml").write_text(body + rest)
+    campaign = load_campaign(tmp_path)
+    used = usage(campaign.trials[0])
+    assert used.pieces == 3
+    assert used.used_s == pytest.approx(time[-1] - 2 * 0.5, abs=0.1)  # a frame and a row at either end of every hole
+    assert used.dropped_s == pytest.approx(2 * 0.5, abs=0.1)
+    found = compare_campaign(campaign, snake())
+    (one,) = found.comparisons
+    assert one.pieces == 3
+    assert one.time_s[-1] - one.time_s[0] == pytest.approx(used.used_s, abs=1e-9)
+    assert one.error("motion")["path_rms"] < 1e-3  # the model's own motion: smoothing alone differs
+    assert any("dropped" in note for note in found.notes)

@@ -39,6 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.compare.parameters import start_values
     from serpenoid.compare.records import calibration_record
     from serpenoid.files import provenance, write_json
+    from serpenoid.measure.usage import total, usage
 
     names = tuple(args.parameter or ("anisotropy_ratio",))
     campaign = campaigns.read(args)
@@ -49,11 +50,19 @@ def run(args: argparse.Namespace) -> int:
         advance(len(campaign.trials) + 1)
     folder = campaigns.folder(args, campaign, "fit", names, model.medium.model_dump())
     record = calibration_record(calibration, model.medium.dissipation)
-    record |= {"campaign": campaign.file.name, "source": campaign.file.source, "provenance": provenance()}
+    used = total(usage(trial) for trial in campaign.trials)
+    record |= {
+        "used_s": used.used_s,
+        "dropped_s": used.dropped_s,
+        "campaign": campaign.file.name,
+        "source": campaign.file.source,
+        "provenance": provenance(),
+    }
     write_json(folder / "fit.json", record)
     if not args.no_figures:
         draw(folder, campaign, model, calibration)
-    options.report(args, record, [*lines(calibration, model), f"written to        {folder}"], folder)
+    said = [f"seconds           {used}"]
+    options.report(args, record, [*lines(calibration, model), *said, f"written to        {folder}"], folder)
     complaints = calibration.joint.warnings
     for complaint in complaints:
         options.complain(complaint)

@@ -61,6 +61,8 @@ def run(args: argparse.Namespace) -> int:
 
 def trial_lines(trial: Trial) -> list[str]:
     """One trial in a few lines."""
+    from serpenoid.measure.usage import usage
+
     kinds = {
         "motion": trial.motion,
         "table": trial.schedule,
@@ -84,6 +86,7 @@ def trial_lines(trial: Trial) -> list[str]:
             else f"{motion.marker_sd:.5f} body lengths"
         )
         lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
+        lines.append(f"  seconds           {usage(trial)}")
         for p in trial.passages:
             lines.append(f"  cycle {p.cycle + 1}           {trial.displacement(p):.4f} body lengths")
         long = [gap for gap in motion.gaps if not gap.short]

@@ -12,6 +12,7 @@ from serpenoid.compare.ratios import RatioStatistics
 from serpenoid.compare.three import Comparison
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import Trial
+from serpenoid.measure.usage import usage
 
 PARTS, MEASURES = ("whole", "actuation", "motion"), ("forward", "left", "turn", "path_rms")
 COMPARISON_HEADER = (
@@ -55,6 +56,7 @@ def trial_record(trial: Trial) -> dict[str, Any]:
             "jumps": [vars(jump) for jump in motion.jumps],
             "relabelled": [{"marker": name, "vertex": vertex} for name, vertex in motion.relabelled],
             "unused_markers": list(motion.unused),
+            "used_s": usage(trial).used_s, "dropped_s": usage(trial).dropped_s, "pieces": usage(trial).pieces,
             "passages": [{**vars(p), "displacement_body_lengths": trial.displacement(p)} for p in trial.passages],
         }  # fmt: skip
     if servo is not None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from serpenoid.compare.likelihood import Segment
 from serpenoid.errors import InputError
-from serpenoid.measure.trial import Motion, Passage, Trial
-
-SHORTEST = 4  # rows
+from serpenoid.measure.trial import Motion, Trial
+from serpenoid.measure.usage import whole_pieces
 
 
 def trial_segments(trial: Trial) -> tuple[Segment, ...]:
@@ -18,16 +17,6 @@ def trial_segments(trial: Trial) -> tuple[Segment, ...]:
     if not pieces:
         raise InputError(f"trial `{trial.name}`: no cycle lies wholly in the recording. {' '.join(trial.notes)}")
     return tuple(_segment(trial, motion, piece) for piece in pieces)
-
-
-def whole_pieces(motion: Motion, passage: Passage) -> list[slice]:
-    """The passage cut at long gaps and jumps."""
-    pieces = []
-    for run in motion.runs:
-        first, stop = max(run.start, passage.first), min(run.stop, passage.last + 1)
-        if stop - first >= SHORTEST:
-            pieces.append(slice(first, stop))
-    return pieces
 
 
 def _segment(trial: Trial, motion: Motion, rows: slice) -> Segment:

@@ -12,6 +12,7 @@ from serpenoid.compare.ratios import RatioStatistics, ratio_statistics
 from serpenoid.compare.three import Comparison, compare_passage
 from serpenoid.compare.transport import CostPoint, CyclePower, PowerModel, cost_points, cycle_power, fit_power
 from serpenoid.measure.load import Campaign
+from serpenoid.measure.usage import total, usage
 from serpenoid.model import Model
 
 PAIRS = (("Exp", "Sim"), ("Exp", "Resim"), ("Sim", "Resim"))
@@ -55,7 +56,7 @@ def compare_campaign(
         notes.append("[body] has no `mass_kg`: no cost of transport")
     return Study(
         model, tuple(comparisons), gaits, displacement, ratios, tuple(cycles), cost_points(cycles), fit_power(cycles),
-        tuple(notes + complaint),
+        tuple([f"{total(map(usage, campaign.trials))}", *notes, *complaint]),
     )  # fmt: skip
 
 

@@ -14,10 +14,10 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.compare.linearise import relative_poses
-from serpenoid.compare.segments import whole_pieces
 from serpenoid.measure.chain import chain_vertices
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion, Passage, Trial
+from serpenoid.measure.usage import whole_pieces
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
 
@@ -53,7 +53,7 @@ class Comparison:
     resim: Path
     sim: Path | None
     resim_sd: float  # of the resimulated displacement, from shape noise [body lengths]
-    holes: bool  # only the longest piece without a hole was compared
+    pieces: int  # between holes; their motions are joined end to end, the same for all three
 
     def error(self, part: str) -> dict[str, float]:
         """Net error in the first measured body frame (forward, left, turn) and path RMS; parts add up to `whole`."""
@@ -90,16 +90,45 @@ def compare_passage(trial: Trial, passage: Passage, model: Model, seed: int = 0)
     pieces = whole_pieces(motion, passage)
     if not pieces:
         return None
-    rows = max(pieces, key=lambda piece: piece.stop - piece.start)
-    poses, angles, time = motion.smooth_poses[rows], motion.smooth_angles[rows], motion.time_s[rows]
-    energy = np.full(len(time) - 1, np.nan)
-    exp = Path(poses, chain_vertices(trial.body, poses, angles), energy)
-    resim = simulate_path(model, angles, poses[0])
+    time = _joined_time([motion.time_s[rows] for rows in pieces])
+    poses = [motion.smooth_poses[rows] for rows in pieces]
+    angles = [motion.smooth_angles[rows] for rows in pieces]
+    measured = [
+        Path(p, chain_vertices(trial.body, p, a), np.full(len(p) - 1, np.nan))
+        for p, a in zip(poses, angles, strict=True)
+    ]
+    resim = [simulate_path(model, a, p[0]) for p, a in zip(poses, angles, strict=True)]
     sim = None
     if trial.schedule is not None and trial.start_source != "none":
-        sim = simulate_path(model, trial.schedule.commanded(time), poses[0])
-    spread = resimulation_sd(model, motion, rows, seed)
-    return Comparison(trial.name, trial.gait, passage.cycle, time, exp, resim, sim, spread, len(pieces) > 1)
+        commanded = [trial.schedule.commanded(motion.time_s[rows]) for rows in pieces]
+        sim = joined([simulate_path(model, a, p[0]) for p, a in zip(poses, commanded, strict=True)])
+    spread = float(np.sqrt(np.sum([resimulation_sd(model, motion, rows, seed) ** 2 for rows in pieces])))
+    return Comparison(
+        trial.name, trial.gait, passage.cycle, time, joined(measured), joined(resim), sim, spread, len(pieces)
+    )
+
+
+def _joined_time(times: list[Floats]) -> Floats:
+    """Times (R,) that pass over the holes: the last row of a piece and the first of the next are one."""
+    steps = np.concatenate([np.diff(time) for time in times])
+    return times[0][0] + np.concatenate([[0.0], np.cumsum(steps)]) if len(times) > 1 else times[0]
+
+
+def joined(paths: list[Path]) -> Path:
+    """Motions end to end: each is carried, as it is, to where the one before it ended. One path stays as it is."""
+    first, *rest = paths
+    for path in rest:
+        turn = first.poses[-1, 2] - path.poses[0, 2]
+        c, s = np.cos(turn), np.sin(turn)
+        rotation = np.array([[c, -s], [s, c]])
+        place = first.poses[-1, :2] - rotation @ path.poses[0, :2]
+        moved = np.column_stack([path.poses[:, :2] @ rotation.T + place, path.poses[:, 2] + turn])
+        vertices = path.vertices @ rotation.T + place
+        first = Path(
+            np.concatenate([first.poses, moved[1:]]), np.concatenate([first.vertices, vertices[1:]]),
+            np.concatenate([first.step_energy, path.step_energy]),
+        )  # fmt: skip
+    return first
 
 
 def simulate_path(model: Model, joint_angles: Floats, start: Floats) -> Path:

@@ -15,6 +15,7 @@ from serpenoid.compare.three import Comparison
 from serpenoid.compare.transport import by_coefficient
 from serpenoid.files import provenance, write_csv, write_json
 from serpenoid.measure.load import Campaign
+from serpenoid.measure.usage import total, usage
 
 ANIMATED = 12  # cycles in the report's animation: the first of every gait
 
@@ -36,6 +37,8 @@ def study_record(study: Study, campaign: Campaign, origin: str) -> dict[str, Any
             "cost_of_transport": [vars(point) for point in study.costs],
             "cycles": [vars(c) for c in study.cycles],
             "power": None if study.power is None else vars(study.power),
+            "used_s": total(map(usage, campaign.trials)).used_s,
+            "dropped_s": total(map(usage, campaign.trials)).dropped_s,
             "notes": list(study.notes),
             "provenance": provenance(),
         }  # fmt: skip

@@ -195,9 +195,9 @@ def schedule_start(
 
 
 def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passage, ...], list[str]]:
-    """Frames of each cycle; without a schedule the longest run of known frames is one passage."""
+    """Frames of each cycle; without a schedule the whole recording is one passage, whatever gaps it has."""
     if schedule is None:
-        return _longest_run(motion.known), []
+        return (Passage(0, motion.runs[0].start, motion.runs[-1].stop - 1),), []
     passages, notes = [], []
     for cycle in range(schedule.cycles):
         begin, end = schedule.window_s(cycle)
@@ -216,15 +216,6 @@ def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passa
             )
         passages.append(Passage(cycle, int(inside[0]), int(inside[-1])))
     return tuple(passages), notes
-
-
-def _longest_run(known: NDArray[np.bool_]) -> tuple[Passage, ...]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(int), [0]])))
-    runs = list(zip(edges[::2], edges[1::2] - 1, strict=True))
-    if not runs:
-        return ()
-    first, last = max(runs, key=lambda run: run[1] - run[0])
-    return (Passage(0, int(first), int(last)),) if last - first >= 7 else ()
 
 
 def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], frames: int) -> tuple[slice, ...]:

@@ -28,7 +28,7 @@ TIED = 3.0  # nats: rivals as near as this to the best are named with it
 POINTS = 40  # of the grid in a cycle
 PERIODS = 8  # of a recording that are looked at, from where it begins to move
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
-SURE = 0.95  # of it is explained by what was really played; with less it is named as the nearest only
+SURE = 0.95  # of it is explained by what was really played; a rival with less accuses nobody (a damaged robot)
 HOPELESS = 50.0  # nats behind at the contract's rate: other rates are not tried
 WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
 
@@ -194,7 +194,7 @@ def _certain(rivals: Sequence[Rival]) -> list[Contradiction]:
     by_trial: dict[str, list[Rival]] = defaultdict(list)
     for rival in rivals:
         lead = together[rival.kind, rival.words] if rival.everywhere else rival.lead
-        if rival.lead > 0 and lead + rival.log_share > ODDS:
+        if rival.lead > 0 and lead + rival.log_share > ODDS and rival.explained > SURE:
             by_trial[rival.trial].append(rival)
     return [_contradiction(trial, certain) for trial, certain in by_trial.items()]
 
@@ -204,15 +204,13 @@ def _contradiction(trial: str, certain: list[Rival]) -> Contradiction:
     near = sorted(certain, key=lambda rival: -rival.lead - rival.log_share)
     near = [rival for rival in near if rival.lead + rival.log_share > best - TIED][:3]
     words = "; or ".join(dict.fromkeys(rival.words for rival in near))
-    if near[0].explained < SURE:
-        words = f"do not follow what is promised; nearest, and not near: {words}"
     cure = "; or ".join(dict.fromkeys(rival.cure for rival in near))
     return Contradiction(trial, near[0].kind, words, cure, float(best))
 
 
 def _unexplained(claim: Claim, contract: Match, rivals: Sequence[Rival], witness: str) -> list[Contradiction]:
     """A motion that neither the contract nor any rival explains."""
-    if contract.explained > UNEXPLAINED or any(rival.lead + rival.log_share > ODDS for rival in rivals):
+    if contract.explained > UNEXPLAINED or any(r.lead + r.log_share > ODDS and r.explained > SURE for r in rivals):
         return []
     what = "its servo log" if witness == "the recorded shapes" and claim.servos is not None else f"`{claim.label}`"
     words = f"{witness} follow neither {what} nor anything else in this campaign"
