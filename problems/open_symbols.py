@@ -26,14 +26,14 @@ def open_functions(problem: sp.Problem) -> list[ca.Function]:
     """The step's functions in the plane and in space, then the NLP's."""
     structure = problem.model.structure
     step = [
-        functions.gait_joint_angles(structure),
+        functions.gait_joint_angles(structure, problem.family_of()),
         functions.shape(structure),
         functions.step_energy(structure),
         functions.step_momentum(structure),
         functions.step(structure),
         functions.step_momentum(structure, dimension=3),
     ]
-    nlp = sp.GaitNLP(structure, problem.task.steps, portable=True)
+    nlp = sp.gait_nlp(problem, portable=True)
     return [*step, *nlp.functions().values()]
 
 

@@ -1,4 +1,4 @@
-"""An objective and a constraint of your own in the gait NLP.
+"""An objective and a constraint of your own in the gait NLP, certified like the built-in ones.
 
 Which gait carries the snake robot farthest when the mean squared joint angle (a stand-in for the servos' torque) is
 capped, and a gait whose centre lies off the straight shape pays for it?
@@ -21,17 +21,17 @@ CAP = 0.10  # rad^2, mean over joints and steps
 OFFSET_PRICE = 0.01  # body lengths per squared unit of (x_c, y_c)
 
 
-def gentle(nlp: sp.GaitNLP) -> None:
+def gentle(of: sp.Criteria) -> None:
     """Cap the mean squared joint angle; add a price of the offset to -displacement + c * dissipation."""
-    angles = nlp.joint_angles
-    nlp.subject_to(ca.sumsqr(angles) / angles.numel(), 0, CAP)
-    nlp.also_minimise(OFFSET_PRICE * ca.sumsqr(nlp.gait[1:3]))
+    angles = of.joint_angles
+    of.subject_to(ca.sumsqr(angles) / angles.numel(), 0, CAP)
+    of.also_minimise(OFFSET_PRICE * ca.sumsqr(of.gait[1:3]))
 
 
-def thrifty(nlp: sp.GaitNLP) -> None:
+def thrifty(of: sp.Criteria) -> None:
     """Replace the objective: dissipation per body length, at least 0.2 body lengths per cycle."""
-    nlp.minimise(nlp.dissipation / nlp.displacement)
-    nlp.subject_to(nlp.displacement, 0.2, 1)
+    of.minimise(of.dissipation / of.displacement)
+    of.subject_to(of.displacement, 0.2, 1)
 
 
 def main() -> None:

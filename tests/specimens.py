@@ -9,10 +9,14 @@ import numpy as np
 from oracle.chain import serpenoid_joint_table
 from oracle.integrator import Run, simulate
 from serpenoid.body import Body, Floats
+from serpenoid.gaits import EllipseGait, Gait
+from serpenoid.mechanics import tables
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise import blocks
-from serpenoid.problem import Problem, load
+from serpenoid.optimise import joint_blocks, motion_law, serpenoid_blocks
+from serpenoid.optimise.asked import Customise, asked
+from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.problem import Problem, Task, load
 from serpenoid.simulation import steps
 from serpenoid.trajectory import Trajectory
 
@@ -22,13 +26,40 @@ REFERENCE_EPS = 0.1865
 
 def forget_functions() -> None:
     """Drop what was prepared for compiled or uncompiled evaluation, so that the environment is asked again."""
-    for cache in (steps._compiled, steps._mapped, steps._cycles, blocks.step_blocks):
+    for cache in (
+        steps._compiled,
+        steps._mapped,
+        steps._cycles,
+        serpenoid_blocks._compiled,
+        joint_blocks.baseline_blocks,
+        tables._compiled,
+        tables._mapped,
+    ):
         cache.cache_clear()
 
 
 def problem(name: str, *changes: str) -> Problem:
     """A problem file of the repository, with `section.key=value` changes."""
     return load(PROBLEMS / f"{name}.toml", set=list(changes))
+
+
+def nlp_of(
+    model: Model,
+    steps: int,
+    path_rows: int = 0,
+    gait: Gait | None = None,
+    customise: Customise | None = None,
+    task: Task | None = None,
+) -> GaitNLP:
+    """The gait NLP of a model; for ellipses, and the displacement, unless `gait` and `task` say otherwise."""
+    family = (gait or EllipseGait()).of(model.body.joint_count, steps)
+    law = motion_law.motion_law(model, family)
+    return GaitNLP(law, asked(task or Task(), family, customise).criteria, path_rows)
+
+
+def phases_of_rows(phases: Floats, steps: int) -> Floats:
+    """Data of path rows: each row's phase and the next one's."""
+    return np.column_stack([phases, np.asarray(phases) + 1 / steps]).ravel()
 
 
 def reference() -> Model:

@@ -35,7 +35,10 @@ def test_own_constraint_binds_and_own_term_counts() -> None:
     assert np.mean(plain.table**2) > own.CAP
     assert np.mean(gentle.table**2) <= own.CAP + 1e-9  # IPOPT's constraint tolerance is 1e-10
     offset = own.OFFSET_PRICE * (gentle.gait.x_c**2 + gentle.gait.y_c**2)
-    assert gentle.objective == pytest.approx(gentle.cost + offset, abs=1e-9)  # poses agree to 1e-8, in fact to 1e-13
+    built_in = -gentle.trajectory.displacement + 0.5 * gentle.trajectory.dissipation
+    assert gentle.cost == pytest.approx(built_in + offset, abs=1e-9)
+    assert gentle.objective == pytest.approx(gentle.cost, abs=1e-9)  # poses agree to 1e-8, in fact to 1e-13
+    assert gentle.polishing_gain is not None
     assert plain.objective == pytest.approx(plain.cost, abs=1e-9)
 
 
@@ -67,7 +70,7 @@ def test_functions_survive_saving_and_momentum_vanishes_on_the_motion(
 def test_portable_nlp_stands_alone_as_c(tmp_path: Path) -> None:
     symbols = example("open_symbols")
     problem = sp.load(symbols.PROBLEM)
-    nlp = sp.GaitNLP(problem.model.structure, 10, portable=True)
+    nlp = sp.gait_nlp(sp.load(symbols.PROBLEM, ["task.steps=10"]), portable=True)
     constraints = nlp.functions()["g"]
     source, library = tmp_path / "g.c", tmp_path / "g.so"
     source.write_text(symbols.generate_c([constraints]), encoding="utf-8")

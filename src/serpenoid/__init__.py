@@ -9,8 +9,9 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from serpenoid.family import sweep
+    from serpenoid.objectives import Criteria
+    from serpenoid.optimise.nlp import gait_nlp
     from serpenoid.optimise.solve import improve, solve, solve_from
-    from serpenoid.optimise.transcription import GaitNLP
     from serpenoid.problem import Problem, load
     from serpenoid.results import write_simulation, write_solution
     from serpenoid.simulation import (
@@ -35,15 +36,17 @@ _PUBLIC = {
     "solve": "serpenoid.optimise.solve",
     "solve_from": "serpenoid.optimise.solve",
     "improve": "serpenoid.optimise.solve",
-    "GaitNLP": "serpenoid.optimise.transcription",
+    "Criteria": "serpenoid.objectives",
+    "gait_nlp": "serpenoid.optimise.nlp",
     "sweep": "serpenoid.family",
     "write_simulation": "serpenoid.results",
     "write_solution": "serpenoid.results",
 }
 
 __all__ = [
-    "GaitNLP",
+    "Criteria",
     "Problem",
+    "gait_nlp",
     "improve",
     "load",
     "simulate",

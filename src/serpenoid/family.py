@@ -15,7 +15,6 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.files import write_csv
-from serpenoid.gaits import EllipseGait
 from serpenoid.optimise.chain_store import ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import as_solution
@@ -73,9 +72,14 @@ class Sweep:
         return np.array([s.trajectory.dissipation for s in self.solved])
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the gait parameters, as the problem's family calls them."""
+        return self.problem.family_of().names
+
+    @property
     def gaits(self) -> Floats:
-        """Gait parameters of the solved points, shape (n, 6)."""
-        return np.array([s.gait.parameters for s in self.solved]).reshape(-1, len(EllipseGait.NAMES))
+        """Gait parameters of the solved points, shape (n, k)."""
+        return np.array([s.q for s in self.solved]).reshape(-1, len(self.names))
 
 
 def sweep(
@@ -144,24 +148,29 @@ def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]],
     return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
 
 
-COLUMNS = [
-    *["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"],
-    *["pareto", *EllipseGait.NAMES, "iterations", "seconds", "chain", "message"],
-]
+BEFORE = ["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"]
+AFTER = ["iterations", "seconds", "chain", "message"]
 
 
 def write_sweep_table(path: str | Path, result: Sweep) -> None:
     """One line per point; a failed point has its reason and empty numbers."""
     front = iter(pareto_front(result.displacement, result.dissipation).tolist())
-    write_csv(path, COLUMNS, [_row(result.problem, p, next(front) if p.solution else "") for p in result.points])
+    family = result.problem.family_of()
+    names = () if family.free else family.names  # a free gait is its table, in the point's folder
+    write_csv(
+        path,
+        [*BEFORE, "pareto", *names, *AFTER],
+        [_row(names, result.problem, p, next(front) if p.solution else "") for p in result.points],
+    )
 
 
-def _row(problem: Problem, point: SweepPoint, on_front: bool | str) -> list:
+def _row(names: tuple[str, ...], problem: Problem, point: SweepPoint, on_front: bool | str) -> list:
     s = point.solution
     if s is None:
-        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * (len(COLUMNS) - 3), point.message]
+        blanks = len(BEFORE) + 1 + len(names) + len(AFTER) - 3
+        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * blanks, point.message]
     d, e = s.trajectory.displacement, s.trajectory.dissipation
     transport = electrical_cost_of_transport(problem, d, e)
     numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]
-    gait = s.gait.parameters.tolist()
+    gait = s.q.tolist()[: len(names)]
     return [point.c, "solved", *numbers, *gait, s.iterations, s.seconds, point.chain, point.message]

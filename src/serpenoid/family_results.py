@@ -39,5 +39,5 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         from serpenoid.plot.family import Family
         from serpenoid.plot.figures import sweep_figures
 
-        sweep_figures(folder, Family(result.c, result.displacement, result.dissipation, result.gaits))
+        sweep_figures(folder, Family(result.c, result.displacement, result.dissipation, result.gaits, result.names))
     return summary

@@ -18,7 +18,7 @@ from scipy.stats import t as student
 from serpenoid.arena.protocol import PlayedGait, Protocol
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.gaits import EllipseGait
+from serpenoid.gaits import Gait
 from serpenoid.gaits.table import write_table
 from serpenoid.problem import Problem, load
 
@@ -42,21 +42,21 @@ class OptimalGait:
 def optimal_gaits(problem: Path, diagnosis: Path, progress: Progress) -> dict[str, OptimalGait]:
     """The optimum of the problem under both models of a diagnosis folder; the second search knows the first's gait."""
     found: dict[str, OptimalGait] = {}
-    begins: list[EllipseGait] = []
+    begins: list[Gait] = []
     for number, (name, file) in enumerate(MODELS.items()):
         if not (diagnosis / file).is_file():
             raise InputError(f"{diagnosis}: holds no {file}. Name the folder that `serpenoid diagnose` wrote.")
         progress(number, name)
         task = load(problem, model=diagnosis / file)
-        begins += [task.gait] if isinstance(task.gait, EllipseGait) and not begins else []
-        found[name], gait = _optimum(task, begins or [EllipseGait()])
+        begins += [] if begins else [task.gait]
+        found[name], gait = _optimum(task, begins)
         begins.append(gait)
     return found
 
 
-def _optimum(task: Problem, begins: list[EllipseGait]) -> tuple[OptimalGait, EllipseGait]:
+def _optimum(task: Problem, begins: list[Gait]) -> tuple[OptimalGait, Gait]:
     """Searched without derivatives, then solved from there; where that does not converge, what the search found."""
-    from serpenoid.mechanics.tables import joint_table
+    from serpenoid.mechanics.tables import family_tables
     from serpenoid.optimise.search import search
     from serpenoid.optimise.solve import solve_from
     from serpenoid.simulation import simulate_joint_angles
@@ -65,7 +65,8 @@ def _optimum(task: Problem, begins: list[EllipseGait]) -> tuple[OptimalGait, Ell
     solved = solve_from(task, gait)
     if solved.status.ok and solved.cost <= cost:
         return OptimalGait(solved.table, solved.trajectory.displacement, True), solved.gait
-    table = joint_table(task.model, gait.parameters, task.task.steps)
+    family = task.family_of(gait)
+    table = family_tables(task.model, family, family.start()[None])[0]
     return OptimalGait(table, simulate_joint_angles(task.model, table).displacement, False), gait
 
 

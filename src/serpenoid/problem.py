@@ -5,8 +5,10 @@ Precedence: what `--set` assigns, then the file, then the defaults below.
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import or_
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -14,13 +16,23 @@ from serpenoid import schema
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files import short_hash
-from serpenoid.gaits import EllipseGait, TableGait
+from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds, GaitFamily, families
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
+from serpenoid.objectives import Demand, Displacement, Term, demands, terms
 from serpenoid.schema import Record
 
-Range = tuple[float, float]
+if TYPE_CHECKING:
+    AnyGait: TypeAlias = Gait
+    AnyBounds: TypeAlias = GaitBounds
+    AnyTerm: TypeAlias = Term
+    AnyDemand: TypeAlias = Demand
+else:
+    AnyGait = reduce(or_, families().values())
+    AnyBounds = Annotated[reduce(or_, (kind.Bounds for kind in families().values())), Field(discriminator="family")]
+    AnyTerm = Annotated[reduce(or_, terms()), Field(discriminator="kind")]
+    AnyDemand = Annotated[reduce(or_, demands()), Field(discriminator="kind")]
 
 
 class About(Record):
@@ -29,29 +41,6 @@ class About(Record):
     question: str = ""
     source: str = ""
     expected: str = ""
-
-
-class Bounds(Record):
-    """Where the optimiser may look. Equal ends fix a parameter; `theta` unset is free."""
-
-    sigma: Range = (0.0, 1.0)
-    x_c: Range = (-6.0, 6.0)
-    y_c: Range = (-6.0, 6.0)
-    theta: Range | None = None
-    a: Range = (0.0, 15.0)
-    xi: Range = (0.5, 2.5)
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        for name in EllipseGait.NAMES:
-            pair = getattr(self, name)
-            if pair is not None and pair[0] > pair[1]:
-                raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
-        if self.sigma[0] < -1 or self.sigma[1] > 1:
-            raise ValueError("`sigma` must lie in [-1, 1]")
-        if self.a[0] < 0 or self.xi[0] <= 0:
-            raise ValueError("`a` must not be negative, and `xi` must be positive")
-        return self
 
 
 class Constraints(Record):
@@ -76,9 +65,10 @@ class Task(Record):
     steps: int = Field(default=50, ge=3, le=100_000, description="T: steps per cycle, rows of the joint table")
     cycles: int = Field(default=1, ge=1, description="cycles to simulate and draw")
     cycle_duration_s: Annotated[float, Field(gt=0)] | None = Field(default=None, description="seconds per cycle")
-    objective: Literal["displacement"] = "displacement"
-    c: float = Field(default=0.0, ge=0, description="weight of the normalised dissipation T * E beside -displacement")
-    bounds: Bounds = Bounds()
+    objectives: tuple[AnyTerm, ...] = Field(default=(Displacement(),), description="terms; default: displacement")
+    demands: tuple[AnyDemand, ...] = Field(default=(), description="requirements beside limits")
+    c: float = Field(default=0.0, ge=0, description="weight of the normalised dissipation T * E beside the objectives")
+    bounds: AnyBounds = Field(default=EllipseBounds(), description="where the optimiser may look; by family")
     constraints: Constraints = Constraints()
 
 
@@ -95,12 +85,25 @@ class Problem(Record):
     about: About = About()
     body: Body
     medium: Medium
-    gait: EllipseGait | TableGait = Field(default=EllipseGait(), discriminator="family")
+    gait: AnyGait = Field(default=EllipseGait(), discriminator="family")
     task: Task = Task()
     power: Power | None = None
     effects: tuple[ActiveEffect, ...] = Field(default=(), description="see `serpenoid effects`")
     _folder: Path = PrivateAttr(default=Path("."))
     _name: str = PrivateAttr(default="problem")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bounds_of_the_family(cls, data: Any) -> Any:
+        """Bounds are read as those of the gait's family, which is named once, in [gait]."""
+        if not isinstance(data, dict) or not isinstance(data.get("task", {}), dict):
+            return data
+        gait, task = data.get("gait", {}), data.get("task", {})
+        family = gait.get("family", "ellipse") if isinstance(gait, dict) else getattr(gait, "family", "ellipse")
+        bounds = task.get("bounds", {})
+        if not isinstance(bounds, dict) or family not in families():
+            return data
+        return data | {"task": task | {"bounds": {"family": family} | bounds}}
 
     @model_validator(mode="after")
     def _limits_exist(self) -> Self:
@@ -118,6 +121,15 @@ class Problem(Record):
     def model(self) -> Model:
         """Body, medium and effects, with the task's clock."""
         return Model(self.body, self.medium, self.effects, self.task.cycle_duration_s)
+
+    def family_of(self, gait: Gait | None = None) -> GaitFamily:
+        """The family of `gait` (default the problem's own) for this body and table, within the task's bounds."""
+        gait, task = gait or self.gait, self.task
+        bounds = task.bounds if task.bounds.family == gait.family else gait.Bounds(family=gait.family)
+        frequency = task.constraints.spatial_frequency
+        if frequency is not None and "xi" in type(bounds).model_fields:
+            bounds = bounds.fixed(xi=(frequency, frequency))
+        return gait.of(self.body.joint_count, task.steps, bounds)
 
     @property
     def name(self) -> str:

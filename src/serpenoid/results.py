@@ -11,7 +11,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files import provenance, short_hash, write_csv, write_json
-from serpenoid.gaits import EllipseGait
+from serpenoid.gaits import Gait
 from serpenoid.gaits.table import write_table
 from serpenoid.performance import electrical_cost_of_transport
 from serpenoid.problem import Problem
@@ -37,8 +37,7 @@ def write_simulation(folder: str | Path, simulation: Simulation, figures: bool =
     if figures:
         from serpenoid.plot.figures import simulation_figures
 
-        gait = problem.gait if isinstance(problem.gait, EllipseGait) else None
-        simulation_figures(Path(folder), problem, trajectory, simulation.table, gait)
+        simulation_figures(Path(folder), problem, trajectory, simulation.table, problem.gait)
     return record
 
 
@@ -114,7 +113,7 @@ def weight_warning(problem: Problem) -> list[str]:
 
 
 def _record(
-    problem: Problem, trajectory: Trajectory, gait: Any, kind: str, status: str, message: str
+    problem: Problem, trajectory: Trajectory, gait: Gait, kind: str, status: str, message: str
 ) -> dict[str, Any]:
     body, task = problem.body, problem.task
     cycles = len(trajectory.step_energy) // trajectory.steps_per_cycle
@@ -130,7 +129,7 @@ def _record(
         "energy_raw": _number(trajectory.energy_raw),
         "cost_of_transport": electrical_cost_of_transport(problem, *per_cycle),
         "cycles": cycles,
-        "gait": gait.model_dump(mode="json"),
+        "gait": gait.document(),
         "body": {
             "vertices": body.vertices,
             "edge_lengths": body.edges_m.tolist(),

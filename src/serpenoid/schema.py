@@ -120,22 +120,28 @@ def _walk(schema: type[BaseModel], location: tuple[Any, ...]) -> Iterator[tuple[
     """(part or None for a tag, schema below it) along a location."""
     forms: list[type[BaseModel]] = []
     for part in location:
+        if isinstance(part, int):  # an entry of a list
+            yield part, schema
+            continue
         tagged = [form for form in forms if part in _tags(form)]
         if tagged:
             schema, forms = tagged[0], []
             yield None, schema
             continue
         field = schema.model_fields.get(str(part))
-        annotations = (field.annotation, *get_args(field.annotation)) if field is not None else ()
-        forms = [form for form in annotations if _is_model(form)]
+        forms = _models(field.annotation) if field is not None else []
         schema = forms[0] if forms else schema
         yield part, schema
 
 
 def _tags(form: type[BaseModel]) -> tuple[Any, ...]:
-    family = form.model_fields.get("family")
-    return get_args(family.annotation) if family is not None else ()
+    """The word that says which of several forms a section has: its `family`, or its `kind`."""
+    tag = form.model_fields.get("family") or form.model_fields.get("kind")
+    return get_args(tag.annotation) if tag is not None else ()
 
 
-def _is_model(candidate: Any) -> bool:
-    return isinstance(candidate, type) and issubclass(candidate, BaseModel)
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """All records in an annotation, in order: of a union, of the entries of a list."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [form for part in get_args(annotation) for form in _models(part)]

@@ -12,9 +12,10 @@ from serpenoid.effects import ActiveEffect, catalogue
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
-from serpenoid.optimise.extended import ExtendedNLP, realised_angles
+from serpenoid.optimise.extended import realised_angles
 from serpenoid.problem import Problem
 from serpenoid.simulation.servos import realise_gait
+from specimens import nlp_of
 
 OPTIMISED = [n for n, e in catalogue().items() if e.applies_to("nlp")]
 SERVOS = ("servo_lag", "backlash", "gain_loss", "zero_offset")
@@ -69,8 +70,9 @@ def test_formula_of_the_steady_state_is_where_playing_again_and_again_ends(
     model = extended(problem, *(typical(n) for n in names))
     q, edges = problem.gait.parameters, model.body.edges  # type: ignore[union-attr]
     played = realise_gait(model, joint_table(model, q, steps))
-    row = ca.SX.sym("row")
-    formula = ca.Function("formula", [row], [realised_angles(model, ca.SX(q), row, ca.SX(edges), steps)])
+    row, family = ca.SX.sym("row"), problem.gait.of(model.body.joint_count, steps)
+    angles = realised_angles(model, family, ca.SX(q), row / steps, ca.SX(edges), steps)
+    formula = ca.Function("formula", [row], [angles])
     found = np.array([formula(i).full()[:, 0] for i in range(steps + 1)])
     np.testing.assert_allclose(found, np.concatenate([played, played[:1]]), atol=1e-12)
 
@@ -91,7 +93,7 @@ def test_a_gait_for_saturating_servos_stays_below_their_speed(problem: Problem, 
 @pytest.mark.parametrize("present", [("worn_wheel",), MIXED])
 def test_derivatives_of_the_nlp_are_those_of_its_values(present: tuple[str, ...], problem: Problem) -> None:
     model = extended(problem, *(ActiveEffect.typical(n, place_of(n)) for n in present))
-    functions = ExtendedNLP(model, 8).functions()
+    functions = nlp_of(model, 8).functions()
     rng = np.random.default_rng(0)
     q = problem.gait.parameters  # type: ignore[union-attr]
     motion = sp.simulate_joint_angles(model, joint_table(model, q, 8))
@@ -124,5 +126,5 @@ def test_simulated_motion_satisfies_the_nlps_equations(
     q = problem.gait.parameters  # type: ignore[union-attr]
     motion = sp.simulate_joint_angles(model, joint_table(model, q, 20))
     x = np.concatenate([(motion.poses[1:] - motion.poses[0]).ravel(), q])
-    residual = ExtendedNLP(model, 20).functions()["g"](x, np.concatenate([[0.0], model.parameters]))
+    residual = nlp_of(model, 20).functions()["g"](x, np.concatenate([[0.0], model.parameters]))
     assert np.abs(residual.full()).max() < 1e-10

@@ -18,9 +18,8 @@ from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled, find_compiler, generate_c
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Structure
-from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.simulation import simulate_batch, simulate_joint_angles
-from specimens import forget_functions, problem, reference, serpenoid_table
+from specimens import forget_functions, nlp_of, phases_of_rows, problem, reference, serpenoid_table
 
 SAME = 1e-12  # the project's bound between compiled and interpreted evaluation
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
@@ -41,10 +40,10 @@ def evaluate() -> list[np.ndarray]:
     model = asked.model
     motion = simulate_joint_angles(model, serpenoid_table(model, 20))
     batch = simulate_batch(model, np.array([serpenoid_table(model, 20, a=a) for a in (3.0, 5.0)]))
-    nlp = GaitNLP(model.structure, 10, 2)
+    nlp = nlp_of(model, 10, 2)
     rng = np.random.default_rng(40)
     x = np.concatenate([0.1 * rng.normal(size=30), [0.6, 0.5, -0.5, 0.3, 5.0, 1.1]])
-    p = np.concatenate([[0.7, 0.0, 0.4], model.parameters])
+    p = np.concatenate([[0.7], phases_of_rows([0.0, 0.4], 10), model.parameters])
     multipliers = rng.normal(size=sum(nlp.constraint_counts))
     found = [motion.poses, motion.vertices, motion.step_energy, batch.poses, batch.dissipation]
     for name, function in nlp.functions().items():

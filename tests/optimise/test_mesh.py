@@ -7,10 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from serpenoid.gaits import TableGait
 from serpenoid.mechanics.tables import joint_table
-from serpenoid.optimise.mesh import MeshStudy, refined_table, study_mesh
+from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.optimise.solve import refine, solve
+from serpenoid.simulation import simulate_joint_angles
 from serpenoid.status import Status
+from serpenoid.trajectory import Trajectory
 from specimens import oracle_run, problem, random_table, reference
 
 ONE_JOINT = ("reference-optimum", "body.vertices=3", "body.joint_limit_deg=170", "task.bounds.a=[0.0, 12.0]")
@@ -18,7 +21,11 @@ ONE_JOINT = ("reference-optimum", "body.vertices=3", "body.joint_limit_deg=170",
 
 def reference_study(steps: int) -> MeshStudy:
     model, gait = reference(), problem("reference").gait.parameters
-    return study_mesh(model, lambda n: joint_table(model, gait, n), steps)
+
+    def motion(factor: int) -> Trajectory:
+        return simulate_joint_angles(model, joint_table(model, gait, factor * steps))
+
+    return study_mesh(motion, steps)
 
 
 @pytest.mark.parametrize("steps", [3, 4, 5, 50])
@@ -61,7 +68,8 @@ def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
 
 def test_a_table_is_refined_by_straight_lines_that_keep_its_rows() -> None:
     table = random_table(reference(), np.random.default_rng(3), 12)
-    fine = refined_table(table, 4)
+    family = TableGait().of(10, 12)
+    fine = family.on_finer_rows(table.ravel(), 4).reshape(-1, 10)
     np.testing.assert_array_equal(fine[::4], table)
     np.testing.assert_allclose(fine[2::4], (table + np.roll(table, -1, axis=0)) / 2, atol=1e-15)
     assert np.abs(np.diff(fine, axis=0)).max() == pytest.approx(np.abs(np.diff(table, axis=0)).max() / 4)

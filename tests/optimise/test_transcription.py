@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body, Floats
+from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise.transcription import GaitNLP
-from specimens import uneven
+from serpenoid.objectives import Criteria
+from specimens import nlp_of, phases_of_rows, uneven
 
 pytestmark = pytest.mark.usefixtures("virtual_machine")
 STEPS, ROWS = 5, 3
@@ -44,7 +45,7 @@ def direct(model: Model, c: float, phases: Floats) -> Direct:
     structure, m = model.structure, model.structure.elements
     x, parameters = ca.SX.sym("x", 3 * STEPS + 6), ca.DM(model.parameters)
     q, poses = x[3 * STEPS :], ca.horzcat(ca.SX.zeros(3, 1), ca.reshape(x[: 3 * STEPS], 3, STEPS))
-    angles = functions.gait_joint_angles(structure)
+    angles = functions.gait_joint_angles(structure, EllipseGait().of(len(structure.joints), STEPS))
     rows = [functions.shape(structure)(angles(q, t / STEPS, parameters), parameters)[1] for t in range(STEPS + 1)]
     before, after, pose = ca.SX.sym("before", 4, m), ca.SX.sym("after", 4, m), ca.SX.sym("pose", 3)
     energy = functions.step_energy(structure)(before, after, pose, parameters)
@@ -78,9 +79,9 @@ def point(seed: int) -> Floats:
 @every_model
 def test_values_jacobian_and_hessian_are_casadis_own_of_the_same_equations(model: Model) -> None:
     c, phases = 0.7, np.array([0.0, 0.4, 0.8])
-    nlp = GaitNLP(model.structure, STEPS, ROWS)
+    nlp = nlp_of(model, STEPS, ROWS)
     made, expected = nlp.functions(), direct(model, c, phases)
-    p = np.concatenate([[c], phases, model.parameters])
+    p = np.concatenate([[c], phases_of_rows(phases, STEPS), model.parameters])
     for seed in range(3):
         x, rng = point(seed), np.random.default_rng(seed)
         factor, multipliers = 1.7, rng.normal(size=sum(nlp.constraint_counts))
@@ -101,9 +102,9 @@ def test_values_jacobian_and_hessian_are_casadis_own_of_the_same_equations(model
 
 @every_model
 def test_derivatives_are_finite_differences_of_the_functions(model: Model) -> None:
-    nlp = GaitNLP(model.structure, STEPS, ROWS)
+    nlp = nlp_of(model, STEPS, ROWS)
     made, x, h = nlp.functions(), point(7), 1e-6
-    p = np.concatenate([[0.7, 0.0, 0.4, 0.8], model.parameters])
+    p = np.concatenate([[0.7], phases_of_rows([0.0, 0.4, 0.8], STEPS), model.parameters])
     rng = np.random.default_rng(8)
     multipliers, direction = rng.normal(size=sum(nlp.constraint_counts)), rng.normal(size=x.size)
 
@@ -125,7 +126,7 @@ def test_derivatives_are_finite_differences_of_the_functions(model: Model) -> No
 
 
 def test_the_hessian_has_no_entry_between_steps_that_do_not_touch() -> None:
-    nlp = GaitNLP(MODELS["five vertices"].structure, 20)
+    nlp = nlp_of(MODELS["five vertices"], 20)
     pattern = nlp.functions()["hess_lag"].sparsity_out(0)
     rows, column = (np.array(indices) for indices in pattern.get_triplet())
     poses = (rows < 60) & (column < 60)
@@ -135,18 +136,23 @@ def test_the_hessian_has_no_entry_between_steps_that_do_not_touch() -> None:
 
 def test_terms_of_the_users_own_get_exact_derivatives_too() -> None:
     model = MODELS["uneven, vertices"]
-    nlp = GaitNLP(model.structure, STEPS)
-    nlp.also_minimise(0.3 * nlp.dissipation + ca.sumsqr(nlp.joint_angles))
-    nlp.subject_to(nlp.heading_change**2 + nlp.displacement, 0.0, 1.0)
-    nlp.subject_to(nlp.gait[4] * nlp.gait[0], -1.0, 9.0)
+
+    def own(of: Criteria) -> None:
+        of.also_minimise(0.3 * of.dissipation + ca.sumsqr(of.joint_angles))
+        of.subject_to(of.heading_change**2 + of.displacement, 0.0, 1.0)
+        of.subject_to(of.gait[4] * of.gait[0], -1.0, 9.0)
+
+    nlp = nlp_of(model, STEPS, customise=own)
     made, x = nlp.functions(), point(9)
     p = np.concatenate([[0.7], model.parameters])
-    plain = GaitNLP(model.structure, STEPS).functions()
-    # the user's dissipation is an expression, the built-in one assembled: c = 0.7 + 0.3 is the same objective
+    plain = nlp_of(model, STEPS).functions()
+    # c = 0.7 + 0.3 is the same objective
     shifted = np.concatenate([[1.0], model.parameters])
-    angles = ca.sumsqr(nlp.joint_angles)
-    extra = ca.Function("extra", [nlp.variables, nlp.parameters], [angles, ca.gradient(angles, nlp.variables)])
-    value, slope = extra(x, p)
+    q = ca.SX.sym("x", x.size)
+    table = functions.gait_joint_angles(model.structure, EllipseGait().of(model.body.joint_count, STEPS))
+    rows = [table(q[3 * STEPS :], t / STEPS, ca.DM(model.parameters)) for t in range(STEPS)]
+    squares = ca.sumsqr(ca.vertcat(*rows))
+    value, slope = ca.Function("extra", [q], [squares, ca.gradient(squares, q)])(x)
     assert float(made["f"](x, p)) == pytest.approx(float(plain["f"](x, shifted) + value), rel=1e-12)
     expected = (plain["grad_f"](x, shifted)[1] + slope).full()
     np.testing.assert_allclose(made["grad_f"](x, p)[1].full(), expected, atol=ROUNDING)
@@ -161,7 +167,7 @@ def test_the_momentum_constraints_vanish_exactly_on_simulated_motions() -> None:
     from serpenoid.simulation import simulate_joint_angles
 
     for model in MODELS.values():
-        nlp = GaitNLP(model.structure, 20)
+        nlp = nlp_of(model, 20)
         motion = simulate_joint_angles(model, joint_table(model, GAIT, 20))
         x = np.concatenate([motion.poses[1:].ravel(), GAIT])
         g = nlp.functions()["g"](x, np.concatenate([[0.5], model.parameters])).full()

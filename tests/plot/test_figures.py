@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from serpenoid.gaits import EllipseGait
+from serpenoid.gaits import EllipseGait, TableGait
 from serpenoid.plot import figures, optima, sweep
 from serpenoid.plot.animate import animation
 from serpenoid.plot.hero import hero
@@ -44,7 +44,7 @@ def test_simulation_figures_are_written(tmp_path, problem, trajectory, table):
 
 
 def test_a_joint_table_has_no_gait_curve_and_a_failed_motion_has_joints_only(tmp_path, problem, trajectory, table):
-    names = figures.simulation_figures(tmp_path / "table", problem, trajectory, table, None)
+    names = figures.simulation_figures(tmp_path / "table", problem, trajectory, table, TableGait())
     assert not any(name.startswith("gait") for name in names)
     unknown = replace(trajectory, vertices=np.full_like(trajectory.vertices, np.nan))
     assert figures.simulation_figures(tmp_path, problem, unknown, table, GAIT) == ["joints.png", "joints.svg"]

@@ -90,17 +90,13 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
-    optima = [
-        {"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.model_dump(mode="json")}
-        for o in result.optima
-    ]
+    optima = [{"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.document()} for o in result.optima]
     failures = [s.status.name.lower() for s in result.failures]
     costs = [s.cost if s.status.ok else None for s in result.solutions]
     return {"starts": args.starts, "seed": args.seed, "optima": optima, "failures": failures, "costs": costs}
 
 
 def _lines(best: Solution, result: MultiStart) -> list[str]:
-    gait = best.gait
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
     seconds = sum(s.seconds for s in result.solutions)
@@ -110,8 +106,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
         f"cost              {best.cost:.6f} at c = {best.c:g}",
         f"heading change    {best.trajectory.heading_change:+.6f} rad",
-        f"gait              sigma {gait.sigma:.4f}, centre ({gait.x_c:.4f}, {gait.y_c:.4f}), theta {gait.theta:.4f}, "
-        f"a {gait.a:.4f}, xi {gait.xi:.4f}",
+        f"gait              {best.gait.words}",
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
         f"mesh              {best.mesh.words}",

@@ -1,25 +1,145 @@
-"""A gait given as a joint table: T rows of m joint angles, the row after the last is the first again."""
+"""A gait given as a joint table, R rows of m joint angles: read from a file, or every angle free for the optimiser.
+
+The row after the last is the first again, unless the task is a transient.
+"""
 
 from __future__ import annotations
 
 import csv
+from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Any, ClassVar, Literal, Self
 
+import casadi as ca
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv
-from serpenoid.schema import Record
+from serpenoid.gaits.family import Gait, GaitBounds, GaitFamily
+
+HARMONICS = 3  # of a random start: a smooth table
+SPREAD = 0.3  # rad: standard deviation of a random start's first harmonic
 
 
-class TableGait(Record):
-    """Joint angles from a CSV file (header joint_1,...,joint_m; radians)."""
+class TableBounds(GaitBounds):
+    """Where the optimiser may look: every joint angle, beside the body's own limits."""
 
-    family: Literal["table"]
-    path: str = Field(description="CSV file, relative to the problem file")
+    family: Literal["table"] = "table"
+    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every joint angle [rad]")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.angle[0] > self.angle[1]:
+            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
+        return self
+
+
+class TableGait(Gait):
+    """Joint angles from a CSV file (header joint_1,...,joint_m; radians) or as rows; neither: a straight body."""
+
+    Bounds: ClassVar[type[GaitBounds]] = TableBounds
+
+    family: Literal["table"] = "table"
+    path: str | None = Field(default=None, description="CSV file, relative to the problem file")
+    angles: tuple[tuple[float, ...], ...] | None = Field(default=None, description="rows of m angles [rad]")
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.path is not None and self.angles is not None:
+            raise ValueError("give `path` or `angles`, not both")
+        return self
+
+    @classmethod
+    def from_angles(cls, angles: Floats) -> TableGait:
+        """The gait of a joint table (R, m) [rad]."""
+        return cls(angles=tuple(tuple(row) for row in np.asarray(angles).tolist()))
+
+    def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> TableFamily:
+        """Free tables of `rows` rows."""
+        return TableFamily(self, joints, rows, bounds or TableBounds(), closed)
+
+    @property
+    def words(self) -> str:
+        """One line for people."""
+        return "every joint angle of every row is free: see joint_table.csv"
+
+    def document(self) -> dict[str, Any]:
+        """The table itself stands in joint_table.csv."""
+        return {"family": "table", "path": self.path or "joint_table.csv"}
+
+
+class TableFamily(GaitFamily):
+    """Every joint angle of every row is a parameter: row t depends on m of them."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(f"joint_{j + 1}[{t}]" for t in range(self.rows) for j in range(self.joints))
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        return ("rad",) * (self.rows * self.joints)
+
+    @property
+    def limits(self) -> tuple[Floats, Floats]:
+        low, high = self.bounds.angle if isinstance(self.bounds, TableBounds) else (-np.pi, np.pi)
+        return np.full(self.size, low), np.full(self.size, high)
+
+    @property
+    def widths(self) -> Floats:
+        return np.full(self.size, 0.02)
+
+    @cached_property
+    def data(self) -> Floats:
+        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
+
+    @cached_property
+    def indices(self) -> np.ndarray:
+        return np.arange(self.size).reshape(self.rows, self.joints)
+
+    @property
+    def size(self) -> int:
+        return self.rows * self.joints
+
+    @property
+    def free(self) -> bool:
+        return True
+
+    def at(self, p: ca.SX, data: ca.SX) -> ca.SX:
+        """The angles themselves."""
+        return p
+
+    def start(self) -> Floats:
+        angles = self.like.angles if isinstance(self.like, TableGait) else None
+        return np.zeros(self.size) if angles is None else np.array(angles).ravel()
+
+    def sample(self, rng: np.random.Generator) -> Floats:
+        """A mean and a few harmonics per joint."""
+        phase = 2 * np.pi * self.data
+        table = 0.5 * SPREAD * rng.normal(size=self.joints) * np.ones((self.rows, 1))
+        for k in range(1, HARMONICS + 1):
+            table = table + SPREAD / k * rng.normal(size=self.joints) * np.cos(
+                k * phase + rng.uniform(0, 2 * np.pi, self.joints)
+            )
+        return np.clip(table.ravel(), *self.limits)
+
+    def on_finer_rows(self, p: Floats, factor: int) -> Floats:
+        """Straight lines between the rows, as a robot plays them."""
+        table = p.reshape(self.rows, self.joints)
+        following, share = np.roll(table, -1, axis=0), np.arange(factor)[:, None] / factor
+        finer = ((1 - share) * table[:, None] + share * following[:, None]).reshape(-1, self.joints)
+        return finer.ravel() if self.closed else finer[: factor * (self.rows - 1) + 1].ravel()
+
+    def moves(self, p: Floats) -> bool:
+        """Not where all rows are the same."""
+        return bool(np.ptp(p.reshape(self.rows, self.joints), axis=0).any())
+
+    def scaled(self, p: Floats, factor: float) -> Floats:
+        return p * factor
+
+    def gait(self, p: Floats) -> TableGait:
+        return TableGait.from_angles(p.reshape(self.rows, self.joints))
 
 
 def header(joint_count: int) -> list[str]:

@@ -4,7 +4,7 @@ Legend: N vertices, m joints, M elements. `parameters` = edges (N - 1), weights 
 Lengths in body lengths, weights summing to one. Poses are relative: body frame of t + 1 in that of t, (x, y, heading).
 
     joint_angles   (coordinates (3), parameters) -> joint_angles (m)
-    gait_joint_angles (gait (6), phase [cycles], parameters) -> joint_angles (m)
+    gait_joint_angles (gait (k), row data (d), parameters) -> joint_angles (m), for one family of gaits
     shape          (joint_angles (m), parameters) -> vertices (2, N), elements (4, M) in the body frame
     shape_elements (vertices (2, N)) -> elements (4, M): positions above unit tangents, in the vertices' frame
     step_energy    (before (4, M), after (4, M), pose (3), parameters) -> energy
@@ -19,6 +19,7 @@ from functools import lru_cache
 
 import casadi as ca
 
+from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import energy, kinematics, planar
 from serpenoid.mechanics.momentum import momentum
 from serpenoid.model import Structure
@@ -43,14 +44,14 @@ def joint_angles(structure: Structure) -> ca.Function:
 
 
 @lru_cache(maxsize=64)
-def gait_joint_angles(structure: Structure) -> ca.Function:
-    """Elliptical gait and phase to joint angles."""
-    q, phase, parameters = ca.SX.sym("gait", 6), ca.SX.sym("phase"), _parameters(structure)
+def gait_joint_angles(structure: Structure, family: GaitFamily) -> ca.Function:
+    """A row of a family's table: the parameters it depends on and its data to joint angles."""
+    p, data = ca.SX.sym("gait", family.indices.shape[1]), ca.SX.sym("data", family.data.shape[1])
+    parameters = _parameters(structure)
     edges, _, _ = split_parameters(parameters, structure)
-    coordinates = kinematics.ellipse_coordinates(q, phase)
-    angles = kinematics.serpenoid_joint_angles(coordinates, edges, structure)
-    names = (["gait", "phase", "parameters"], ["joint_angles"])
-    return ca.Function("gait_joint_angles", [q, phase, parameters], [angles], *names, CSE)
+    angles = kinematics.family_joint_angles(family, p, data, edges, structure)
+    names = (["gait", "data", "parameters"], ["joint_angles"])
+    return ca.Function("gait_joint_angles", [p, data, parameters], [angles], *names, CSE)
 
 
 @lru_cache(maxsize=1)

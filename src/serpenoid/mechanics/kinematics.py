@@ -10,16 +10,16 @@ from __future__ import annotations
 
 import casadi as ca
 
+from serpenoid.gaits import GaitFamily
 from serpenoid.model import Structure
 
 
-def ellipse_coordinates(q: ca.SX, phase: ca.SX) -> ca.SX:
-    """Shape coordinates (w1, w2, xi) of the elliptical gait q = (sigma, x_c, y_c, theta, a, xi) at `phase` [cycles]."""
-    sigma, x_c, y_c, theta, a, xi = ca.vertsplit(q)
-    x, y = a * ca.cos(2 * ca.pi * phase), a * sigma * ca.sin(2 * ca.pi * phase)
-    w1 = ca.cos(theta) * x - ca.sin(theta) * y + x_c
-    w2 = ca.sin(theta) * x + ca.cos(theta) * y + y_c
-    return ca.vertcat(w1, w2, xi)
+def family_joint_angles(family: GaitFamily, p: ca.SX, data: ca.SX, edges: ca.SX, structure: Structure) -> ca.SX:
+    """Joint angles (m) of a row of a family's table, from the parameters it depends on (k) and its data (d)."""
+    coordinates = family.at(p, data)
+    if family.coordinates == "serpenoid":
+        return serpenoid_joint_angles(coordinates, edges, structure)
+    return coordinates
 
 
 def serpenoid_joint_angles(coordinates: ca.SX, edges: ca.SX, structure: Structure) -> ca.SX:

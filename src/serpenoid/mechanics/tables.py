@@ -1,6 +1,6 @@
-"""Joint tables of elliptical gaits, by numbers.
+"""Joint tables of gaits, by numbers.
 
-Legend: B gaits, T steps, m joints.
+Legend: B gaits, R rows, m joints, n parameters of a gait.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.gaits import EllipseGait, GaitFamily
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.evaluate import evaluate
@@ -18,24 +19,31 @@ from serpenoid.model import Model, Structure
 
 
 def joint_table(model: Model, q: Floats, steps: int) -> Floats:
-    """Joint table of gait parameters q (6,), shape (T, m) [rad]."""
+    """Joint table of ellipse parameters q (6,), shape (T, m) [rad]."""
     return joint_tables(model, np.asarray(q)[None], steps)[0]
 
 
 def joint_tables(model: Model, gaits: Floats, steps: int) -> Floats:
-    """Joint tables of gait parameters (B, 6), shape (B, T, m) [rad]."""
-    count = gaits.shape[0]
-    phases = np.tile(np.arange(steps) / steps, count)
-    rows = np.repeat(np.asarray(gaits, float), steps, axis=0)
-    (angles,) = evaluate(_mapped(model.structure, count * steps), rows, phases, model.parameters)
-    return np.ascontiguousarray(angles.T).reshape(count, steps, -1)
+    """Joint tables of ellipse parameters (B, 6), shape (B, T, m) [rad]."""
+    return family_tables(model, EllipseGait().of(model.body.joint_count, steps), gaits)
+
+
+def family_tables(model: Model, family: GaitFamily, gaits: Floats) -> Floats:
+    """Joint tables of any family's parameters (B, n), shape (B, R, m) [rad]."""
+    gaits, count = np.asarray(gaits, float), len(gaits)
+    if family.free:
+        return gaits.reshape(count, family.rows, family.joints)
+    rows = gaits[:, family.indices].reshape(count * family.rows, -1)
+    function = _mapped(model.structure, family, count * family.rows)
+    (angles,) = evaluate(function, rows, np.tile(family.data, (count, 1)), model.parameters)
+    return np.ascontiguousarray(angles.T).reshape(count, family.rows, -1)
 
 
 @lru_cache(maxsize=32)
-def _mapped(structure: Structure, rows: int) -> ca.Function:
-    return _compiled(structure).map("table", "serial", rows, [2], [])
+def _mapped(structure: Structure, family: GaitFamily, rows: int) -> ca.Function:
+    return _compiled(structure, family).map("table", "serial", rows, [2], [])
 
 
 @lru_cache(maxsize=32)
-def _compiled(structure: Structure) -> ca.Function:
-    return compiled([functions.gait_joint_angles(structure)])[0]
+def _compiled(structure: Structure, family: GaitFamily) -> ca.Function:
+    return compiled([functions.gait_joint_angles(structure, family)])[0]

@@ -1,59 +1,111 @@
 """Where each step's small dense blocks go in the sparse Jacobian and Hessian of the whole cycle.
 
-Variables are ordered (g_1, ..., g_T, q); g_0 is fixed at the origin and has no column.
+Local variables of step t are (g_t, g_{t+1}, a_t, a_{t+1}); those of the cycle are the poses (g_1, ..., g_T) and the
+shapes (a_0, ..., a_{R-1}). g_0 is fixed at the origin and has no column.
+
+Legend: T steps, R rows, s coordinates of a row, o = 6 + 2 s, v values per step.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from scipy import sparse
 
-from serpenoid.optimise.blocks import GAIT, OUTER, upper
+
+@dataclass(frozen=True)
+class Scatter:
+    """Adds values[source[i]] to the place (rows[i], columns[i]) of a sparse matrix of `shape`."""
+
+    rows: np.ndarray
+    columns: np.ndarray
+    source: np.ndarray
+    shape: tuple[int, int]
+    count: int
+
+    def __call__(self, values: ca.MX) -> ca.MX:
+        """The matrix of `count` values, given in any shape."""
+        pattern, add = self._plan
+        flat = ca.vec(values)
+        if isinstance(add, ca.DM):
+            return ca.MX(pattern, ca.densify(add @ flat))
+        return ca.MX(pattern, flat[add])
+
+    @cached_property
+    def _plan(self) -> tuple[ca.Sparsity, ca.DM | list[int]]:
+        key = self.columns.astype(np.int64) * self.shape[0] + self.rows
+        places, target = np.unique(key, return_inverse=True)
+        pattern = ca.Sparsity.triplet(
+            *self.shape, (places % self.shape[0]).tolist(), (places // self.shape[0]).tolist()
+        )
+        if places.size == key.size:
+            return pattern, self.source[np.argsort(target)].tolist()
+        where = (np.ones(key.size), (target, self.source))
+        return pattern, ca.DM(sparse.csc_matrix(where, shape=(places.size, self.count)))
 
 
-def local_columns(steps: int) -> np.ndarray:
-    """Column of each of the 12 local variables (g_t, g_{t+1}, q) of each step, -1 for g_0: shape (T, 12)."""
-    t = np.arange(steps)[:, None]
-    before, after = 3 * (t - 1) + np.arange(3), 3 * t + np.arange(3)
-    before[0] = -1
-    q = np.broadcast_to(3 * steps + np.arange(GAIT), (steps, GAIT))
-    return np.hstack([before, after, q])
+def scatter(rows: np.ndarray, columns: np.ndarray, keep: np.ndarray, shape: tuple[int, int]) -> Scatter:
+    """The Scatter of an array of values (in order) to rows and columns of the same shape, where `keep` says so."""
+    chosen = np.flatnonzero(keep.ravel())
+    return Scatter(rows.ravel()[chosen], columns.ravel()[chosen], chosen, shape, keep.size)
 
 
-def scatter_jacobian(blocks: ca.MX, steps: int) -> ca.MX:
-    """Residual Jacobian (3 T, 3 T + 6) from blocks (3, 12 T)."""
-    columns = local_columns(steps)
-    t, j, i = np.meshgrid(np.arange(steps), np.arange(OUTER), np.arange(3), indexing="ij")
-    return _scatter(blocks, 3 * t + i, columns[t, j], (3 * steps, 3 * steps + GAIT))
+@dataclass(frozen=True)
+class Places:
+    """Columns of the local variables of every step: shape (T, o); -1 where they belong to the other group."""
 
+    steps: int
+    rows: int
+    coordinates: int
+    closed: bool
 
-def gather_gradient(blocks: ca.MX, steps: int) -> ca.MX:
-    """Sum over steps of the gradients (1, 12 T), as a column (3 T + 6)."""
-    columns = local_columns(steps).ravel()
-    keep = columns >= 0
-    where = (np.ones(keep.sum()), (columns[keep], np.flatnonzero(keep)))
-    add = ca.DM(sparse.csc_matrix(where, shape=(3 * steps + GAIT, columns.size)))
-    return ca.densify(add @ ca.vec(blocks))
+    @property
+    def outer(self) -> int:
+        """o = 6 + 2 s."""
+        return 6 + 2 * self.coordinates
 
+    @cached_property
+    def poses(self) -> np.ndarray:
+        """Pose columns; g_0 has none."""
+        t = np.arange(self.steps)[:, None]
+        before, after = 3 * (t - 1) + np.arange(3), 3 * t + np.arange(3)
+        before[0] = -1
+        return np.hstack([before, after, np.full((self.steps, 2 * self.coordinates), -1)])
 
-def scatter_hessian(blocks: ca.MX, steps: int) -> ca.MX:
-    """Upper triangle (3 T + 6, 3 T + 6) from the steps' packed upper triangles (78, T); overlapping entries add."""
-    n, pairs = 3 * steps + GAIT, np.array(upper(OUTER))
-    columns = local_columns(steps)
-    a, b = columns[:, pairs[:, 0]], columns[:, pairs[:, 1]]
-    keep = ((a >= 0) & (b >= 0)).ravel()
-    rows, cols = np.minimum(a, b).ravel()[keep], np.maximum(a, b).ravel()[keep]
-    places, target = np.unique(cols * n + rows, return_inverse=True)
-    where = (np.ones(keep.sum()), (target, np.flatnonzero(keep)))
-    add = ca.DM(sparse.csc_matrix(where, shape=(places.size, keep.size)))
-    pattern = ca.Sparsity.triplet(n, n, (places % n).tolist(), (places // n).tolist())
-    return ca.MX(pattern, ca.densify(add @ ca.vec(blocks)))
+    @cached_property
+    def shapes(self) -> np.ndarray:
+        """Shape columns."""
+        t, s = np.arange(self.steps)[:, None], self.coordinates
+        after = (t + 1) % self.rows if self.closed else t + 1
+        return np.hstack([np.full((self.steps, 6), -1), s * t + np.arange(s), s * after + np.arange(s)])
 
+    def jacobian(self, values: int) -> tuple[Scatter, Scatter]:
+        """Blocks (v, o T) to (v T, 3 T) by the poses and (v T, s R) by the shapes."""
+        t, j, i = np.meshgrid(np.arange(self.steps), np.arange(self.outer), np.arange(values), indexing="ij")
+        shapes = (values * self.steps, 3 * self.steps), (values * self.steps, self.coordinates * self.rows)
+        pair = []
+        for columns, shape in zip((self.poses, self.shapes), shapes, strict=True):
+            where = columns[t, j]
+            pair.append(scatter(values * t + i, where, where >= 0, shape))
+        return pair[0], pair[1]
 
-def _scatter(values: ca.MX, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> ca.MX:
-    rows, columns = rows.ravel(), columns.ravel()
-    keep = np.flatnonzero(columns >= 0)
-    order = keep[np.lexsort((rows[keep], columns[keep]))]
-    pattern = ca.Sparsity.triplet(*shape, rows[order].tolist(), columns[order].tolist())
-    return ca.MX(pattern, ca.vec(values)[order.tolist()])
+    def gradient(self) -> tuple[Scatter, Scatter]:
+        """Blocks (o, T) or (1, o T) to columns (3 T) and (s R)."""
+        zero = np.zeros_like(self.poses)
+        sizes = 3 * self.steps, self.coordinates * self.rows
+        pair = [scatter(c, zero, c >= 0, (n, 1)) for c, n in zip((self.poses, self.shapes), sizes, strict=True)]
+        return pair[0], pair[1]
+
+    def hessian(self) -> tuple[Scatter, Scatter, Scatter]:
+        """Blocks (o, o T) to: poses by poses (upper triangle), poses by shapes, shapes by shapes (both triangles)."""
+        g, a = 3 * self.steps, self.coordinates * self.rows
+        t, j, i = np.meshgrid(*(np.arange(n) for n in (self.steps, self.outer, self.outer)), indexing="ij")
+        pose_i, pose_j, shape_i, shape_j = self.poses[t, i], self.poses[t, j], self.shapes[t, i], self.shapes[t, j]
+        return (
+            scatter(pose_i, pose_j, (pose_i >= 0) & (pose_j >= pose_i), (g, g)),
+            scatter(pose_i, shape_j, (pose_i >= 0) & (shape_j >= 0), (g, a)),
+            scatter(shape_i, shape_j, (shape_i >= 0) & (shape_j >= 0), (a, a)),
+        )

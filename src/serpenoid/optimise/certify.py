@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.mechanics.tables import joint_table, joint_tables
-from serpenoid.optimise.limits import worst_violation
 from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
-from serpenoid.simulation import simulate_batch, simulate_joint_angles
+from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -24,7 +22,6 @@ KKT_TOLERANCE = 1e-8
 GAIN_TOLERANCE = 1e-6
 TRIALS = 32
 DISTANCES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
-WIDTH = np.array([0.02, 0.1, 0.1, 0.02, 0.1, 0.02])  # a few per cent of the range of sigma, x_c, y_c, theta, a, xi
 FEASIBLE = 1e-9
 
 
@@ -37,15 +34,16 @@ class Certificate:
     table: Floats
     resimulation_error: float
     polishing_gain: float | None
+    cost: float
 
 
 def certify(
     solver: GaitSolver, answer: Answer, c: float, polish: bool = True, gait_bounds: GaitBounds | None = None
 ) -> Certificate:
     """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's)."""
-    table = joint_table(solver.model, answer.q, solver.steps)
-    trajectory = simulate_joint_angles(solver.model, table)
-    poses = answer.outcome.point.x[:-6].reshape(-1, 3)
+    table = solver.table(answer.q)
+    trajectory = solver.simulate(table)
+    poses = answer.outcome.point.x[: 3 * solver.steps].reshape(-1, 3)
     error = float(np.max(np.abs(trajectory.poses[1:] - poses)))
     gain: float | None = None
     status = answer.outcome.status
@@ -53,24 +51,34 @@ def certify(
         status = Status.RESIMULATION_DISAGREES
     if status.ok and not answer.outcome.residuals.largest <= KKT_TOLERANCE:
         status = Status.NOT_STATIONARY
-    if status.ok and polish and solver.customise is None:
+    if status.ok and polish:
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
-    return Certificate(status, trajectory, table, error, gain)
+    cost = objective_of(solver, answer.q, table, trajectory, c)
+    return Certificate(status, trajectory, table, error, gain, cost)
 
 
 def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds) -> Floats:
-    """-Delta + c * dissipation of gaits (B, 6) by forward simulation, plus `penalty` times every violation."""
+    """The objective of gaits (B, n) by forward simulation, plus `penalty` times every violation."""
     lower, upper = gait_bounds
-    tables = joint_tables(solver.model, np.clip(gaits, np.maximum(lower, -1e6), upper), solver.steps)
-    batch = simulate_batch(solver.model, tables)
-    cost = -batch.displacement + c * batch.dissipation
-    outside = np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
-    outside += np.maximum(worst_violation(tables, solver.limits) - FEASIBLE, 0)
+    inside = np.clip(gaits, np.maximum(lower, -1e6), upper)
+    tables = solver.tables(inside)
+    batch = solver.batch(tables)
+    cost, outside = solver.asked.evaluate(batch, tables, inside, c)
+    outside = outside + np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
+    if solver.limits.any:
+        outside += np.maximum(solver.excess(tables).max(axis=(-2, -1)) - FEASIBLE, 0)
     target = solver.heading_target()
     if target is not None:
         outside += np.abs(batch.poses[:, -1, 2] - target)
     return np.where(batch.sound, cost + penalty * outside, np.inf)
+
+
+def objective_of(solver: GaitSolver, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
+    """The objective of a simulated gait; not a number where the simulation failed."""
+    poses, dissipation = trajectory.poses[None], np.array([trajectory.dissipation])
+    batch = Batch(poses, dissipation, np.array([trajectory.residual]), np.array([trajectory.status.ok]))
+    return float(solver.asked.evaluate(batch, table[None], q[None], c)[0][0])
 
 
 def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds) -> float:
@@ -80,7 +88,7 @@ def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: Ga
     """
     penalty = 10 * (1 + float(np.max(np.abs(answer.outcome.point.lam_g))))
     lower, upper = gait_bounds
-    width = np.where(upper > lower, WIDTH, 0.0)
+    width = np.where(upper > lower, solver.family.widths, 0.0)
     rng = np.random.default_rng(0)
     best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds)[0])
     lowest = first

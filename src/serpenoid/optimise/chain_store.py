@@ -56,7 +56,7 @@ class ChainStore:
             return None  # an answer, but to another problem
         objective = float(ipopt.functions["f"](point.x, parameters))
         outcome = Outcome(Status.SOLVED, "Stored", point, objective, residuals, iterations, {"total": seconds})
-        return Answer(outcome, point.x[-6:], iterations, seconds, rows)
+        return Answer(outcome, point.x[-solver.family.size :], iterations, seconds, rows)
 
     def _path(self, c: float) -> Path:
         return self.folder / f"{self.chain}-{c!r}.npz"

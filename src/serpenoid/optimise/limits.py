@@ -47,9 +47,14 @@ def path_limits(problem: Problem) -> PathLimits:
     return PathLimits(upper)
 
 
-def violations(table: Floats, limits: PathLimits) -> Floats:
-    """How far each row of a table (..., T, m) exceeds the limits, shape (..., T, 2 m); negative where it does not."""
+def violations(table: Floats, limits: PathLimits, closed: bool = True) -> Floats:
+    """How far each row of a table (..., R, m) exceeds the limits, shape (..., R, 2 m); negative where it does not.
+
+    Not closed: the last row stays.
+    """
     change = np.roll(table, -1, axis=-2) - table
+    if not closed:
+        change[..., -1, :] = 0.0
     return np.abs(np.concatenate([table, change], -1)) - limits.upper
 
 

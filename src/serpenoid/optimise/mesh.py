@@ -8,8 +8,8 @@ second order (docs/theory.md), hence with values D1, D2, D4 of a quantity
 
 doubt: what the two extrapolations differ by; it is large where the meshes are too coarse for their order to show.
 Rule: an optimum is converged if the error of its displacement is at most 5 % of the limit (or below what a polishing
-search can tell, 1e-6 body lengths). Elliptical gaits are evaluated at the finer mesh's own phases; a table of joint
-angles is refined by straight lines between its rows, as the robot plays it.
+search can tell, 1e-6 body lengths). Curves are evaluated at the finer mesh's own phases; a table of joint angles is
+refined by straight lines between its rows, as the robot plays it (`GaitFamily.on_finer_rows`).
 """
 
 from __future__ import annotations
@@ -19,14 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from serpenoid.body import Floats
-from serpenoid.model import Model
-from serpenoid.simulation import simulate_joint_angles
+from serpenoid.trajectory import Trajectory
 
 TOLERANCE = 0.05  # of the limit; the paper's 50 steps are 0.5 % (its gait of amplitude 6) to 1.2 % (the optimum) off
 RESOLVED = 1e-6  # body lengths: as much as polishing may still gain
 FACTORS = (1, 2, 4)
-TableAt = Callable[[int], Floats]
 
 
 @dataclass(frozen=True)
@@ -86,19 +83,12 @@ class MeshStudy:
         }
 
 
-def study_mesh(model: Model, table_at: TableAt, steps: int) -> MeshStudy:
-    """Simulate one cycle of the gait whose joint table with n steps is `table_at(n)`, shape (n, m), on three meshes."""
-    runs = [simulate_joint_angles(model, table_at(factor * steps)) for factor in FACTORS]
+def study_mesh(motion: Callable[[int], Trajectory], steps: int) -> MeshStudy:
+    """Compare one cycle of a gait on three meshes; `motion(f)` is its simulation with f times as many steps."""
+    runs = [motion(factor) for factor in FACTORS]
     found = [(r.displacement, r.dissipation) if r.status.ok else (np.nan, np.nan) for r in runs]
     (d1, e1), (d2, e2), (d4, e4) = found
     return MeshStudy(steps, (d1, d2, d4), (e1, e2, e4))
-
-
-def refined_table(table: Floats, factor: int) -> Floats:
-    """A joint table (T, m) with `factor` times as many rows, straight lines between them: shape (factor T, m)."""
-    following = np.roll(table, -1, axis=0)
-    share = np.arange(factor)[:, None] / factor
-    return ((1 - share) * table[:, None] + share * following[:, None]).reshape(-1, table.shape[1])
 
 
 def _limit(pair: tuple[float, ...]) -> float:

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.gaits import EllipseGait
-from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.certify import certify
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
@@ -73,15 +71,18 @@ def as_solution(
     """Certify an answer and write it as a Solution."""
     check = certify(solver, answer, c, polish, gait_bounds)
     outcome = answer.outcome
-    mesh = study_mesh(solver.model, lambda steps: joint_table(solver.model, answer.q, steps), solver.steps)
+    mesh = study_mesh(lambda factor: solver.simulate(solver.finer(answer.q, factor)), solver.steps)
     coarse = check.status.ok and not mesh.converged
     return Solution(
         status=Status.MESH_TOO_COARSE if coarse else check.status,
         problem=solver.problem,
         c=c,
-        gait=EllipseGait.from_parameters(answer.q),
+        gait=solver.family.gait(answer.q),
+        names=solver.family.names,
+        q=answer.q,
         table=check.table,
         trajectory=check.trajectory,
+        cost=check.cost,
         objective=outcome.objective,
         residuals=outcome.residuals,
         resimulation_error=check.resimulation_error,
@@ -97,7 +98,7 @@ def as_solution(
 def solve_many(
     solver: GaitSolver, starts: Floats, c: float, flag: StopFlag | None = None, progress: Progress | None = None
 ) -> MultiStart:
-    """Optimise from every start (S, 6); polish the best of each distinct optimum."""
+    """Optimise from every start (S, n); polish the best of each distinct optimum."""
     found: list[tuple[Solution, Answer]] = []
     for i, start in enumerate(starts):
         if flag:

@@ -11,9 +11,11 @@ from __future__ import annotations
 
 import casadi as ca
 
+from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import kinematics
 from serpenoid.mechanics.functions import CSE, split_parameters
 from serpenoid.model import Structure
+from serpenoid.optimise.layer import RowFunctions
 
 COEFFICIENTS = (1, 4, 10)
 PAIRS = [(i, j) for j in range(3) for i in range(j + 1)]
@@ -27,11 +29,10 @@ def polynomial(coefficients: ca.SX, d: ca.SX, size: int) -> ca.SX:
 
 
 def gait_row(structure: Structure, order: int) -> ca.Function:
-    """(q, phase, parameters) -> elements with derivatives up to `order`, shape (4 C, M)."""
+    """(coordinates (3), parameters) -> elements with derivatives up to `order`, shape (4 C, M)."""
     n, c = structure.vertices, COEFFICIENTS[order]
-    q, phase, parameters = ca.MX.sym("q", 6), ca.MX.sym("phase"), ca.MX.sym("parameters", 2 * n)
+    coordinates, parameters = ca.MX.sym("coordinates", 3), ca.MX.sym("parameters", 2 * n)
     edges, weights, _ = split_parameters(parameters, structure)
-    coordinates = _coordinates()(q, phase)
     psi = _along(_direction(order), len(structure.links), [0])(coordinates, link_midpoints(structure)(parameters))
     psi = psi[:, [i for i, group in enumerate(structure.links) for _ in group]]
     psi -= ca.repmat(ca.sum2(psi) / (n - 1), 1, n - 1)
@@ -47,7 +48,7 @@ def gait_row(structure: Structure, order: int) -> ca.Function:
     if structure.dissipation == "edge":
         points = (points[:, 1:] + points[:, :-1]) / 2
     elements = _interleave(points, tangents, c)
-    return ca.Function(f"gait_row_{order}", [q, phase, parameters], [elements])
+    return ca.Function(f"gait_row_{order}", [coordinates, parameters], [elements])
 
 
 def _along(function: ca.Function, count: int, shared: list[int]) -> ca.Function:
@@ -69,16 +70,58 @@ def _interleave(positions: ca.MX, tangents: ca.MX, c: int) -> ca.MX:
     return ca.vertcat(positions, tangents)[order, :]
 
 
-def _coordinates() -> ca.Function:
-    q, phase = ca.SX.sym("q", 6), ca.SX.sym("phase")
-    return ca.Function("coordinates", [q, phase], [kinematics.ellipse_coordinates(q, phase)], CSE)
-
-
 def link_midpoints(structure: Structure) -> ca.Function:
     """parameters -> midpoints of the rigid links along the body, shape (1, m + 1)."""
     parameters = ca.SX.sym("parameters", 2 * structure.vertices)
     edges, _, _ = split_parameters(parameters, structure)
     return ca.Function("link_midpoints", [parameters], [kinematics.link_midpoints(edges, structure).T])
+
+
+def joint_functions(family: GaitFamily, structure: Structure, changes: bool) -> RowFunctions:
+    """Joint angles (m) of a row by the parameters of a serpenoid family, with derivatives: a loop over the joints.
+
+    changes: the row's data are followed by those of the next row, and the changes to it by the angles: (2 m).
+    """
+    m, k, d = len(structure.joints), family.indices.shape[1], family.data.shape[1]
+    q, data = ca.MX.sym("q", k), ca.MX.sym("data", d * (1 + changes))
+    parameters, multipliers = (
+        ca.MX.sym("parameters", 2 * structure.vertices),
+        ca.MX.sym("multipliers", m * (1 + changes)),
+    )
+    middle = link_midpoints(structure)(parameters)
+    value, jacobian, hessian = _joint(family, changes)
+    common, ends = [q, data], [middle[:, :-1], middle[:, 1:]]
+    values = value.map("joints", "serial", m, [0, 1], [])(*common, *ends)
+    slopes = jacobian.map("joints_jacobian", "serial", m, [0, 1], [])(*common, *ends)
+    columns = ca.reshape(multipliers, m, 1 + changes).T
+    total = hessian.map("joints_hessian", "serial", m, [0, 1], [0])(*common, *ends, columns)
+    stacked = ca.vertcat(*(ca.reshape(slopes[i, :], k, m).T for i in range(1 + changes)))
+    inputs = [q, data, parameters]
+    return RowFunctions(
+        ca.Function("gait_path", inputs, [ca.vec(values.T)]),
+        ca.Function("gait_path_jacobian", inputs, [stacked]),
+        ca.Function("gait_path_hessian", [*inputs, multipliers], [total]),
+    )
+
+
+def _joint(family: GaitFamily, changes: bool) -> list[ca.Function]:
+    """Angle of the joint between links with midpoints s0, s1 (and its change), Jacobian, Hessian by q."""
+    k, d = family.indices.shape[1], family.data.shape[1]
+    q, data, s0, s1 = ca.SX.sym("q", k), ca.SX.sym("data", d * (1 + changes)), ca.SX.sym("s0"), ca.SX.sym("s1")
+
+    def angle(row: ca.SX) -> ca.SX:
+        v = family.at(q, row)
+        return kinematics.serpenoid_direction(v, s1) - kinematics.serpenoid_direction(v, s0)
+
+    here, inputs = angle(data[:d]), [q, data, s0, s1]
+    found = ca.vertcat(here, angle(data[d:]) - here) if changes else here
+    multipliers = ca.SX.sym("multipliers", found.numel())
+    hessian = ca.densify(ca.hessian(ca.dot(multipliers, found), q)[0])
+    return [
+        ca.Function("joint", inputs, [found], CSE),
+        ca.Function("joint_jacobian", inputs, [ca.densify(ca.jacobian(found, q))], CSE),
+        ca.Function("joint_hessian", [*inputs, multipliers], [hessian], CSE),
+    ]
 
 
 def _taylor(value: ca.SX, d: ca.SX, order: int) -> ca.SX:

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.gaits import EllipseGait
-from serpenoid.optimise.certify import WIDTH, gait_costs
+from serpenoid.gaits import Gait
+from serpenoid.optimise.certify import gait_costs
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.problem import Problem
 
@@ -22,17 +22,18 @@ GROW, SHRINK = 1.5, 0.75
 PENALTY = 100.0
 
 
-def search(problem: Problem, begins: Sequence[EllipseGait], seed: int = 0) -> tuple[EllipseGait, float]:
-    """The best gait within the problem's limits found from the given ones, and its cost (of the re-simulation)."""
-    solver = GaitSolver(problem)
-    found = [_from(solver, problem.task.c, gait.parameters, np.random.default_rng(seed)) for gait in begins]
+def search(problem: Problem, begins: Sequence[Gait], seed: int = 0) -> tuple[Gait, float]:
+    """The best gait within the problem's limits found from the given ones (of one family), and its cost."""
+    solver = GaitSolver(problem, gait=begins[0])
+    starts = [problem.family_of(gait).start() for gait in begins]
+    found = [_from(solver, problem.task.c, q, np.random.default_rng(seed)) for q in starts]
     q, cost = min(found, key=lambda f: f[1])
-    return EllipseGait.from_parameters(q), cost
+    return solver.family.gait(q), cost
 
 
 def _from(solver: GaitSolver, c: float, q: Floats, rng: np.random.Generator) -> tuple[Floats, float]:
     lower, upper = bounds = solver.gait_bounds()
-    width = np.where(upper > lower, WIDTH, 0.0)
+    width = np.where(upper > lower, solver.family.widths, 0.0)
     best, distance = np.clip(q, lower, upper), FIRST
     lowest = float(gait_costs(solver, best[None], c, PENALTY, bounds)[0])
     for _ in range(GENERATIONS):

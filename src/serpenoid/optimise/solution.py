@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from serpenoid.body import Floats
-from serpenoid.gaits import EllipseGait
+from serpenoid.gaits import Gait
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.problem import Problem
@@ -15,18 +15,21 @@ from serpenoid.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class Solution:
-    """An optimal gait; `trajectory` is its re-simulation, `table` (T, m) its joint angles [rad].
+    """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 
-    cost = -displacement + c * dissipation, from the re-simulation; `objective` is what the optimiser minimised, with
-    the user's own terms where there are any.
+    cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
+    optimiser minimised. names, q: the family's parameters (n,).
     """
 
     status: Status
     problem: Problem
     c: float
-    gait: EllipseGait
+    gait: Gait
+    names: tuple[str, ...]
+    q: Floats
     table: Floats
     trajectory: Trajectory
+    cost: float
     objective: float
     residuals: Residuals
     resimulation_error: float
@@ -36,8 +39,3 @@ class Solution:
     iterations: int
     seconds: float
     timing: dict[str, float]
-
-    @property
-    def cost(self) -> float:
-        """-Delta + c * dissipation."""
-        return -self.trajectory.displacement + self.c * self.trajectory.dissipation

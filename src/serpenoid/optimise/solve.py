@@ -8,15 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.gaits import EllipseGait
-from serpenoid.mechanics.tables import joint_table
+from serpenoid.gaits import Gait
+from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import MultiStart, solve_many, solve_one
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import Customise, GaitSolver
+from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits, within
 from serpenoid.problem import Problem
-from serpenoid.simulation import simulate_joint_angles
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -34,22 +33,22 @@ def solve(
 ) -> MultiStart:
     """Optimise a problem's gait from `starts` random gaits (the problem's own gait is the first start).
 
-    `customise(nlp)` may add objectives and constraints to every `GaitNLP` before it is solved. `progress(done, best)`
+    `customise(criteria)` may add to the objective and the constraints. `progress(done, best)`
     is called after each start. Ctrl-C ends the search and returns what there is.
     """
     solver = GaitSolver(problem, customise)
     gaits = random_gaits(solver, starts, seed)
-    if isinstance(problem.gait, EllipseGait):
-        gaits[0] = _inside(solver, problem.gait.parameters)
+    if solver.family.moves(own := solver.own_start()):
+        gaits[0] = own
     solver.prepare(gaits[0])
     with catch_interrupt() as flag:
         return solve_many(solver, gaits, problem.task.c, flag, progress)
 
 
-def solve_from(problem: Problem, gait: EllipseGait, customise: Customise | None = None) -> Solution:
-    """Optimise from one gait; the answer is certified with polishing."""
-    solver = GaitSolver(problem, customise)
-    start = _inside(solver, gait.parameters)
+def solve_from(problem: Problem, gait: Gait, customise: Customise | None = None) -> Solution:
+    """Optimise from one gait, in its family; the answer is certified with polishing."""
+    solver = GaitSolver(problem, customise, gait)
+    start = np.clip(solver.family.start(), *solver.gait_bounds())
     solver.prepare(start)
     with catch_interrupt() as flag:
         return solve_one(solver, start, problem.task.c, polish=True, flag=flag)[0]
@@ -64,8 +63,8 @@ def refine(solution: Solution, share: float = REFINED, doublings: int = DOUBLING
         mesh = solution.mesh
         if not solution.trajectory.status.ok or solution.status is Status.STOPPED or mesh.within(share):
             break
-        problem = with_steps(solution.problem, 2 * mesh.steps)
-        solution = solve_from(problem, solution.gait)
+        problem, family = with_steps(solution.problem, 2 * mesh.steps), solution.problem.family_of(solution.gait)
+        solution = solve_from(problem, family.refined(2).gait(family.on_finer_rows(solution.q, 2)))
     return solution
 
 
@@ -109,10 +108,5 @@ def improve(
 def _improve_one(solver: GaitSolver, q: Floats, fraction: float, flag: StopFlag) -> Improved:
     bounds = within(solver, q, fraction)
     solution, _ = solve_one(solver, q, solver.problem.task.c, bounds, polish=True, flag=flag)
-    table = joint_table(solver.model, q, solver.steps)
-    return Improved(q, table, simulate_joint_angles(solver.model, table), solution)
-
-
-def _inside(solver: GaitSolver, q: Floats) -> Floats:
-    lower, upper = solver.gait_bounds()
-    return np.clip(q, lower, upper)
+    table = solver.table(q)
+    return Improved(q, table, solver.simulate(table), solution)

@@ -6,22 +6,13 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.gaits import EllipseGait
-from serpenoid.mechanics.tables import joint_table
-from serpenoid.optimise.limits import violations
 from serpenoid.optimise.solver import GaitSolver
-
-SHAPE = [EllipseGait.NAMES.index(name) for name in ("x_c", "y_c", "a")]
-FREE_ANGLE = (-np.pi, np.pi)
 
 
 def random_gaits(solver: GaitSolver, count: int, seed: int) -> Floats:
-    """`count` gaits within the problem's bounds and limits, shape (count, 6)."""
-    lower, upper = solver.gait_bounds()
-    lower = np.where(np.isfinite(lower), lower, FREE_ANGLE[0])
-    upper = np.where(np.isfinite(upper), upper, FREE_ANGLE[1])
+    """`count` gaits within the problem's bounds and limits, shape (count, n)."""
     rng = np.random.default_rng(seed)
-    return np.array([_shrink(solver, q) for q in rng.uniform(lower, upper, size=(count, 6))])
+    return np.array([_shrink(solver, solver.family.sample(rng)) for _ in range(count)])
 
 
 def within(solver: GaitSolver, q: Floats, fraction: float) -> tuple[Floats, Floats]:
@@ -34,16 +25,11 @@ def within(solver: GaitSolver, q: Floats, fraction: float) -> tuple[Floats, Floa
 
 
 def _shrink(solver: GaitSolver, q: Floats) -> Floats:
-    """Scale the curvature of a gait (joint angles are linear in it) so that all limits hold with 5 % to spare."""
-    if not solver.limits.any:
-        return q
-    finite = np.isfinite(solver.limits.upper)
-    limit = solver.limits.upper[finite]
-    excess = violations(joint_table(solver.model, q, solver.steps), solver.limits)[:, finite]
-    ratio = (excess / limit).max() + 1
-    if ratio <= 1:
-        return q
-    shrunk = q.copy()
+    """Scale the joint angles of a gait so that all limits hold with 5 % to spare."""
     lower, upper = solver.gait_bounds()
-    shrunk[SHAPE] = np.clip(q[SHAPE] * 0.95 / ratio, lower[SHAPE], upper[SHAPE])
-    return shrunk
+    if not solver.limits.any:
+        return np.clip(q, lower, upper)
+    finite = np.isfinite(solver.limits.upper)
+    excess = solver.excess(solver.tables(q[None]))[0][:, finite]
+    ratio = (excess / solver.limits.upper[finite]).max() + 1
+    return np.clip(q if ratio <= 1 else solver.family.scaled(q, 0.95 / ratio), lower, upper)

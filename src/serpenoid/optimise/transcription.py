@@ -1,206 +1,331 @@
-"""The gait NLP: the only place that lays one out.
+"""The gait NLP: the only place that lays one out, for every family, model and criterion.
 
-    variables    poses g_1 .. g_T of the body frame (g_0 = origin) and the gait q = (sigma, x_c, y_c, theta, a, xi)
-    minimise     -Delta + c * dissipation                       Delta = |(x, y) of g_T|, dissipation = T * E
-    subject to   T dE/d pose = 0 for every step                 (3 T equations: the geometric momentum vanishes)
+    variables    poses g_1 .. g_T of the body frame (g_0 = origin), [dissipation], gait parameters p
+    minimise     the criteria's objective
+    subject to   T (step values combined) = 0 for every step    (3 T equations: the geometric momentum vanishes)
+                 [dissipation = T * E]                          (a variable where the criteria are not linear in it)
                  joint angles and their changes in limits       (at K rows of the table; see limits.py)
-                 whatever the user adds with `subject_to`
+                 what the criteria add
 
-Direct transcription after Even et al., Sec. III-A, with the paper's simulation as constraints.
-Legend: T steps, N vertices, m joints, K path rows.
+Direct transcription after Even et al., Sec. III-A, with the paper's simulation as constraints. Everything is derived in
+the variables (poses, shapes) of the steps; `Layer`s carry it to the gait's parameters by the chain rule, and for free
+tables there is nothing to carry.
+
+Legend: T steps, R rows, s coordinates of a shape, m joints, n parameters, d data of a row, K path rows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
-import numpy as np
 
-from serpenoid.mechanics import functions
-from serpenoid.model import Structure
-from serpenoid.optimise.assembly import gather_gradient, scatter_hessian, scatter_jacobian
-from serpenoid.optimise.blocks import GAIT, StepBlocks, portable_step_blocks, step_blocks
+from serpenoid.body import Floats
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.optimise.assembly import Places
+from serpenoid.optimise.blocks import Cycle
+from serpenoid.optimise.layer import Layer
+from serpenoid.optimise.motion_law import MotionLaw, path_layer, table_layer
+
+Names = tuple[list[str], list[str]]
 
 
-@dataclass
 class GaitNLP:
-    """The whole-cycle NLP of one Structure. Build it, optionally add terms, then take its Functions.
+    """The whole-cycle NLP of one model, family and criteria; take its Functions.
 
-    variables: MX (3 T + 6), poses then gait; `poses` (3, T), `gait` (6). parameters: MX (1 + K + 2 N): c, the phases of
-    the K path rows, model parameters. `penalised=False` leaves the dissipation out (faster where c = 0). `portable`
-    Functions are self-contained: they can be saved, loaded elsewhere and generated as C; the others call the library
-    compiled on this machine, and are faster.
+    variables: MX (3 T + [1] + n); parameters: MX (1 + 2 d K + 2 N): c, the data of the K path rows and of those
+    after them, model parameters. `penalised=False` leaves the dissipation out of the derivatives (faster where its
+    weight is zero). `portable` Functions are self-contained: they can be saved, loaded elsewhere and generated as C; the
+    others call libraries compiled on this machine, and are faster.
     """
 
-    structure: Structure
-    steps: int
-    path_rows: int = 0
-    portable: bool = False
-    penalised: bool = True
-    variables: ca.MX = field(init=False)
-    parameters: ca.MX = field(init=False)
-    own_objective: ca.MX = field(init=False)
-    replaced: bool = field(init=False, default=False)
-    added: list[tuple[ca.MX, float, float]] = field(init=False, default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.variables = ca.MX.sym("variables", 3 * self.steps + GAIT)
-        self.parameters = ca.MX.sym("parameters", 1 + self.path_rows + 2 * self.structure.vertices)
-        self.own_objective = ca.MX(0)
-
-    @property
-    def poses(self) -> ca.MX:
-        """Poses g_1 .. g_T (x, y, heading), shape (3, T) [body lengths, rad]."""
-        return ca.reshape(self.variables[: 3 * self.steps], 3, self.steps)
+    def __init__(
+        self,
+        law: MotionLaw,
+        criteria: Criteria,
+        path_rows: int = 0,
+        portable: bool = False,
+        penalised: bool = True,
+    ) -> None:
+        self.law, self.family, self.criteria, self.penalised = law, law.family, criteria, penalised
+        self.steps, self.path_rows, self.portable = law.steps, path_rows, portable
+        self.lifted = not criteria.separable
+        self.structure = law.structure
+        d = self.family.data.shape[1]
+        self.variables = ca.MX.sym("variables", 3 * self.steps + self.lifted + self.family.size)
+        self.parameters = ca.MX.sym("parameters", 1 + 2 * d * path_rows + 2 * self.structure.vertices)
 
     @property
     def gait(self) -> ca.MX:
-        """(sigma, x_c, y_c, theta, a, xi), shape (6,)."""
-        return self.variables[3 * self.steps :]
+        """Gait parameters (n)."""
+        return self.variables[3 * self.steps + self.lifted :]
 
     @property
     def model_parameters(self) -> ca.MX:
         """Edge lengths, weights, anisotropy ratio, shape (2 N,)."""
-        return self.parameters[1 + self.path_rows :]
-
-    @property
-    def displacement(self) -> ca.MX:
-        """Distance of the centroid over the cycle [body lengths]."""
-        return ca.norm_2(self.poses[:2, -1])
-
-    @property
-    def heading_change(self) -> ca.MX:
-        """Turn over the cycle [rad]."""
-        return self.poses[2, -1]
-
-    @property
-    def joint_angles(self) -> ca.MX:
-        """Joint table, shape (m, T) [rad], for terms of the user's own."""
-        angles = functions.gait_joint_angles(self.structure)
-        repeated = ca.repmat(self.gait, 1, self.steps), self._phases()[:, :-1]
-        return angles.map(self.steps)(*repeated, ca.repmat(self.model_parameters, 1, self.steps))
-
-    @property
-    def dissipation(self) -> ca.MX:
-        """T times E as an expression, for terms of the user's own (the built-in objective has its own, faster one)."""
-        shape = functions.shape(self.structure).map(self.steps)
-        parameters = ca.repmat(self.model_parameters, 1, self.steps)
-        _, rows = shape(self.joint_angles, parameters)
-        m = self.structure.elements
-        after = ca.horzcat(rows[:, m:], rows[:, :m])
-        poses = ca.horzcat(ca.MX.zeros(3, 1), self.poses)
-        relative = functions.relative_pose().map(self.steps)(poses[:, :-1], poses[:, 1:])
-        energies = functions.step_energy(self.structure).map(self.steps)(rows, after, relative, parameters)
-        return self.steps * ca.sum2(energies)
-
-    def minimise(self, expression: ca.MX) -> None:
-        """Replace the objective by an expression of the symbols above."""
-        self.own_objective, self.replaced = expression, True
-
-    def also_minimise(self, expression: ca.MX) -> None:
-        """Add an expression of the symbols above to the objective."""
-        self.own_objective = self.own_objective + expression
-
-    def subject_to(self, expression: ca.MX, lower: float, upper: float) -> None:
-        """Add `lower <= expression <= upper` (scalars or columns of the symbols above)."""
-        self.added.append((ca.vec(expression), lower, upper))
+        return self.parameters[-2 * self.structure.vertices :]
 
     @property
     def constraint_counts(self) -> tuple[int, int, int]:
-        """Numbers of (momentum, path, added) constraints."""
-        added = sum(expression.numel() for expression, _, _ in self.added)
-        return 3 * self.steps, 2 * len(self.structure.joints) * self.path_rows, added
+        """Numbers of (motion, path, added) constraints."""
+        path = 2 * len(self.structure.joints) * self.path_rows
+        return 3 * self.steps + self.lifted, path, self.criteria.constraints.numel()
 
-    @property
-    def _blocks(self) -> StepBlocks:
-        return (portable_step_blocks if self.portable else step_blocks)(self.structure)
-
-    def _phases(self) -> ca.MX:
-        return ca.MX(ca.DM(np.arange(self.steps + 1) / self.steps)).T
-
-    def _base_objective(self) -> ca.MX:
-        base = ca.MX(0) if self.replaced else -self.displacement
-        return base + self.own_objective
-
-    def _step_inputs(self, order: int) -> list[ca.MX]:
-        """Inputs of the step blocks, one column (or block of columns) per step, with row derivatives up to `order`."""
-        blocks, t, m = self._blocks, self.steps, self.structure.elements
-        phases = self._phases()
-        rows = blocks.rows[order].map(f"rows_{order}", "serial", t + 1, [0, 2], [])
-        row = rows(self.gait, phases, self.model_parameters)
-        poses = ca.horzcat(ca.MX.zeros(3, 1), self.poses)
-        repeated = ca.repmat(self.gait, 1, t)
-        return [poses[:, :-1], poses[:, 1:], repeated, phases[:, :-1], phases[:, 1:], row[:, : m * t], row[:, m:]]
-
-    def _over_steps(self, function: ca.Function, order: int, *more: ca.MX) -> ca.MX:
-        shared = [function.n_in() - 1]
-        mapped = function.map(f"steps_{function.name()}", "serial", self.steps, shared, [])
-        return mapped(*self._step_inputs(order), *more, self.model_parameters)
-
-    def _path(self, function: ca.Function, *more: ca.MX) -> ca.MX:
-        phases = self.parameters[1 : 1 + self.path_rows].T
-        k, last = self.path_rows, [0, 3]
-        mapped = function.map(f"path_{function.name()}", "serial", k, last, [])
-        return mapped(self.gait, phases, phases + 1 / self.steps, self.model_parameters, *more)
+    def split(self, x: Floats) -> tuple[Floats, Floats]:
+        """Poses (T, 3) and gait parameters (n,) of a point."""
+        n = 3 * self.steps
+        return x[:n].reshape(-1, 3), x[n + self.lifted :]
 
     def functions(self) -> dict[str, ca.Function]:
         """The NLP as named Functions, as `casadi.nlpsol` takes them.
 
-        gait_nlp_objective (variables, parameters) -> f, gradient; gait_nlp_constraints -> g; gait_nlp_jacobian -> g, J;
-        gait_nlp_hessian (variables, parameters, multiplier of f, multipliers of g) -> upper triangle.
+        gait_nlp_objective (variables, parameters) -> f; gait_nlp_constraints -> g; gait_nlp_gradient -> f, gradient;
+        gait_nlp_jacobian -> g, J; gait_nlp_hessian (variables, parameters, multiplier of f, multipliers of g) -> upper
+        triangle.
         """
-        blocks, x, p = self._blocks, self.variables, self.parameters
-        added = ca.vertcat(*(expression for expression, _, _ in self.added)) if self.added else ca.MX(0, 1)
-        counts = self.constraint_counts
-        weight = p[0] * self.steps if self.penalised and not self.replaced else ca.MX(0)
-        residual, energy = self._over_steps(blocks.value, 0)
-        slopes = self._over_steps(blocks.jacobian, 1)
-        f, gradient = self._base_objective(), ca.gradient(self._base_objective(), x)
-        if not weight.is_zero():
-            f += weight * ca.sum2(energy)
-            gradient += weight * gather_gradient(self._over_steps(blocks.gradient, 1), self.steps)
-        path, path_jacobian = self._path_terms()
-        g = ca.vertcat(ca.vec(residual) * self.steps, path, added)
-        jacobian = scatter_jacobian(slopes * self.steps, self.steps)
-        jacobian = ca.vertcat(jacobian, path_jacobian, ca.jacobian(added, x))
-        factor, multipliers = ca.MX.sym("multiplier"), ca.MX.sym("multipliers", sum(counts))
-        momentum, on_path, on_added = ca.vertsplit(multipliers, [0, counts[0], counts[0] + counts[1], sum(counts)])
-        step_multipliers = ca.reshape(momentum, 3, self.steps) * self.steps
-        packed = self._over_steps(blocks.hessian, 2, step_multipliers, ca.repmat(factor * weight, 1, self.steps))
-        smooth = factor * self._base_objective() + ca.dot(on_added, added)
-        hessian = scatter_hessian(packed, self.steps) + ca.triu(ca.hessian(smooth, x)[0])
-        hessian += self._path_hessian(on_path)
+        x, p = self.variables, self.parameters
+        values, energy = self._values
+        f, _ = self._asked
+        g = ca.vertcat(self._residual(values), *self._lift(energy), self._path_value, self._asked[1])
+        factor, multipliers = ca.MX.sym("multiplier"), ca.MX.sym("multipliers", sum(self.constraint_counts))
+        hessian = self._hessian(factor, multipliers)
         make: Callable[..., ca.Function] = ca.Function
+        lagrange: Names = ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
         return {
             "f": make("gait_nlp_objective", [x, p], [f], ["x", "p"], ["f"]),
             "g": make("gait_nlp_constraints", [x, p], [g], ["x", "p"], ["g"]),
-            "grad_f": make("gait_nlp_gradient", [x, p], [f, ca.densify(gradient)], ["x", "p"], ["f", "grad_f_x"]),
-            "jac_g": make("gait_nlp_jacobian", [x, p], [g, jacobian], ["x", "p"], ["g", "jac_g_x"]),
-            "hess_lag": make(
-                "gait_nlp_hessian",
-                [x, p, factor, multipliers],
-                [hessian],
-                ["x", "p", "lam_f", "lam_g"],
-                ["triu_hess_gamma_x_x"],
-            ),
+            "grad_f": make("gait_nlp_gradient", [x, p], [f, self._gradient()], ["x", "p"], ["f", "grad_f_x"]),
+            "jac_g": make("gait_nlp_jacobian", [x, p], [g, self._jacobian()], ["x", "p"], ["g", "jac_g_x"]),
+            "hess_lag": make("gait_nlp_hessian", [x, p, factor, multipliers], [hessian], *lagrange),
         }
 
-    def _path_terms(self) -> tuple[ca.MX, ca.MX]:
-        if not self.path_rows:
-            return ca.MX(0, 1), ca.MX(0, self.variables.numel())
-        blocks = self._blocks
-        slopes = ca.horzsplit(self._path(blocks.path_jacobian), GAIT)
-        count = 2 * len(self.structure.joints) * self.path_rows
-        jacobian = ca.horzcat(ca.MX(count, 3 * self.steps), ca.vertcat(*slopes))
-        return ca.vec(self._path(blocks.path)), jacobian
+    # What the steps and the criteria are evaluated at.
 
-    def _path_hessian(self, multipliers: ca.MX) -> ca.MX:
-        n = 3 * self.steps
-        if not self.path_rows:
-            return ca.MX(n + GAIT, n + GAIT)
-        columns = ca.reshape(multipliers, 2 * len(self.structure.joints), self.path_rows)
-        blocks = self._path(self._blocks.path_hessian, columns)
-        total = sum(ca.horzsplit(blocks, GAIT), ca.MX.zeros(GAIT, GAIT))
-        return ca.diagcat(ca.MX(n, n), ca.triu(total))
+    @cached_property
+    def _data(self) -> ca.MX:
+        return ca.MX(ca.DM(self.family.data.T))
+
+    @cached_property
+    def _cycle(self) -> Cycle:
+        poses = ca.horzcat(ca.MX.zeros(3, 1), ca.reshape(self.variables[: 3 * self.steps], 3, self.steps))
+        layer = self.law.shapes
+        shapes = (
+            ca.reshape(self.gait, self.law.coordinates, -1)
+            if layer is None
+            else layer.value(self.gait, self._data, self.model_parameters)
+        )
+        return Cycle(poses, shapes, self.family.closed, self.model_parameters, self.law.settings)
+
+    @cached_property
+    def _values(self) -> tuple[ca.MX, ca.MX]:
+        values, energies = self.law.blocks.value(self._cycle)
+        return values, self.steps * ca.sum2(energies)
+
+    @cached_property
+    def _places(self) -> Places:
+        return Places(self.steps, self.family.rows, self.law.coordinates, self.family.closed)
+
+    @cached_property
+    def _angles(self) -> Layer | None:
+        """The layer of the joint table, where the criteria ask for it and the shapes are something else."""
+        if not self.criteria.needs(self.criteria.angles):
+            return None
+        return None if self.family.free else table_layer(self.law.family, self.structure, self.portable)
+
+    @cached_property
+    def _asked_at(self) -> list[ca.MX]:
+        """Arguments of the criteria's functions."""
+        c, size = self.criteria, self.criteria.angles.numel()
+        if self._angles is not None:
+            angles = ca.vec(self._angles.value(self.gait, self._data, self.model_parameters))
+        else:
+            angles = self.gait if c.needs(c.angles) else ca.MX.zeros(size)
+        needed = self.lifted or (self.penalised and c.needs(c.dissipation))
+        dissipation = self.variables[3 * self.steps] if self.lifted else self._values[1] if needed else ca.MX(0)
+        return [self.variables[: 3 * self.steps], angles, dissipation, self.gait, self.parameters[0]]
+
+    @cached_property
+    def _asked(self) -> tuple[ca.MX, ca.MX]:
+        f, g = self.criteria.function(*self._asked_at)
+        return f, g
+
+    @cached_property
+    def _derived(self) -> ca.Function:
+        """Criteria's inputs, factor, multipliers -> gradient, Jacobian, Hessian by (poses, dissipation, angles, p)."""
+        c = self.criteria
+        factor, multipliers = ca.SX.sym("factor"), ca.SX.sym("multipliers", c.constraints.numel())
+        z = ca.vertcat(c.moved, c.dissipation, c.angles, c.gait)
+        lagrangian = factor * c.objective + ca.dot(multipliers, c.constraints)
+        outputs = [ca.gradient(c.objective, z), ca.jacobian(c.constraints, z), ca.hessian(lagrangian, z)[0]]
+        return ca.Function("criteria_derivatives", [*c.inputs, factor, multipliers], outputs, {"cse": True})
+
+    # q = (shapes, joint table, parameters) as far as they are not the same; Psi carries it to the parameters.
+
+    @cached_property
+    def _groups(self) -> tuple[int, int, int]:
+        """Sizes of (shapes, joint table, parameters) in q; zero where a group is left out."""
+        shapes = self.law.coordinates * self.family.rows
+        if self.law.shapes is None:
+            return shapes, 0, 0  # all three are the same
+        table = self.criteria.angles.numel() if self._angles is not None or self.family.free else 0
+        return shapes, 0 if self.family.free else table, self.family.size
+
+    @cached_property
+    def _psi(self) -> ca.MX | None:
+        if self.law.shapes is None:
+            return None
+        at = self.gait, self._data, self.model_parameters
+        parts = [self.law.shapes.slope(*at)]
+        if self._groups[1] and self._angles is not None:
+            parts.append(self._angles.slope(*at))
+        return ca.vertcat(*parts, ca.MX.eye(self.family.size))
+
+    def _to_parameters(self, by_q: ca.MX) -> ca.MX:
+        return by_q if self._psi is None else by_q @ self._psi
+
+    def _asked_columns(self, matrix: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """A derivative by the criteria's z split into those by poses, dissipation and q (shapes first: none)."""
+        n, m = 3 * self.steps, self.criteria.angles.numel()
+        poses, dissipation, angles, gait = ca.horzsplit(matrix, [0, n, n + 1, n + 1 + m, matrix.size2()])
+        shapes, table, _ = self._groups
+        if self.law.shapes is None:
+            return poses, dissipation, (angles if angles.numel() and self.family.free else 0) + gait
+        if self.family.free:
+            return poses, dissipation, ca.horzcat(ca.MX(matrix.size1(), shapes), angles + gait)
+        middle = [angles] if table else []
+        return poses, dissipation, ca.horzcat(ca.MX(matrix.size1(), shapes), *middle, gait)
+
+    def _beside(self, by_shapes: ca.MX) -> ca.MX:
+        """A derivative by the shapes as one by q."""
+        return ca.horzcat(by_shapes, ca.MX(by_shapes.size1(), sum(self._groups) - by_shapes.size2()))
+
+    # Constraints.
+
+    def _residual(self, values: ca.MX) -> ca.MX:
+        combine = self.law.combine
+        flat = ca.vec(values) if combine is None else combine @ ca.vec(values)
+        return flat * self.steps
+
+    def _lift(self, energy: ca.MX) -> list[ca.MX]:
+        return [energy - self.variables[3 * self.steps]] if self.lifted else []
+
+    @cached_property
+    def _path(self) -> Layer | None:
+        return path_layer(self.family, self.structure, self.path_rows, self.portable) if self.path_rows else None
+
+    @cached_property
+    def _path_at(self) -> tuple[ca.MX, ca.MX, ca.MX]:
+        d = self.family.data.shape[1]
+        data = ca.reshape(self.parameters[1 : 1 + 2 * d * self.path_rows], 2 * d, self.path_rows)
+        return self.gait, data, self.model_parameters
+
+    @property
+    def _path_value(self) -> ca.MX:
+        return ca.MX(0, 1) if self._path is None else ca.vec(self._path.value(*self._path_at))
+
+    # Derivatives by x = (poses, [dissipation], parameters).
+
+    def _gradient(self) -> ca.MX:
+        nothing = ca.MX.zeros(self.criteria.constraints.numel())
+        slope = ca.densify(self._derived(*self._asked_at, 1, nothing)[0]).T
+        poses, dissipation, by_q = self._asked_columns(slope)
+        if not self.lifted and self._needs_energy:
+            pose_places, shape_places = self._places.gradient()
+            blocks = self.law.blocks.gradient(self._cycle) * self.steps
+            poses = poses + dissipation * pose_places(blocks).T
+            by_q = by_q + dissipation * self._beside(shape_places(blocks).T)
+        u = [poses, dissipation] if self.lifted else [poses]
+        return ca.densify(ca.horzcat(*u, self._to_parameters(by_q)).T)
+
+    @property
+    def _needs_energy(self) -> bool:
+        return self.lifted or (self.penalised and self.criteria.needs(self.criteria.dissipation))
+
+    def _jacobian(self) -> ca.MX:
+        blocks = self.law.blocks.jacobian(self._cycle) * self.steps
+        by_poses, by_shapes = (places(blocks) for places in self._places.jacobian(self.law.blocks.values))
+        if self.law.combine is not None:
+            by_poses, by_shapes = self.law.combine @ by_poses, self.law.combine @ by_shapes
+        extra = ca.MX(by_poses.size1(), 1)
+        rows = [self._row(by_poses, extra, self._beside(by_shapes))]
+        if self.lifted:
+            pose_places, shape_places = self._places.gradient()
+            falls = self.law.blocks.gradient(self._cycle) * self.steps
+            rows.append(self._row(pose_places(falls).T, ca.MX(-1), self._beside(shape_places(falls).T)))
+        if self._path is not None:
+            slope = self._path.slope(*self._path_at)
+            rows.append(ca.horzcat(ca.MX(slope.size1(), 3 * self.steps + self.lifted), slope))
+        if self.criteria.constraints.numel():
+            nothing = ca.MX.zeros(self.criteria.constraints.numel())
+            rows.append(self._row(*self._asked_columns(self._derived(*self._asked_at, 0, nothing)[1])))
+        return ca.vertcat(*rows)
+
+    def _row(self, by_poses: ca.MX, by_dissipation: ca.MX, by_q: ca.MX) -> ca.MX:
+        u = [by_poses, by_dissipation] if self.lifted else [by_poses]
+        return ca.horzcat(*u, self._to_parameters(by_q))
+
+    def _hessian(self, factor: ca.MX, multipliers: ca.MX) -> ca.MX:
+        motion, path, _ = self.constraint_counts
+        on_motion, on_path, on_asked = ca.vertsplit(multipliers, [0, motion, motion + path, multipliers.numel()])
+        asked = self._derived(*self._asked_at, factor, on_asked)
+        weights, energy = self._step_weights(factor, on_motion, asked)
+        slope, blocks = self.law.blocks.hessian(self._cycle, weights, energy)
+        places = self._places.hessian()
+        uu, uq, qq = places[0](blocks), self._beside(places[1](blocks)), self._square(places[2](blocks))
+        if self.lifted:
+            uu, uq = ca.diagcat(uu, ca.MX(1, 1)), ca.vertcat(uq, ca.MX(1, uq.size2()))
+        more = self._asked_hessian(asked[2])
+        uu, uq, qq = uu + ca.triu(more[0]), uq + more[1], qq + more[2]
+        if self._psi is None:
+            pp, up = qq, uq
+        else:
+            pp = self._psi.T @ (qq @ self._psi) + self._curvature(slope, factor, on_asked)
+            up = uq @ self._psi
+        if self._path is not None:
+            on_rows = ca.reshape(on_path, -1, self.path_rows)
+            pp = pp + self._path.curvature(*self._path_at, on_rows)
+        return ca.vertcat(ca.horzcat(uu, up), ca.horzcat(ca.MX(up.size2(), up.size1()), ca.triu(pp)))
+
+    def _step_weights(self, factor: ca.MX, on_motion: ca.MX, asked: tuple[ca.MX, ...]) -> tuple[ca.MX, ca.MX]:
+        """Multipliers of the steps' values (v, T) and the factor of each step's energy (1, T)."""
+        residual = on_motion[: 3 * self.steps] * self.steps
+        combine = self.law.combine
+        flat = residual if combine is None else combine.T @ residual
+        if self.lifted:
+            energy = on_motion[-1] * self.steps
+        elif self._needs_energy:
+            energy = factor * self.steps * ca.densify(asked[0])[3 * self.steps]
+        else:
+            energy = ca.MX(0)
+        return ca.reshape(flat, self.law.blocks.values, self.steps), ca.repmat(energy, 1, self.steps)
+
+    def _square(self, by_shapes: ca.MX) -> ca.MX:
+        rest = sum(self._groups) - by_shapes.size1()
+        return ca.diagcat(by_shapes, ca.MX(rest, rest)) if rest else by_shapes
+
+    def _asked_hessian(self, hessian: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """The criteria's Hessian as (u by u, u by q, q by q)."""
+        poses, dissipation, by_q = self._asked_columns(hessian)
+        left = ca.horzcat(poses, dissipation) if self.lifted else poses
+        size = 3 * self.steps + self.lifted
+        uu, uq = left[:size, :], by_q[:size, :]
+        _, _, qq = self._asked_columns(by_q.T)
+        return uu, uq, qq
+
+    def _curvature(self, slope: ca.MX, factor: ca.MX, on_asked: ca.MX) -> ca.MX:
+        """What the layers' own second derivatives add, (n, n)."""
+        at = self.gait, self._data, self.model_parameters
+        _, shape_places = self._places.gradient()
+        layer = self.law.shapes
+        total = ca.MX(self.family.size, self.family.size)
+        if layer is not None and layer.functions.curvature is not None:
+            forces = ca.reshape(ca.densify(shape_places(slope)), self.law.coordinates, -1)
+            total = total + layer.curvature(*at, forces)
+        if self._angles is not None and self._angles.functions.curvature is not None:
+            first, jacobian, _ = self._derived(*self._asked_at, factor, on_asked)
+            both = factor * first + jacobian.T @ on_asked
+            start = 3 * self.steps + 1
+            on_angles = ca.densify(both)[start : start + self.criteria.angles.numel()]
+            total = total + self._angles.curvature(*at, ca.reshape(on_angles, self.criteria.joints, -1))
+        return total

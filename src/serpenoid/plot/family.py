@@ -28,19 +28,20 @@ PARAMETERS = {
 
 @dataclass(frozen=True)
 class Family:
-    """A sweep: c, displacement and dissipation (n,), gait parameters (n, 6); NaN rows are failures."""
+    """A sweep: c, displacement and dissipation (n,), gait parameters (n, k) and their names; NaN rows are failures."""
 
     c: Floats
     displacement: Floats
     dissipation: Floats
     gaits: Floats
+    names: tuple[str, ...] = EllipseGait.NAMES
 
     def solved(self) -> Family:
         """Without the failures, c rising."""
         numbers = np.column_stack([self.c, self.displacement, self.dissipation, self.gaits])
         good = np.flatnonzero(np.isfinite(numbers).all(1))
         order = good[np.argsort(self.c[good], kind="stable")]
-        return Family(self.c[order], self.displacement[order], self.dissipation[order], self.gaits[order])
+        return Family(self.c[order], self.displacement[order], self.dissipation[order], self.gaits[order], self.names)
 
 
 def against_c(family: Family, values: Floats, ax: Axes, label: str, title: str = "", colour: str = BLUE) -> Axes:
@@ -69,14 +70,14 @@ def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
 def gait_parameters(family: Family, ax: Axes, name: str, title: str = "") -> Axes:
     """One of the gait's parameters `sigma`, `a`, `xi` against c."""
     colour, label = PARAMETERS[name]
-    return against_c(family, family.gaits[:, EllipseGait.NAMES.index(name)], ax, label, title, colour)
+    return against_c(family, family.gaits[:, family.names.index(name)], ax, label, title, colour)
 
 
 def gait_curves(family: Family, ax: Axes, title: str = "Gaits in shape space") -> Axes:
     """The gait curves coloured by c; of a gait and its mirror image (w -> -w, equal in cost) the nearer to the last."""
     span = np.ptp(family.c) or 1.0
     centre = np.zeros(2)
-    for c, q in zip(family.c, family.gaits, strict=True):
+    for c, q in zip(family.c, family.gaits, strict=True) if family.names == EllipseGait.NAMES else ():
         sign = -1.0 if q[1:3] @ centre < 0 else 1.0
         centre = sign * q[1:3]
         curve = sign * EllipseGait.from_parameters(q).curve(FINE)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
 from serpenoid.files import atomic
-from serpenoid.gaits import EllipseGait
+from serpenoid.gaits import Gait
 from serpenoid.plot import joints, optima
 from serpenoid.plot.animate import animation
 from serpenoid.plot.body import shapes
@@ -43,13 +43,13 @@ def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
 
 
 def simulation_figures(
-    folder: str | Path, problem: Problem, trajectory: Trajectory, table: Floats, gait: EllipseGait | None
+    folder: str | Path, problem: Problem, trajectory: Trajectory, table: Floats, gait: Gait
 ) -> list[str]:
     """Gait, motion, joints and animation of one motion; what has no numbers to draw (a failed motion) is left out."""
     names = save(joints_figure(table, problem), folder, "joints")
     if np.isfinite(trajectory.vertices).all():
         names += save(motion_figure(trajectory, problem), folder, "motion")
-        if gait is not None:
+        if gait.curve(np.zeros(1)) is not None:
             names += save(gait_figure(gait, trajectory), folder, "gait")
         duration, joint_vertices = problem.task.cycle_duration_s, problem.body.joint_vertices
         animation(Path(folder) / "animation.gif", trajectory, ANIMATED_CYCLES, duration, _countable(joint_vertices))
@@ -81,7 +81,7 @@ def multistart_figures(folder: str | Path, result: MultiStart) -> list[str]:
     return save(fig, folder, "optima")
 
 
-def gait_figure(gait: EllipseGait, trajectory: Trajectory) -> Figure:
+def gait_figure(gait: Gait, trajectory: Trajectory) -> Figure:
     """Gait curve with the body shapes around it."""
     fig = figure(6.2, 5.4)
     ax = fig.add_subplot()

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from serpenoid.gaits import EllipseGait
 from serpenoid.plot import family as panels
 from serpenoid.plot import transport
 from serpenoid.plot.family import Family
 from serpenoid.plot.style import CHAIN_MAP, RED, colour_bar, figure
+
+TITLES = {"sigma": "Flatness", "a": "Amplitude", "xi": "Spatial frequency"}
 
 
 def family_figure(family: Family) -> Figure:
@@ -17,10 +20,15 @@ def family_figure(family: Family) -> Figure:
     axes = fig.subplots(2, 3)
     panels.against_c(family, family.displacement, axes[0, 0], panels.DELTA_LABEL, "Displacement")
     panels.against_c(family, family.dissipation, axes[0, 1], panels.D_LABEL, "Dissipation", RED)
-    panels.gait_curves(family, axes[0, 2])
-    colour_bar(axes[0, 2], CHAIN_MAP, family.c[0], family.c[-1], panels.C_LABEL, pad=0.02, aspect=30)
-    titles = {"sigma": "Flatness", "a": "Amplitude", "xi": "Spatial frequency"}
-    for ax, (name, title) in zip(axes[1], titles.items(), strict=True):
+    shown = {name: title for name, title in TITLES.items() if name in family.names}
+    if family.names != EllipseGait.NAMES:
+        axes[0, 2].set_axis_off()
+        for ax in axes[1, len(shown) :]:
+            ax.set_axis_off()
+    else:
+        panels.gait_curves(family, axes[0, 2])
+        colour_bar(axes[0, 2], CHAIN_MAP, family.c[0], family.c[-1], panels.C_LABEL, pad=0.02, aspect=30)
+    for ax, (name, title) in zip(axes[1], shown.items(), strict=False):
         panels.gait_parameters(family, ax, name, title)
     return fig
 

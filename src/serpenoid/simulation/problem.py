@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from serpenoid.body import Floats
-from serpenoid.gaits import EllipseGait
+from serpenoid.errors import InputError
+from serpenoid.gaits import GaitFamily, TableGait
 from serpenoid.gaits.table import read_table
-from serpenoid.mechanics.tables import joint_table
+from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
 from serpenoid.simulation.rollout import simulate_joint_angles
 from serpenoid.trajectory import Trajectory
@@ -23,10 +24,23 @@ class Simulation:
 
 
 def gait_table(problem: Problem) -> Floats:
-    """Joint table of the problem's gait, shape (T, m) [rad]."""
-    if isinstance(problem.gait, EllipseGait):
-        return joint_table(problem.model, problem.gait.parameters, problem.task.steps)
-    return read_table(problem.folder / problem.gait.path, problem.body.joint_count)
+    """Joint table of the problem's gait, shape (R, m) [rad]."""
+    gait = problem.gait
+    if isinstance(gait, TableGait) and gait.path is not None:
+        return read_table(problem.folder / gait.path, problem.body.joint_count)
+    family = problem.family_of()
+    return family_tables(problem.model, family, family.start()[None])[0]
+
+
+def gait_parameters(problem: Problem, family: GaitFamily) -> Floats:
+    """Parameters (n,) of the problem's gait in its family; a table may stand in a file."""
+    gait = family.like
+    if isinstance(gait, TableGait) and gait.path is not None:
+        table = read_table(problem.folder / gait.path, family.joints)
+        if len(table) != family.rows:
+            raise InputError(f"{gait.path}: needs {family.rows} rows to start from, got {len(table)}. Set task.steps.")
+        return table.ravel()
+    return family.start()
 
 
 def simulate(problem: Problem) -> Simulation:

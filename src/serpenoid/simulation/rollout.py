@@ -93,9 +93,11 @@ class Batch:
         return np.hypot(self.poses[:, -1, 0], self.poses[:, -1, 1])
 
 
-def simulate_batch(model: Model, tables: Floats) -> Batch:
-    """Simulate B joint tables, shape (B, T, m) [rad], for one cycle each, in one compiled call."""
+def simulate_batch(model: Model, tables: Floats, closed: bool = True) -> Batch:
+    """Simulate B joint tables, shape (B, R, m) [rad], for one cycle each; closed ones in one compiled call."""
     b, t, _ = tables.shape
+    if not closed:
+        return _one_by_one(model, tables, closed)
     if model.effects:
         return _extended_batch(model, tables)
     steps = solve_cycles(model, tables)
@@ -111,15 +113,19 @@ def simulate_batch(model: Model, tables: Floats) -> Batch:
     return Batch(poses, dissipation, residual, sound)
 
 
+def _one_by_one(model: Model, tables: Floats, closed: bool) -> Batch:
+    motions = [simulate_joint_angles(model, table, closed=closed) for table in tables]
+    poses = np.array([motion.poses for motion in motions])
+    dissipation = np.array([motion.dissipation for motion in motions])
+    residual = np.array([motion.residual for motion in motions])
+    return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+
+
 def _extended_batch(model: Model, tables: Floats) -> Batch:
     """All steps of all gaits at once where they are independent, else gait by gait."""
     b, t, m = tables.shape
     if model.knows("place") or model.knows("history"):
-        motions = [simulate_joint_angles(model, table) for table in tables]
-        poses = np.array([motion.poses for motion in motions])
-        dissipation = np.array([motion.dissipation for motion in motions])
-        residual = np.array([motion.residual for motion in motions])
-        return Batch(poses, dissipation, residual, np.array([motion.status.ok for motion in motions]))
+        return _one_by_one(model, tables, closed=True)
     realised = np.array([realise_gait(model, table) for table in tables])
     closed = np.concatenate([realised, realised[:, :1]], axis=1)
     _, elements = shape_rows(model, closed.reshape(-1, m))

@@ -1,0 +1,164 @@
+"""What the optimiser knows of a family of gaits: parameters p (n,) and the symbolic shape of every row of the table.
+
+    row t:  p[indices[t]] (k), data[t] (d)  --at-->  shape coordinates (s)
+
+A family whose rows depend on all parameters has k = n; one whose rows depend on a few (splines, free tables) keeps the
+NLP sparse. Adding a family is adding one file beside this one: a `Gait` record, its bounds and its `GaitFamily`.
+
+Legend: n parameters, R rows (T of a closed gait, T + 1 of a transient), m joints.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar, Literal, Self
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.schema import Record
+
+Coordinates = Literal["serpenoid", "joints"]
+
+
+class GaitBounds(Record):
+    """Where the optimiser may look; each family has its own, in `[task.bounds]`."""
+
+    family: str
+
+    def fixed(self, **pairs: tuple[float, float]) -> Self:
+        """The same bounds with some of them replaced."""
+        return self.model_copy(update=pairs)
+
+
+class Gait(Record):
+    """One gait as a problem file gives it, and as a solution reports it."""
+
+    Bounds: ClassVar[type[GaitBounds]]
+    family: str
+
+    @abstractmethod
+    def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> GaitFamily:
+        """The family of this gait for a body of `joints` joints and a table of `rows` rows."""
+
+    def curve(self, phases: Floats) -> Floats | None:
+        """(w1, w2) at `phases` [cycles], shape (n,) -> (n, 2), if the gait is a curve in that space."""
+        return None
+
+    @property
+    def words(self) -> str:
+        """One line for people."""
+        fields = self.model_dump(exclude={"family"})
+        return ", ".join(f"{name} {value:.4f}" for name, value in fields.items() if isinstance(value, float))
+
+    def document(self) -> dict[str, Any]:
+        """What a results folder keeps beside the joint table."""
+        return self.model_dump(mode="json")
+
+
+@dataclass(frozen=True)
+class GaitFamily:
+    """A family of gaits for one body and one table. Hashable: compiled functions are kept per family.
+
+    bounds: the file's. closed: whether the row after the last is the first again. coordinates: `serpenoid` (w1, w2, xi)
+    or `joints` (m angles [rad]). linear: whether the coordinates are linear in the parameters.
+    """
+
+    like: Gait
+    joints: int
+    rows: int
+    bounds: GaitBounds
+    closed: bool = True
+
+    coordinates: ClassVar[Coordinates] = "joints"
+    linear: ClassVar[bool] = True
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters (n)."""
+
+    @property
+    @abstractmethod
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters (n)."""
+
+    @property
+    @abstractmethod
+    def limits(self) -> tuple[Floats, Floats]:
+        """Lower and upper bound of every parameter, shape (n,) each; infinite where it is free."""
+
+    @property
+    @abstractmethod
+    def widths(self) -> Floats:
+        """A few per cent of every parameter's usual range, shape (n,): the scale of derivative-free searches."""
+
+    @cached_property
+    @abstractmethod
+    def data(self) -> Floats:
+        """Numbers (R, d) that tell one row from another: its phase, its weights."""
+
+    @cached_property
+    def indices(self) -> np.ndarray:
+        """Parameters that each row depends on, shape (R, k); default all."""
+        return np.tile(np.arange(self.size), (self.rows, 1))
+
+    @abstractmethod
+    def at(self, p: ca.SX, data: ca.SX) -> ca.SX:
+        """Shape coordinates (s) of a row from its parameters (k) and data (d)."""
+
+    @abstractmethod
+    def start(self) -> Floats:
+        """Parameters of the gait that the family was made from, shape (n,)."""
+
+    @abstractmethod
+    def sample(self, rng: np.random.Generator) -> Floats:
+        """A random start within the limits, shape (n,)."""
+
+    @abstractmethod
+    def scaled(self, p: Floats, factor: float) -> Floats:
+        """The gait p with all joint angles `factor` times as large."""
+
+    @abstractmethod
+    def gait(self, p: Floats) -> Gait:
+        """The gait with parameters p."""
+
+    def refined(self, factor: int) -> Self:
+        """The same family on a table with `factor` times as many steps."""
+        rows = factor * self.rows if self.closed else factor * (self.rows - 1) + 1
+        return replace(self, rows=rows)
+
+    def on_finer_rows(self, p: Floats, factor: int) -> Floats:
+        """Parameters of the gait p in the refined family; default: they do not know the table."""
+        return p
+
+    def moves(self, p: Floats) -> bool:
+        """Whether a gait is worth starting from."""
+        return True
+
+    def opened(self, p: Floats) -> Floats:
+        """A gait near p that moves, for a search that ended at one that does not."""
+        return p
+
+    @property
+    def size(self) -> int:
+        """n."""
+        return len(self.names)
+
+    @property
+    def sparse(self) -> bool:
+        """Whether a row depends on a few of the parameters only."""
+        return self.indices.shape[1] < self.size
+
+    @property
+    def harmonic(self) -> bool:
+        """Whether every joint moves in a sine about its mean, and `data` is the phase [cycles]."""
+        return False
+
+    @property
+    def free(self) -> bool:
+        """Whether the parameters are the joint angles themselves."""
+        return False

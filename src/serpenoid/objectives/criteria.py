@@ -1,0 +1,114 @@
+"""What a gait is asked for: one objective and any number of constraints, as symbolic expressions of its motion.
+
+The symbols stand for poses, joint angles, dissipation and gait parameters of a cycle. Whoever needs the numbers (the
+NLP, the certificate, derivative-free searches, sweeps, reports) evaluates the same Functions at its own motion.
+
+Legend: T steps, R rows of the joint table, m joints, n gait parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from serpenoid.body import Floats
+
+
+@dataclass
+class Criteria:
+    """Symbols of one cycle; add to them with `minimise`, `also_minimise` and `subject_to`.
+
+    poses (3, T + 1): body frames from the origin on [body lengths, rad]; joint_angles (m, R) [rad], the joint table;
+    dissipation: T times E; gait (n): the family's parameters; c: weight of the dissipation, which sweeps vary.
+    """
+
+    steps: int
+    rows: int
+    joints: int
+    size: int
+    names: tuple[str, ...] = ()
+    moved: ca.SX = field(init=False)
+    poses: ca.SX = field(init=False)
+    angles: ca.SX = field(init=False)
+    joint_angles: ca.SX = field(init=False)
+    dissipation: ca.SX = field(init=False)
+    gait: ca.SX = field(init=False)
+    c: ca.SX = field(init=False)
+    objective: ca.SX = field(init=False)
+    added: list[tuple[ca.SX, Floats | float, Floats | float]] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.moved = ca.SX.sym("poses", 3 * self.steps)
+        self.poses = ca.horzcat(ca.SX.zeros(3, 1), ca.reshape(self.moved, 3, self.steps))
+        self.angles = ca.SX.sym("joint_angles", self.joints * self.rows)
+        self.joint_angles = ca.reshape(self.angles, self.joints, self.rows)
+        self.dissipation, self.c = ca.SX.sym("dissipation"), ca.SX.sym("c")
+        self.gait = ca.SX.sym("gait", self.size)
+        self.objective = ca.SX(0)
+
+    @property
+    def displacement(self) -> ca.SX:
+        """Distance of the centroid over the cycle [body lengths]."""
+        return ca.norm_2(self.poses[:2, -1])
+
+    @property
+    def heading_change(self) -> ca.SX:
+        """Turn over the cycle [rad]."""
+        return self.poses[2, -1]
+
+    @property
+    def changes(self) -> ca.SX:
+        """Changes of the joint angles from row to row, shape (m, T) [rad]."""
+        angles = self.joint_angles
+        return (ca.horzcat(angles[:, 1:], angles[:, 0]) if self.rows == self.steps else angles[:, 1:]) - angles[
+            :, : self.steps
+        ]
+
+    def after(self, cycles: int) -> ca.SX:
+        """Pose (3) after the cycle was played `cycles` times: its net motion, composed with itself."""
+        motion, pose = self.poses[:, -1], ca.SX.zeros(3)
+        for _ in range(cycles):
+            c, s = ca.cos(pose[2]), ca.sin(pose[2])
+            moved = ca.vertcat(c * motion[0] - s * motion[1], s * motion[0] + c * motion[1], motion[2])
+            pose = pose + moved
+        return pose
+
+    def minimise(self, expression: ca.SX) -> None:
+        """Replace the objective."""
+        self.objective = expression
+
+    def also_minimise(self, expression: ca.SX) -> None:
+        """Add to the objective."""
+        self.objective = self.objective + expression
+
+    def subject_to(self, expression: ca.SX, lower: Floats | float, upper: Floats | float) -> None:
+        """Add `lower <= expression <= upper` (scalars or columns)."""
+        self.added.append((ca.vec(ca.SX(expression)), lower, upper))
+
+    @property
+    def constraints(self) -> ca.SX:
+        """All constraint expressions in one column."""
+        return ca.vertcat(*(expression for expression, _, _ in self.added)) if self.added else ca.SX(0, 1)
+
+    @property
+    def inputs(self) -> list[ca.SX]:
+        """Arguments of every Function made from the criteria: g_1 .. g_T (3 T), angles (m R), dissipation, gait, c."""
+        return [self.moved, self.angles, self.dissipation, self.gait, self.c]
+
+    @property
+    def function(self) -> ca.Function:
+        """`inputs` -> objective, constraints."""
+        return ca.Function("criteria", self.inputs, [ca.densify(self.objective), ca.densify(self.constraints)])
+
+    @property
+    def separable(self) -> bool:
+        """Whether the dissipation enters as a constant (or c) times itself, and no constraint has it."""
+        by, others = ca.gradient(self.objective, self.dissipation), ca.vertcat(*self.inputs[:-1])
+        in_constraints = ca.jacobian(self.constraints, self.dissipation).nnz() > 0
+        return not in_constraints and not any(ca.which_depends(by, others, 1, True))
+
+    def needs(self, symbol: ca.SX) -> bool:
+        """Whether objective or constraints depend on `symbol`."""
+        both = ca.vertcat(self.objective, self.constraints)
+        return ca.jacobian(both, symbol).nnz() > 0

@@ -1,0 +1,23 @@
+"""To a place: the squared distance of the centroid from a target after some cycles [body lengths squared]."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import casadi as ca
+from pydantic import Field
+
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Term
+
+
+class Position(Term):
+    """|(x, y) of the body frame - target|^2 in the frame of the first row: origin centroid, x along the mean edge."""
+
+    kind: Literal["position"] = "position"
+    target: tuple[float, float] = Field(description="x, y [body lengths]")
+    cycles: int = Field(default=1, ge=1, description="the cycle is played so often to get there")
+
+    def expression(self, of: Criteria) -> ca.SX:
+        """Zero where the target is reached."""
+        return ca.sumsqr(of.after(self.cycles)[:2] - ca.DM(self.target))

@@ -1,0 +1,33 @@
+"""Be somewhere: the centroid within a radius of a target, at the end or on the way (a checkpoint)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import casadi as ca
+from pydantic import Field
+
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Demand
+
+
+class Reach(Demand):
+    """|(x, y) - target| <= radius at the row nearest to `at`; a radius of zero asks for the target itself."""
+
+    kind: Literal["reach"] = "reach"
+    target: tuple[float, float] = Field(description="x, y [body lengths], in the frame of the first row")
+    radius: Annotated[float, Field(ge=0)] = 0.0
+    at: Annotated[float, Field(gt=0, le=1, description="when, as a part of the cycle")] = 1.0
+    cycles: int = Field(default=1, ge=1, description="of `at = 1`: after so many cycles")
+    heading_rad: float | None = Field(default=None, description="heading there; default: any")
+
+    def require(self, of: Criteria) -> None:
+        """Two equations or one inequality, and the heading."""
+        pose = of.after(self.cycles) if self.at == 1 else of.poses[:, max(1, round(self.at * of.steps))]
+        gap = pose[:2] - ca.DM(self.target)
+        if self.radius > 0:
+            of.subject_to(ca.sumsqr(gap), -ca.inf, self.radius**2)
+        else:
+            of.subject_to(gap, 0.0, 0.0)
+        if self.heading_rad is not None:
+            of.subject_to(pose[2] - self.heading_rad, 0.0, 0.0)

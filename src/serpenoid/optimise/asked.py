@@ -1,0 +1,71 @@
+"""What a task asks of a gait, by symbols for the NLP and by numbers for everybody else.
+
+Legend: B gaits, T steps, m joints, R rows, n gait parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.gaits import GaitFamily
+from serpenoid.objectives import Criteria
+from serpenoid.problem import Task
+from serpenoid.simulation.rollout import Batch
+
+Customise = Callable[[Criteria], None]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The criteria with the bounds of their constraints."""
+
+    criteria: Criteria
+
+    @cached_property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper bounds of all constraints."""
+        added = self.criteria.added
+        lower = [np.broadcast_to(np.asarray(lo, float).ravel(), e.numel()) for e, lo, _ in added]
+        upper = [np.broadcast_to(np.asarray(hi, float).ravel(), e.numel()) for e, _, hi in added]
+        return np.concatenate([np.zeros(0), *lower]), np.concatenate([np.zeros(0), *upper])
+
+    @cached_property
+    def always_dissipation(self) -> bool:
+        """Whether the objective has a price of dissipation beside c."""
+        price = ca.gradient(self.criteria.objective, self.criteria.dissipation)
+        return not ca.simplify(ca.substitute(price, self.criteria.c, 0)).is_zero()
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        return self.criteria.function
+
+    def evaluate(self, batch: Batch, tables: Floats, gaits: Floats, c: float) -> tuple[Floats, Floats]:
+        """Objective (B,) and sum of the violations (B,) of simulated gaits."""
+        count = len(gaits)
+        moved = (batch.poses[:, 1:] - batch.poses[:, :1]).reshape(count, -1).T
+        angles = tables.reshape(count, -1).T
+        inputs = moved, angles, batch.dissipation[None], gaits.T, np.full((1, count), c)
+        f, g = (x.full() for x in self._function.map(count)(*inputs))
+        lower, upper = self.bounds
+        outside = np.maximum(lower[:, None] - g, 0) + np.maximum(g - upper[:, None], 0)
+        return f[0], outside.sum(0)
+
+
+def asked(task: Task, family: GaitFamily, customise: Customise | None = None) -> Asked:
+    """The criteria of a task for gaits of a family, with what the user adds."""
+    steps = family.rows - (not family.closed)
+    criteria = Criteria(steps, family.rows, family.joints, family.size, family.names)
+    for term in task.objectives:
+        criteria.also_minimise(term.weight * term.expression(criteria))
+    criteria.also_minimise(criteria.c * criteria.dissipation)
+    for demand in task.demands:
+        demand.require(criteria)
+    if customise is not None:
+        customise(criteria)
+    return Asked(criteria)

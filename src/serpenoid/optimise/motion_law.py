@@ -1,0 +1,116 @@
+"""How a model moves, as the gait NLP needs it: step blocks, and the layers that lead from gait parameters to shapes.
+
+    family --shapes--> coordinates of the realised rows --blocks--> values per step --combine--> residuals
+
+Without effects the rows are the commanded ones. Actuation effects change the layer, effects of the medium the blocks;
+inertia couples steps, which `combine` (constant) does. Legend: T steps, R rows, n parameters, v values per step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.gaits import GaitFamily
+from serpenoid.mechanics import functions
+from serpenoid.mechanics.functions import CSE, split_parameters
+from serpenoid.model import Model, Structure
+from serpenoid.optimise.blocks import StepBlocks
+from serpenoid.optimise.extended import combination, extended_blocks, realised_angles, settings
+from serpenoid.optimise.joint_blocks import baseline_blocks
+from serpenoid.optimise.layer import Layer, RowFunctions, row_functions
+from serpenoid.optimise.rows import joint_functions
+from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
+
+
+@dataclass(frozen=True)
+class MotionLaw:
+    """shapes: None where the parameters are the shapes. combine (3 T, v T): None where values are residuals."""
+
+    structure: Structure
+    family: GaitFamily
+    steps: int
+    coordinates: int
+    blocks: StepBlocks
+    shapes: Layer | None
+    combine: ca.DM | None = None
+    settings: ca.MX | None = None
+
+
+def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> MotionLaw:
+    """The law of a model for gaits of a family."""
+    steps, structure = family.rows - (not family.closed), model.structure
+    if not model.medium_effects and not model.actuation_effects and family.coordinates == "serpenoid":
+        blocks: StepBlocks = SerpenoidBlocks(structure, portable)
+        return MotionLaw(structure, family, steps, 3, blocks, _coordinates(family, structure, portable))
+    shapes = _angles(model, family, steps, portable)
+    m = len(structure.joints)
+    if not model.medium_effects:
+        return MotionLaw(structure, family, steps, m, baseline_blocks(structure, portable), shapes)
+    blocks = extended_blocks(model, portable)
+    return MotionLaw(structure, family, steps, m, blocks, shapes, combination(model, steps), settings(model, steps))
+
+
+def _coordinates(family: GaitFamily, structure: Structure, portable: bool) -> Layer:
+    """Parameters to shape coordinates."""
+    p, data = ca.SX.sym("p", family.indices.shape[1]), ca.SX.sym("data", family.data.shape[1])
+    parameters = ca.SX.sym("parameters", 2 * structure.vertices)
+    function = ca.Function("coordinates", [p, data, parameters], [family.at(p, data)], CSE)
+    return _layer("coordinates", function, family, portable)
+
+
+def _angles(model: Model, family: GaitFamily, steps: int, portable: bool) -> Layer | None:
+    """Parameters to the joint angles that the body really has."""
+    if not model.actuation_effects:
+        return None if family.free else table_layer(family, model.structure, portable)
+    p, data = ca.SX.sym("p", family.indices.shape[1]), ca.SX.sym("data", family.data.shape[1])
+    parameters = ca.SX.sym("parameters", 2 * model.structure.vertices)
+    edges, _, _ = split_parameters(parameters, model.structure)
+    angles = realised_angles(model, family, p, data, edges, steps)
+    return _layer("realised", ca.Function("realised", [p, data, parameters], [angles], CSE), family, True)
+
+
+def table_layer(family: GaitFamily, structure: Structure, portable: bool) -> Layer:
+    """Parameters to the joint table."""
+    if family.coordinates == "serpenoid":
+        made = joint_functions(family, structure, changes=False)
+        return Layer(_compiled(made, portable), family.indices, family.size)
+    return _layer("table", functions.gait_joint_angles(structure, family), family, portable)
+
+
+def path_layer(family: GaitFamily, structure: Structure, rows: int, portable: bool) -> Layer:
+    """Parameters to a row's joint angles and their change to the next row (2 m), for rows whose data are parameters.
+
+    Of a sparse family all rows are taken, in order.
+    """
+    if family.coordinates == "serpenoid":
+        made = _compiled(joint_functions(family, structure, changes=True), portable)
+        return Layer(made, np.tile(np.arange(family.size), (rows, 1)), family.size)
+    p, d = ca.SX.sym("p", 2 * family.indices.shape[1]), family.data.shape[1]
+    k, data = family.indices.shape[1], ca.SX.sym("data", 2 * d)
+    parameters = ca.SX.sym("parameters", 2 * structure.vertices)
+    here, there = family.at(p[:k], data[:d]), family.at(p[k:], data[d:])
+    following = np.roll(family.indices, -1, axis=0)
+    if family.sparse:
+        indices = np.hstack([family.indices, following])[:rows]
+        function = ca.Function("path", [p, data, parameters], [ca.vertcat(here, there - here)])
+    else:
+        q = ca.SX.sym("p", k)
+        here, there = family.at(q, data[:d]), family.at(q, data[d:])
+        function = ca.Function("path", [q, data, parameters], [ca.vertcat(here, there - here)])
+        indices = np.tile(np.arange(family.size), (rows, 1))
+    return Layer(row_functions("path", function, portable), indices, family.size)
+
+
+def _layer(name: str, function: ca.Function, family: GaitFamily, portable: bool) -> Layer:
+    return Layer(row_functions(name, function, portable), family.indices, family.size)
+
+
+def _compiled(made: RowFunctions, portable: bool) -> RowFunctions:
+    from serpenoid.mechanics.compile import compiled
+
+    if portable or made.curvature is None:
+        return made
+    return RowFunctions(*compiled([made.value, made.slope, made.curvature]))

@@ -1,0 +1,160 @@
+"""The step over serpenoid coordinates, in three small layers.
+
+    (w1, w2, xi)  --row_shape-->  elements, with first and second derivatives (once per row)
+    elements, relative pose  --element-->  one summand of energy and momentum, mapped over the elements (a C loop)
+    relative pose of (g_t, g_{t+1})  --compose-->  12 variables
+
+The layers keep the compiled code small, independent of the number of joints, and the shape kinematics out of the pose
+derivatives. The residual is dE/d pose in the relative pose's own coordinates: its roots are those of the geometric
+momentum. Legend: M elements, z = (relative pose h (3), row t (3), row t + 1 (3)): 9 local variables.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+
+from serpenoid.mechanics import energy
+from serpenoid.mechanics.compile import compiled
+from serpenoid.mechanics.functions import CSE, element_parameters
+from serpenoid.model import Structure
+from serpenoid.optimise.blocks import Cycle, over
+from serpenoid.optimise.rows import COEFFICIENTS, gait_row, polynomial
+
+LOCAL = 9  # h, coordinates of row t, coordinates of row t + 1
+OUTER = 12
+ROW = tuple(4 * c for c in COEFFICIENTS)  # an element's values; with first; with second derivatives by (w1, w2, xi)
+
+
+class SerpenoidBlocks:
+    """Compiled functions of one step, over shape coordinates (w1, w2, xi)."""
+
+    values = 3
+
+    def __init__(self, structure: Structure, portable: bool = False) -> None:
+        self.elements = structure.elements
+        functions = (_portable if portable else _compiled)(structure)
+        self._rows, (self._value, self._gradient, self._jacobian, self._hessian) = functions[:3], functions[3:]
+
+    def value(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
+        """Residuals (3, T) and energies (1, T)."""
+        residual, energies = self._over(self._value, 0, cycle)
+        return residual, energies
+
+    def jacobian(self, cycle: Cycle) -> ca.MX:
+        """d residual, shape (3, 12 T)."""
+        return self._over(self._jacobian, 1, cycle)
+
+    def gradient(self, cycle: Cycle) -> ca.MX:
+        """d energy, shape (1, 12 T)."""
+        return self._over(self._gradient, 1, cycle)
+
+    def hessian(self, cycle: Cycle, multipliers: ca.MX, factors: ca.MX) -> tuple[ca.MX, ca.MX]:
+        """Gradient (12, T) and Hessian (12, 12 T) of the steps' Lagrangians."""
+        slope, curvature = self._over(self._hessian, 2, cycle, multipliers, factors)
+        return slope, curvature
+
+    def _over(self, function: ca.Function, order: int, cycle: Cycle, *more: ca.MX) -> ca.MX:
+        rows = over(self._rows[order], int(cycle.shapes.size2()), [1], cycle.shapes, cycle.parameters)
+        ends = [*cycle.ends(cycle.shapes), *cycle.ends(rows, self.elements)]
+        inputs = [cycle.poses[:, :-1], cycle.poses[:, 1:], *ends, *more, cycle.parameters]
+        return over(function, cycle.steps, [function.n_in() - 1], *inputs)
+
+
+@lru_cache(maxsize=16)
+def _compiled(structure: Structure) -> list[ca.Function]:
+    return compiled(_all(structure))
+
+
+@lru_cache(maxsize=16)
+def _portable(structure: Structure) -> list[ca.Function]:
+    return _all(structure)
+
+
+def _all(structure: Structure) -> list[ca.Function]:
+    return [*(gait_row(structure, order) for order in range(len(ROW))), *_steps(structure)]
+
+
+def upper(n: int) -> list[tuple[int, int]]:
+    """Index pairs (i, j), i <= j, column by column."""
+    return [(i, j) for j in range(n) for i in range(j + 1)]
+
+
+def _steps(structure: Structure) -> list[ca.Function]:
+    """value, gradient, jacobian, hessian of one step: sums over the elements, then the chain rule to the poses."""
+    m = structure.elements
+    outer = [ca.MX.sym("g0", 3), ca.MX.sym("g1", 3), ca.MX.sym("a0", 3), ca.MX.sym("a1", 3)]
+    rows = [[ca.MX.sym("r0", size, m), ca.MX.sym("r1", size, m)] for size in ROW]
+    parameters = ca.MX.sym("parameters", 2 * structure.vertices)
+    multipliers, factor = ca.MX.sym("multipliers", 3), ca.MX.sym("factor")
+    weights, eps = element_parameters(structure)(parameters)
+    local, local_jacobian, compose = _composition()
+    h, sensitivity = local(*outer)[:3], local_jacobian(*outer)
+
+    def total(function: ca.Function, order: int, *more: ca.MX) -> tuple[ca.MX, ...]:
+        shared = [2, *range(3, 3 + len(more)), function.n_in() - 1]
+        name, outputs = f"all_{function.name()}", list(range(function.n_out()))
+        summed = function.map(name, "serial", m, shared, outputs)(*rows[order], h, *more, weights.T, eps)
+        return summed if isinstance(summed, tuple) else (summed,)
+
+    value, gradient, jacobian, hessian = _element()
+    slope, curvature = total(hessian, 2, multipliers, factor)
+    return [
+        ca.Function("gait_value", [*outer, *rows[0], parameters], list(total(value, 0))),
+        ca.Function("gait_gradient", [*outer, *rows[1], parameters], [total(gradient, 1)[0] @ sensitivity]),
+        ca.Function("gait_jacobian", [*outer, *rows[1], parameters], [total(jacobian, 1)[0] @ sensitivity]),
+        ca.Function(
+            "gait_hessian",
+            [*outer, *rows[2], multipliers, factor, parameters],
+            list(compose(*outer, slope, curvature)),
+        ),
+    ]
+
+
+def _element() -> list[ca.Function]:
+    """Value, gradient, Jacobian and Hessian of one element's share, from the Taylor polynomials of its two rows."""
+    h, w, eps = ca.SX.sym("h", 3), ca.SX.sym("w"), ca.SX.sym("eps")
+    d0, d1 = ca.SX.sym("d0", 3), ca.SX.sym("d1", 3)
+    multipliers, factor = ca.SX.sym("multipliers", 3), ca.SX.sym("factor")
+    z, zero = ca.vertcat(h, d0, d1), ca.vertcat(h, ca.SX.zeros(6))
+
+    def share(order: int) -> tuple[list[ca.SX], ca.SX]:
+        r0, r1 = ca.SX.sym("r0", ROW[order]), ca.SX.sym("r1", ROW[order])
+        after = energy.move(h, polynomial(r1, d1, 4))
+        return [r0, r1, h], energy.element_energy(polynomial(r0, d0, 4), after, w, eps)
+
+    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+        at_row = [ca.densify(ca.substitute(expression, z, zero)) for expression in outputs]
+        return ca.Function(f"element_{name}", [*inputs, w, eps], at_row, CSE)
+
+    (rows0, plain), (rows1, linear), (rows2, quadratic) = share(0), share(1), share(2)
+    lagrangian = ca.dot(multipliers, ca.gradient(quadratic, h)) + factor * quadratic
+    curvature, slope = ca.hessian(lagrangian, z)
+    packed = ca.vertcat(*(curvature[i, j] for i, j in upper(LOCAL)))
+    return [
+        function("value", rows0, [ca.gradient(plain, h), plain]),
+        function("gradient", rows1, [ca.jacobian(linear, z)]),
+        function("jacobian", rows1, [ca.jacobian(ca.gradient(linear, h), z)]),
+        function("hessian", [*rows2, multipliers, factor], [slope, packed]),
+    ]
+
+
+def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:
+    """Local variables z from the outer ones, their Jacobian, and gradient and Hessian by the chain rule."""
+    inputs = [ca.SX.sym("g0", 3), ca.SX.sym("g1", 3), ca.SX.sym("a0", 3), ca.SX.sym("a1", 3)]
+    g0, g1, a0, a1 = inputs
+    back = energy.planar_rotation(g0[2]).T @ (g1[:2] - g0[:2])
+    z, outer = ca.vertcat(back, g1[2] - g0[2], a0, a1), ca.vertcat(*inputs)
+    sensitivity = ca.jacobian(z, outer)
+    slope, packed = ca.SX.sym("slope", LOCAL), ca.SX.sym("packed", len(upper(LOCAL)))
+    inner = ca.SX.zeros(LOCAL, LOCAL)
+    for (i, j), value in zip(upper(LOCAL), ca.vertsplit(packed), strict=True):
+        inner[i, j] = inner[j, i] = value
+    total = sensitivity.T @ inner @ sensitivity + ca.hessian(ca.dot(slope, z), outer)[0]
+    outputs = [ca.densify(sensitivity.T @ slope), ca.densify(total)]
+    return (
+        ca.Function("local", inputs, [z], CSE),
+        ca.Function("local_jacobian", inputs, [ca.densify(sensitivity)], CSE),
+        ca.Function("compose", [*inputs, slope, packed], outputs, CSE),
+    )

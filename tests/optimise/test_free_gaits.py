@@ -1,0 +1,131 @@
+"""Free joint tables: exact derivatives, agreement with the ellipse, certified optima, invariants."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from serpenoid.body import Body, Floats
+from serpenoid.gaits import EllipseGait, Gait, TableGait
+from serpenoid.mechanics.tables import joint_table
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.objectives import Criteria
+from serpenoid.optimise.solve import solve, solve_from
+from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.problem import Task
+from serpenoid.simulation import simulate_joint_angles
+from serpenoid.status import Status
+from specimens import nlp_of, oracle_run, problem, uneven
+
+STEPS = 6
+Q = np.array([0.6, 0.5, -0.8, 0.3, 4.0, 1.1])
+REACHED = 0.0041234  # problems/reach.toml: all of 20 seeds
+
+EFFORT = Task.model_validate({"c": 0.6, "objectives": [{"kind": "position", "target": (0.3, 0.1), "weight": 2.0}]})
+BENDING = Task.model_validate({"objectives": [{"kind": "bending"}, {"kind": "displacement"}, {"kind": "effort"}]})
+DEMANDS = Task.model_validate(
+    {"demands": [{"kind": "reach", "target": (0.2, 0.0), "cycles": 3}, {"kind": "travel", "least": 0.1}]}
+)
+TASKS = {"position and dissipation": EFFORT, "bending and effort": BENDING, "demands": DEMANDS}
+GAITS: dict[str, Gait] = {"table": TableGait(), "ellipse": EllipseGait()}
+
+
+def efficiency(of: Criteria) -> None:
+    """Not linear in the dissipation, which becomes a variable."""
+    of.minimise((0.1 + of.dissipation) / (1 + of.displacement))
+    of.subject_to(of.dissipation * of.joint_angles[0, 0], -1.0, 1.0)
+
+
+def differences(nlp: GaitNLP, x: Floats, p: Floats, seed: int) -> None:
+    """Jacobian, gradient and Hessian against central differences of values and of the Lagrangian's slope."""
+    made, h = nlp.functions(), 1e-6
+    rng = np.random.default_rng(seed)
+    direction, multipliers = rng.normal(size=x.size), rng.normal(size=sum(nlp.constraint_counts))
+    up, down = x + h * direction, x - h * direction
+    change = (made["g"](up, p) - made["g"](down, p)).full()[:, 0] / (2 * h)
+    np.testing.assert_allclose((made["jac_g"](x, p)[1] @ direction).full()[:, 0], change, atol=2e-7)
+    fall = float(made["f"](up, p) - made["f"](down, p)) / (2 * h)
+    assert float(made["grad_f"](x, p)[1].T @ direction) == pytest.approx(fall, abs=2e-7)
+
+    def slope(at: Floats) -> Floats:
+        return (1.3 * made["grad_f"](at, p)[1] + made["jac_g"](at, p)[1].T @ multipliers).full()[:, 0]
+
+    upper = ca.densify(made["hess_lag"](x, p, 1.3, multipliers)).full()
+    assert np.abs(np.tril(upper, -1)).max() == 0
+    hessian = upper + np.triu(upper, 1).T
+    # truncation h^2 times third derivatives (1e5 with T^2), cancellation 1e-13 / h
+    np.testing.assert_allclose(hessian @ direction, (slope(up) - slope(down)) / (2 * h), atol=5e-6)
+
+
+@pytest.mark.usefixtures("virtual_machine")
+@pytest.mark.parametrize("dissipation", ["vertex", "edge"])
+@pytest.mark.parametrize("gait", GAITS)
+@pytest.mark.parametrize("task", [*TASKS, "efficiency"])
+def test_derivatives_are_differences_for_every_family_and_criterion(task: str, gait: str, dissipation: str) -> None:
+    model = uneven(dissipation)
+    own = efficiency if task == "efficiency" else None
+    nlp = nlp_of(model, STEPS, gait=GAITS[gait], customise=own, task=TASKS.get(task))
+    rng = np.random.default_rng(5)
+    parameters = Q if gait == "ellipse" else 0.4 * rng.normal(size=nlp.family.size)
+    lifted = [0.2] if nlp.lifted else []
+    x = np.concatenate([0.2 * rng.normal(size=3 * STEPS), lifted, parameters])
+    differences(nlp, x, np.concatenate([[0.7], model.parameters]), seed=6)
+
+
+@pytest.mark.usefixtures("virtual_machine")
+@pytest.mark.parametrize("dissipation", ["vertex", "edge"])
+def test_an_ellipse_as_a_table_has_the_same_residuals_up_to_the_frame_and_the_same_gradient(dissipation: str) -> None:
+    model = uneven(dissipation)
+    ellipse, table = nlp_of(model, STEPS), nlp_of(model, STEPS, gait=TableGait())
+    angles = joint_table(model, Q, STEPS)
+    motion = simulate_joint_angles(model, angles)
+    p, poses = np.concatenate([[0.7], model.parameters]), motion.poses[1:].ravel()
+    first, second = np.concatenate([poses, Q]), np.concatenate([poses, angles.ravel()])
+    for nlp, x in ((ellipse, first), (table, second)):
+        assert np.abs(nlp.functions()["g"](x, p).full()).max() < 1e-10
+    one, other = (reduced_gradient(nlp, x, p) for nlp, x in ((ellipse, first), (table, second)))
+    h = 1e-6
+    by_q = np.array([(joint_table(model, Q + h * e, STEPS) - joint_table(model, Q - h * e, STEPS)) for e in np.eye(6)])
+    np.testing.assert_allclose(by_q.reshape(6, -1) @ other / (2 * h), one, atol=1e-9)  # h^2 in the chain's differences
+
+
+def reduced_gradient(nlp: GaitNLP, x: Floats, p: Floats) -> Floats:
+    """Derivative of the objective by the gait parameters along the motions: the poses follow."""
+    n, made = 3 * nlp.steps, nlp.functions()
+    slope, jacobian = made["grad_f"](x, p)[1].full()[:, 0], made["jac_g"](x, p)[1].full()
+    return slope[n:] - jacobian[:, n:].T @ np.linalg.solve(jacobian[:, :n].T, slope[:n])
+
+
+def test_the_reach_problem_is_solved_certified_and_confirmed_by_the_oracle() -> None:
+    result = solve(problem("reach"), starts=2, seed=3)
+    best = result.best
+    assert not result.failures
+    assert len(result.optima) == 1
+    assert best.status is Status.SOLVED
+    assert best.cost == pytest.approx(REACHED, abs=5e-8)
+    run = oracle_run(best.problem.model, best.table)
+    goal = 5 * np.sum((run.poses[-1, :2] - [1, 0]) ** 2) + 0.125 * run.dissipation
+    assert goal == pytest.approx(best.cost, abs=1e-9)
+    assert np.abs(best.table).max() <= np.deg2rad(63) + 1e-9
+
+
+def test_a_free_table_is_at_least_as_good_as_the_ellipse_it_starts_from() -> None:
+    asked = problem("reference-optimum", "task.steps=24", "task.c=0.3", "body.vertices=7")
+    ellipse = solve_from(asked, EllipseGait(sigma=0.6, a=5.0, xi=1.0))
+    bent = asked.task.model_copy(update={"objectives": (*asked.task.objectives,)})
+    table = solve_from(asked.model_copy(update={"task": bent}), TableGait.from_angles(ellipse.table))
+    assert ellipse.residuals.largest <= 1e-8
+    assert table.residuals.largest <= 1e-8
+    assert table.resimulation_error <= 1e-8
+    assert table.cost <= ellipse.cost + 1e-9
+    assert np.abs(table.table).max() <= np.deg2rad(60) + 1e-9
+
+
+@pytest.mark.usefixtures("virtual_machine")
+def test_one_joint_goes_nowhere_with_a_free_gait_on_a_fine_mesh() -> None:
+    model = Model(Body(vertices=3), Medium(anisotropy_ratio=0.3))
+    rng, phase = np.random.default_rng(2), 2 * np.pi * np.arange(400)[:, None] / 400
+    table = sum(0.2 * rng.normal() * np.cos(k * phase + rng.uniform(0, 6)) for k in (1, 2, 3))
+    assert simulate_joint_angles(model, table).displacement < 1e-4  # second order in the step: 1e-2 at 40 steps
