@@ -123,7 +123,14 @@ def lamprey_water() -> None:
     assert found.mean_best_rms == pytest.approx(0.5, rel=1e-3)  # tolerance of its search
 
 
+def reach() -> None:
+    result = solve(problem("reach"), starts=2, seed=0)
+    assert [optimum.count for optimum in result.optima] == [2]
+    assert result.best.cost == pytest.approx(0.0041234, abs=5e-8)
+
+
 CHECKS = {
+    "reach": reach,
     "lamprey-water": lamprey_water,
     "reference": reference,
     "reference-optimum": reference_optimum,

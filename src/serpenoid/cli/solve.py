@@ -5,7 +5,8 @@
     serpenoid solve problems/snake10.toml --improve 12      # the paper's set: 12 random gaits, each improved within
                                                             # +-30 % of its own parameters, 24 gaits in all
 
-minimises -displacement + c * dissipation over the gait's six parameters, with the body's motion as constraints.
+minimises what [[task.objectives]] asks (default: -displacement) + c * dissipation over the parameters of the gait's
+family, with the body's motion as constraints.
 `c` weighs the normalised dissipation T * E (total weight 1, lengths in body lengths, time in cycles), so it does not
 depend on the number of steps; 0 .. 2.5 is the range of Even et al.
 

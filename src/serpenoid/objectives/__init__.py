@@ -33,5 +33,6 @@ def _found(base: Any) -> tuple[Any, ...]:
         value: Any
         for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
             if inspect.isclass(value) and issubclass(value, base) and value is not base:
-                kinds[str(value.model_fields["kind"].default)] = value
+                kind: Any = value
+                kinds[str(kind.model_fields["kind"].default)] = kind
     return tuple(kinds.values())

@@ -36,8 +36,8 @@ class GaitNLP:
 
     variables: MX (3 T + [1] + n); parameters: MX (1 + 2 d K + 2 N): c, the data of the K path rows and of those
     after them, model parameters. `penalised=False` leaves the dissipation out of the derivatives (faster where its
-    weight is zero). `portable` Functions are self-contained: they can be saved, loaded elsewhere and generated as C; the
-    others call libraries compiled on this machine, and are faster.
+    weight is zero). `portable` Functions are self-contained: they can be saved, loaded elsewhere and generated as C;
+    the others call libraries compiled on this machine, and are faster.
     """
 
     def __init__(
