@@ -20,7 +20,15 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
+from serpenoid.cli.robot_arguments import (
+    add_robot,
+    add_table,
+    body_refusals,
+    checked_table,
+    cycle_duration,
+    load_robot,
+    warn,
+)
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv, write_text
 from serpenoid.robot import ros
@@ -62,7 +70,8 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
         table, refusals = checked_table(args, robot)
         return table, robot, refusals
     table = read_table(args.results)
-    return table, None, check_finite(table.angles)
+    duration = args.cycle_duration or table.stated.cycle_duration_s
+    return table, None, check_finite(table.angles) or body_refusals(args, table, duration)
 
 
 def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None) -> list[Path]:
