@@ -23,6 +23,7 @@ from pathlib import Path
 from serpenoid.cli.robot_arguments import (
     add_robot,
     add_table,
+    add_widen,
     body_refusals,
     checked_table,
     cycle_duration,
@@ -48,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_robot(parser, required=False)
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="openrb, ros2: cycles to play (default 1)")
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="openrb, ros2: rest after each cycle [s]")
+    add_widen(parser)
     parser.add_argument("--power-stream", action="store_true", help="openrb: stream INA260 readings over USB")
 
 
@@ -108,7 +110,9 @@ def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> l
 def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> Plan:
     if robot is None:
         raise InputError(f"--format {args.format} needs --robot FILE: it maps joints to servos.")
-    return make_plan(table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause)
+    return make_plan(
+        table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause, args.widen_limits
+    )
 
 
 EXPORTERS: dict[str, Exporter] = {"csv": _csv, "ticks": _ticks, "openrb": _openrb, "ros2": _ros2}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TextIO
 
 from serpenoid.errors import InputError
 from serpenoid.robot.checks import Refusal, check_body, check_table
@@ -70,5 +71,30 @@ def body_refusals(args: argparse.Namespace, table: JointTable, duration: float |
     return check_body(table.angles, stated, duration)
 
 
+def add_widen(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--widen-limits",
+        action="store_true",
+        help="write the robot file's limits over narrower ones in the servos' own memory (default: the narrower hold)",
+    )
+
+
 def warn(*lines: object) -> None:
-    sys.stderr.writelines(f"{line}\n" for line in lines)
+    tell(sys.stderr, *lines)
+
+
+def tell(stream: TextIO | None, *lines: object) -> None:
+    """Write lines; where the stream is closed or its disk full, on standard error: what a robot does must be said."""
+    for target in (stream, sys.stderr):
+        try:
+            if target is not None:
+                target.writelines(f"{line}\n" for line in lines)
+                target.flush()
+                return
+        except (OSError, ValueError):  # ValueError: closed
+            continue
+
+
+def sentence(text: str) -> str:
+    """The text with one mark at its end."""
+    return text if text.endswith((".", "?", "!")) else f"{text}."

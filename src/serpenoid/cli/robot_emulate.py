@@ -44,6 +44,7 @@ def configure(actions: Any) -> None:
     )
     parser.add_argument("--robot", type=Path, metavar="FILE", help="IDs, baud rate and zero positions from this file")
     parser.add_argument("--baud-rate", type=int, metavar="B", help="default: the robot file's, else 1000000")
+    parser.add_argument("--ids", metavar="N,N", help="other IDs, tail first; twice the same: two servos that collide")
     parser.add_argument("--link", type=Path, metavar="PATH", help="symbolic link to the port, under a name that stays")
     parser.add_argument("--fault", action="append", default=[], metavar="FAULT", help="a fault, see below; repeatable")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
@@ -85,7 +86,16 @@ def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
     if baud_rate not in codes:
         raise InputError(f"--baud-rate must be one of {', '.join(map(str, codes))}, got {baud_rate}.")
     places = [(joint.id, joint.zero_ticks) for joint in robot.joint] if robot else [(i, 2048) for i in range(1, 11)]
+    if args.ids is not None:
+        places = [(servo_id, zero) for servo_id, (_, zero) in zip(_ids(args.ids, len(places)), places, strict=True)]
     return baud_rate, [EmulatedServo(servo_id, codes[baud_rate], float(zero)) for servo_id, zero in places]
+
+
+def _ids(text: str, count: int) -> list[int]:
+    ids = [int(part) if part.strip().isdecimal() else -1 for part in text.split(",")]
+    if len(ids) != count or not all(0 <= servo_id <= 252 for servo_id in ids):
+        raise InputError(f"--ids must be {count} numbers from 0 to 252, one for each servo, got {text}.")
+    return ids
 
 
 def _ground(args: argparse.Namespace, servos: list[EmulatedServo]) -> Ground | None:
