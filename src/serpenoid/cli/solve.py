@@ -75,7 +75,12 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
 
         multistart_figures(folder, result)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
-    lines = [*_lines(best, result), *limit_lines(problem, best.table), *crossing_warning(best.trajectory), *weight_warning(problem)]
+    lines = [
+        *_lines(best, result),
+        *limit_lines(problem, best.table),
+        *crossing_warning(best.trajectory),
+        *weight_warning(problem),
+    ]
     lines += [f"written to        {folder}"]
     options.report(args, record, lines, folder)
     if stopped:
