@@ -31,7 +31,8 @@ pytestmark = pytest.mark.usefixtures("serial_ports")
 
 def robot_file(folder, tracking: str):
     path = folder / "robot.toml"
-    path.write_text(ROBOT_FILE.read_text().replace("[voltage]", f"[tracking]\n{tracking}\n\n[voltage]"))
+    head, rest = ROBOT_FILE.read_text().split("[tracking]")
+    path.write_text(f"{head}[tracking]\n{tracking}\n\n{rest[rest.index('[[joint]]') :]}")
     return path
 
 

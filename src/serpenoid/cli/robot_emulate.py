@@ -50,6 +50,9 @@ def configure(actions: Any) -> None:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
     parser.add_argument("--report", type=Path, metavar="FILE", help="write what became of the servos to this JSON file")
     parser.add_argument("--arena", action="store_true", help="the servos move the robot of the virtual arena")
+    parser.add_argument(
+        "--problem", type=Path, metavar="FILE", help="with --arena: whose body (the paper's snake)"
+    )
     parser.add_argument("--motion", type=Path, metavar="FILE", help="with --arena: where it went, as a tidy motion CSV")
     parser.set_defaults(do=run)
 
@@ -101,13 +104,20 @@ def _ids(text: str, count: int) -> list[int]:
 def _ground(args: argparse.Namespace, servos: list[EmulatedServo]) -> Ground | None:
     if args.motion is not None and not args.arena:
         raise InputError("--motion: only the arena's robot goes anywhere. Add --arena.")
+    if args.problem is not None and not args.arena:
+        raise InputError("--problem: only the arena's robot has a body. Add --arena.")
     if not args.arena:
         return None
     if args.robot is None:
         raise InputError("--arena needs --robot FILE: it says which servo moves which joint.")
     from serpenoid.arena.bus import Ground
+    from serpenoid.arena.robot import Robot as ArenaRobot
+    from serpenoid.arena.robot import robot_of
+    from serpenoid.problem import load as load_problem
 
-    return Ground(servos, load(Robot, args.robot).joint)
+    given = {"profile_s": 0.0}  # the emulated servos walk their profiles themselves
+    body = {} if args.problem is None else robot_of(load_problem(args.problem).body)
+    return Ground(servos, load(Robot, args.robot).joint, ArenaRobot.model_validate(given | body))
 
 
 def _in_words(report: dict[str, Any]) -> str:
