@@ -55,7 +55,7 @@ def rehearse(folder, table):
 
 GAITS = {
     "reference": serpenoid_table(),
-    # what `serpenoid solve problems/snake10.toml --c 1.0` finds: the floor holds joints 6 degrees short of its first row
+    # what `serpenoid solve problems/snake10.toml --c 1.0` finds: the floor holds joints 6 degrees short of row 0
     "README": serpenoid_table(a=6.579, sigma=0.744, xi=0.815, theta=2.142, centre=(-0.049, 0.077)),
 }
 

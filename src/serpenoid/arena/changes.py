@@ -273,6 +273,7 @@ class Changes(Record):
             try:
                 assembly = assembly if change is None else change.apply(assembly)
             except IndexError:
-                parts = f"{assembly.robot.servos} joints and {assembly.robot.wheels} vertices"
-                raise ValueError(f"`{name}` names a part that this robot does not have: it has {parts}") from None
+                parts = f"it has {assembly.robot.servos} joints and {assembly.robot.wheels} vertices"
+                text = f"`{name}` names a vertex, joint or link that this robot does not have: {parts}"
+                raise ValueError(text) from None
         return assembly

@@ -16,7 +16,6 @@ from pathlib import Path
 
 from serpenoid.cli import options
 
-
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
     serpenoid arena run problems/protocols/two-gaits.toml --out results/two-gaits

@@ -50,9 +50,7 @@ def configure(actions: Any) -> None:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
     parser.add_argument("--report", type=Path, metavar="FILE", help="write what became of the servos to this JSON file")
     parser.add_argument("--arena", action="store_true", help="the servos move the robot of the virtual arena")
-    parser.add_argument(
-        "--problem", type=Path, metavar="FILE", help="with --arena: whose body (the paper's snake)"
-    )
+    parser.add_argument("--problem", type=Path, metavar="FILE", help="with --arena: whose body (the paper's snake)")
     parser.add_argument("--motion", type=Path, metavar="FILE", help="with --arena: where it went, as a tidy motion CSV")
     parser.set_defaults(do=run)
 
