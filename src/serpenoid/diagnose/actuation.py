@@ -1,8 +1,9 @@
 """First rung: what was commanded against what the servos read, joint by joint.
 
-The set-point runs linearly from row to row; every actuation effect that the reading shows is a law from set-point to
-angle, played by the same code that simulates it. Joints do not touch each other here, so one evaluation fits an effect
-at every joint at once.
+The set-point runs linearly from row to row, or jumps to each when it is due, whichever the readings follow better
+(with a lag or without); every actuation effect that the reading shows is a law from set-point to angle, played by the
+same code that simulates it. Joints do not touch each other here, so one evaluation fits an effect at every joint at
+once. When a trial began is known to `t0_spread` only: what a shift in time explains is taken out of what is left.
 
 Legend: R log rows of all trials, m joints.
 """
@@ -10,7 +11,7 @@ Legend: R log rows of all trials, m joints.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import savgol_filter
@@ -28,6 +29,8 @@ STEPS = 7
 SMOOTHED_ROWS = 9
 STARTS = {"servo_lag": (0.03,), "backlash": (0.02,)}
 SATURATED = (0.9, 0.7, 0.5)  # of the quickest set-point: above it a saturation changes nothing
+SURE_S = 1e-4  # a start is known to a fraction of a log interval at best
+JUMP_S = 1e-6  # before a row is due: a jump takes no time
 REACH = 3.0  # largest change of a positive scale in one step
 
 
@@ -50,12 +53,32 @@ class Plays:
     habit: Floats | float = 0.0
 
     @property
+    def held(self) -> bool:
+        """Whether the rows of the tables jump."""
+        return self.recordings[0].schedule.held
+
+    @property
     def quickest(self) -> float:
         """Largest speed of a set-point [rad/s]."""
         pairs = zip(self.recordings, self.meshes, strict=True)
         return max(
             float((np.abs(np.diff(r.schedule.commanded(t), axis=0)).max(axis=1) / np.diff(t)).max()) for r, t in pairs
         )
+
+    def left(self, played: Floats) -> Floats:
+        """Readings minus what is played (R, m), each trial shifted in time as far as its start is unsure."""
+        found = self.readings - played
+        for number, r in enumerate(self.recordings):
+            mine = np.flatnonzero(self.trials == number)
+            speed = np.gradient(played[mine], self.times[number], axis=0)
+            top, bottom = ((x * speed / self.noise**2).sum() for x in (found[mine], speed))
+            shift = top / (bottom + 1 / max(r.t0_spread, SURE_S) ** 2)
+            found[mine] -= shift * speed
+        return found
+
+    def slope(self, played: Floats, moved: Floats, step: float) -> Floats:
+        """By which `left` (R, m) falls with a parameter whose `step` moves what is played."""
+        return np.asarray((self.left(played) - self.left(moved)) / step)
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
@@ -68,38 +91,59 @@ class Plays:
 
 
 def plays(recordings: Sequence[Recording]) -> Plays:
-    """Readings between t0 and the end, at the log's own times; t0 is moved within what the labels allow."""
-    readings, labels, times, meshes, where, noises = [], [], [], [], [], []
+    """Readings between t0 and the end, at the log's own times, beside the set-points that they follow best."""
     recordings = list({r.setting: r for r in recordings}.values())  # one of each kind tells what there is to tell
+    found = [_plays([_commanded(r, held) for r in recordings]) for held in (False, True)]
+    return min(found, key=_misfit)
+
+
+def _commanded(r: Recording, held: bool) -> Recording:
+    return replace(r, schedule=replace(r.schedule, held=held))
+
+
+def _misfit(data: Plays) -> float:
+    """Chi squared with a lag or without."""
+    lagging = fit_everywhere(data, "servo_lag", (), STARTS["servo_lag"][0])[0]
+    plain = (data.left(data.realised([])) ** 2 / data.noise**2).sum()
+    return float(min(plain, lagging.chi2.sum()))
+
+
+def _plays(recordings: Sequence[Recording]) -> Plays:
+    readings, labels, times, meshes, where, noises = [], [], [], [], [], []
     for number, r in enumerate(recordings):
         time = r.log_time / (1 + r.clock.rate)
         inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
         own = r.position[inside]
-        noises.append(_scatter(own))
+        noises.append(_scatter(own, r.by_servos))
         rows = len(r.schedule.table)
         corners = [
             n * r.schedule.period_s + np.arange(rows + 1) / rows * r.schedule.cycle_duration_s
             for n in range(r.schedule.cycles)
         ]
-        mesh = np.unique(np.concatenate([[0.0], *corners, time[inside]]))
+        jumps = [c - JUMP_S for c in corners] if r.schedule.held else []
+        mesh = np.unique(np.concatenate([[0.0], *corners, *jumps, time[inside]]))
+        mesh = mesh[mesh >= 0]
         times.append(time[inside])
         meshes.append(mesh)
         where.append(np.searchsorted(mesh, time[inside]))
         readings.append(own)
         labels.append(np.full(len(own), number))
-    noise = max(float(np.percentile(noises, 25)), TICK / np.sqrt(12))
+    noise = np.percentile(noises, 25, axis=0)
+    if recordings[0].by_servos:
+        noise = np.maximum(noise, TICK / np.sqrt(12))
     return Plays(
         tuple(recordings), np.concatenate(readings), np.concatenate(labels), tuple(times), tuple(meshes), tuple(where),
-        np.full(recordings[0].body.joint_count, noise),
+        np.broadcast_to(noise, recordings[0].body.joint_count).copy(),
     )  # fmt: skip
 
 
-def _scatter(readings: Floats) -> float:
-    """RMS about local parabolas [rad], corrected for what they swallow."""
+def _scatter(readings: Floats, pooled: bool) -> Floats:
+    """RMS about local parabolas [rad], corrected for what they swallow: of each joint (m,), or pooled: the median's."""
     if len(readings) < SMOOTHED_ROWS:
-        return TICK
+        return np.asarray(TICK if pooled else np.full(readings.shape[1], TICK))
     left = readings - savgol_filter(readings, SMOOTHED_ROWS, 2, axis=0)
-    return float(np.sqrt(np.median((left**2).mean(axis=0)) / (1 - 2.25 / SMOOTHED_ROWS)))
+    squares = (left**2).mean(axis=0) / (1 - 2.25 / SMOOTHED_ROWS)
+    return np.asarray(np.sqrt(np.median(squares) if pooled else squares))
 
 
 @dataclass(frozen=True)
@@ -112,7 +156,7 @@ class Attempt:
 
 def channels(data: Plays, effects: Sequence[ActiveEffect]) -> Floats:
     """RMS of reading minus prediction in units of noise, per joint (m,)."""
-    return np.sqrt(((data.readings - data.realised(effects)) ** 2).mean(axis=0)) / data.noise
+    return np.sqrt((data.left(data.realised(effects)) ** 2).mean(axis=0)) / data.noise
 
 
 def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
@@ -145,15 +189,15 @@ def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], start: 
         return data.realised([*base, *effects])
 
     def chi2(y: Floats) -> Floats:
-        return ((data.readings - y) ** 2).sum(axis=0) / data.noise**2
+        return (data.left(y) ** 2).sum(axis=0) / data.noise**2
 
     columns = slice(None) if kind.place is None else [j - 1 for j in places if j is not None]
     best = play(values)
     damping = np.ones(len(values))
     for _ in range(STEPS):
         step_size = 1e-4 * max(abs(parameter.coordinate(parameter.typical)), 1e-3)
-        slope = (play(values + step_size) - best) / step_size
-        left = data.readings - best
+        slope = data.slope(best, play(values + step_size), step_size)
+        left = data.left(best)
         top, bottom = ((left * slope).sum(axis=0), (slope**2).sum(axis=0)) / data.noise**2
         if kind.place is None:
             top, bottom = top.sum(keepdims=True), bottom.sum(keepdims=True)

@@ -12,7 +12,6 @@ AT_MOST = 3
 VISIBLE, SUSPECT = 1.6, 1.0  # floors: what is named, and what is told of
 SHARE = 0.3  # of the excess of chi squared that one more effect must take away
 SETTLED = 1.6  # RMS of the worst joint, in noise
-T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
 
 
 def choose_actuation(data: Plays) -> Rung:
@@ -47,7 +46,7 @@ def choose_actuation(data: Plays) -> Rung:
 def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:
     """What else could stand in the place of each chosen effect, the others kept; S_ab: the worst joint's RMS."""
     here = data.realised(chosen)
-    least, keys = float((((data.readings - here) / data.noise) ** 2).sum()), {e.key for e in chosen}
+    least, keys = float(((data.left(here) / data.noise) ** 2).sum()), {e.key for e in chosen}
     found = []
     for effect in chosen:
         kept = [e for e in chosen if e is not effect]
@@ -81,13 +80,11 @@ def _named(data: Plays, chosen: list[ActiveEffect], effect: ActiveEffect) -> Nam
     step = 1e-4 * max(abs(x), 1e-3 * abs(parameter.coordinate(parameter.typical)))
     others = [e for e in chosen if e is not effect]
     here = data.realised([*others, effect])
-    slope = (data.realised([*others, effect.with_coordinates([x + step])]) - here) / step / data.noise
-    left = (data.readings - here) / data.noise
+    slope = data.slope(here, data.realised([*others, effect.with_coordinates([x + step])]), step) / data.noise
+    left = data.left(here) / data.noise
     power = (slope**2).sum()
     scores = np.array([(slope * left)[data.trials == t].sum() for t in np.unique(data.trials)])
-    speed = np.gradient(here, axis=0) * 60.0 / data.noise
-    shift = T_SYSTEMATIC * abs((slope * speed).sum()) / max(power, 1e-12)
-    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2) + shift**2)
+    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2))
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
     alone = data.realised([effect]) - data.realised([])
     strength = float((np.sqrt((alone**2).mean(axis=0)) / data.noise).max())

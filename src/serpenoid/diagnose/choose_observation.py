@@ -8,7 +8,7 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.finding import Named, Rival, Rung, excludable, interval
-from serpenoid.diagnose.marker_evidence import ANGLE_FLOOR, Sample, apart, evidence, misfit, sample, signature
+from serpenoid.diagnose.marker_evidence import Sample, apart, evidence, misfit, sample, signature
 from serpenoid.diagnose.observation import Observation, columns_of
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
@@ -44,7 +44,7 @@ def choose_observation(recordings: Sequence[Recording], now: Observation) -> tup
         named = _named(data, now, chosen, key)
         (shown if named.strength >= VISIBLE else faint).append(named)
     left = misfit(data, now) / data.count
-    clock = _clock(recordings)
+    clock = _clock(recordings, data)
     if clock is not None:
         (shown if clock.strength >= VISIBLE else faint).append(clock)
     words = (
@@ -155,14 +155,15 @@ def _named(data: Sample, now: Observation, chosen: list[Key], key: Key) -> Named
 SYSTEMATIC = {"offset": 5e-5, "width": 2e-4, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep, smoothing
 
 
-def _clock(recordings: Sequence[Recording]) -> Named | None:
+def _clock(recordings: Sequence[Recording], data: Sample) -> Named | None:
     weights = np.array([1 / r.clock.rate_sd**2 for r in recordings])
     rates = np.array([r.clock.rate for r in recordings])
     rate, sd = float((weights * rates).sum() / weights.sum()), float(1 / np.sqrt(weights.sum()))
     if abs(rate) < 5 * sd:
         return None
     squares = [_drifted(r) for r in recordings]
-    strength = abs(rate) * float(np.sqrt(np.mean(squares, axis=0)).max()) / ANGLE_FLOOR
+    levels = data.levels[: data.body.joint_count]
+    strength = abs(rate) * float((np.sqrt(np.mean(squares, axis=0)) / levels).max())
     effect = ActiveEffect.neutral("clock_offset").with_coordinates([rate])
     half = 2.1 * sd + 1e-5
     return Named(effect, {"rate": interval((rate - half, rate + half))}, strength)

@@ -1,8 +1,9 @@
 """Two clocks, laid over each other by the motion that both saw: servo time = zero + (1 + rate) camera time.
 
-Joint angles of the markers against the servos' readings, with a constant per joint set free (marker_offset and
-zero_offset do not move clocks). And when the motion began, by the log's labels: row i of cycle n is due at
-(1 + rate) due, no later than its first log row and later than the last row before.
+The bends of the polygon through the markers seen against those of the same polygon on the servos' chain, a constant per
+bend set free (marker_offset and zero_offset do not move clocks); where no marker is missing they are the joint angles.
+When the motion began, the log's labels say: row i of cycle n is due at (1 + rate) due, no later than its first log row
+and later than the last row before.
 """
 
 from __future__ import annotations
@@ -10,15 +11,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from serpenoid.body import Floats
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.geometry import LEAST_MARKERS, bends, shapes
 from serpenoid.errors import InputError
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 
 ITERATIONS = 5
-COARSE = 4  # every so many frames in the search
+SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
+OFTEN = 0.5  # share of the frames that a marker must be seen in to be a corner of the polygon
+ALIKE = 0.5  # correlation of two records of one motion: other joints' motion has less
+SMOOTHED_S = 0.075  # of the readings' speed
 OUTLYING = 5.0  # robust standard deviations
 
 
@@ -36,26 +42,45 @@ class Clock:
         return np.asarray(self.zero + (1 + self.rate) * camera)
 
 
-def align(camera: Floats, angles: Floats, log: ServoLog) -> Clock:
-    """The clock of a servo log against marker angles (F, m) at camera times (F,)."""
-    some = slice(None, None, COARSE)
-    known = np.isfinite(angles).all(axis=1)
-    found = find_offset(camera[known][some], angles[known][some], log.time_s, log.position)
-    if found is None or found.correlation < 0.5:
-        raise InputError("the servo log and the cameras did not see the same motion.")
+def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
+    """The clock of a servo log against markers (F, N, 2), NaN hidden, at camera times (F,)."""
+    corners = _corners(body, markers)
+    angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
+    known = np.flatnonzero(np.isfinite(angles).all(axis=1))
+    some = known[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
+    found = find_offset(camera[some], angles[some], log.time_s, read)
+    if found is None:
+        raise InputError(
+            f"in too few frames ({len(known)}) the same markers are seen together. Re-label the recording?"
+        )
+    if found.correlation < ALIKE:
+        raise InputError(
+            f"the servo log and the cameras did not see the same motion (correlation {found.correlation:.2f}). "
+            "A log of another trial, joints in another order or with another sign, or markers not tail first?"
+        )
     middle = float(camera.mean())
     clock = Clock(-found.offset_s, 0.0, 0.0, 0.0)
     for _ in range(ITERATIONS):
-        clock = _improved(clock, camera, middle, angles, log)
+        clock = _improved(clock, camera, middle, angles, log.time_s, read)
     return clock
 
 
-def _improved(clock: Clock, camera: Floats, middle: float, angles: Floats, log: ServoLog) -> Clock:
+def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
+    """Vertices whose markers are seen often enough: ends and joints."""
+    share = np.isfinite(markers[..., 0]).mean(axis=0)
+    often = [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] > OFTEN]
+    if len(often) < LEAST_MARKERS:
+        never = ", ".join(str(k) for k in range(body.vertices) if share[k] <= OFTEN)
+        raise InputError(f"the markers of vertices {never} are hidden most of the time: no shape can be known.")
+    return np.array(often)
+
+
+def _improved(clock: Clock, camera: Floats, middle: float, angles: Floats, time: Floats, read: Floats) -> Clock:
     at = clock.servo(camera)
-    inside = (at > log.time_s[0]) & (at < log.time_s[-1])
-    reading = np.stack([np.interp(at, log.time_s, column) for column in log.position.T], axis=1)
+    inside = (at > time[0]) & (at < time[-1])
+    reading = np.stack([np.interp(at, time, column) for column in read.T], axis=1)
     speed = np.gradient(reading, axis=0) / np.gradient(at)[:, None]
-    width = 9
+    width = 2 * int(SMOOTHED_S / np.median(np.diff(camera)) / 2) + 1
     speed = np.stack([np.convolve(c, np.ones(width) / width, mode="same") for c in speed.T], axis=1)
     miss = np.where(inside[:, None], angles - reading, np.nan)
     miss = miss - np.nanmedian(miss, axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,8 @@ from serpenoid.diagnose.select import unclear
 from serpenoid.diagnose.tracked import TrackedRecording
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.model import Model
+
+NO_LOG = "no servo log: shapes are what the points show"
 
 
 @dataclass(frozen=True)
@@ -75,9 +77,12 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
     servos = baseline.plays(recordings)
+    recordings = [replace(r, schedule=replace(r.schedule, held=servos.held)) for r in recordings]
     actuation = choose_actuation(servos)
     say("shape against markers")
-    observation, seen = choose_observation(recordings, baseline.observation())
+    observation, seen = Rung("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
+    if all(r.by_servos for r in recordings):
+        observation, seen = choose_observation(recordings, seen)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say)
     rungs = (actuation, observation, motion.rung)
@@ -87,7 +92,7 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
 def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> Diagnosis:
     """The same where there are tracked points alone: the rung of motion, and why the others are skipped."""
     actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
-    observation = Rung("observation", left=np.nan, skipped="no servo log: shapes are what the points show")
+    observation = Rung("observation", left=np.nan, skipped=NO_LOG)
     say("shape against motion")
     motion, baseline = choose_tracked(recordings, model, say), Baseline(model)
     rungs = (actuation, observation, motion.rung)
@@ -146,6 +151,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         },
         "gain": gain_record(d.before, d.after),
         "noise_floor_m": found.floor_m,
+        "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),
         "left": {rung.name: None if rung.skipped else rung.left for rung in d.rungs},
         "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
         "untestable": {name: why for rung in d.rungs for name, why in rung.untestable.items()},

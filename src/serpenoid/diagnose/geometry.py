@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from serpenoid.body import Body, Floats
 from serpenoid.measure.chain import link_of_edge
 
-LEAST_MARKERS = 4
+LEAST_MARKERS = 3  # two fix a pose, a third says how well
+GYRATION = 0.29  # of a straight rod, body lengths
 
 
 def shapes(body: Body, angles: Floats) -> Floats:
@@ -24,10 +25,17 @@ def shapes(body: Body, angles: Floats) -> Floats:
     return np.asarray(points - centre[:, None])
 
 
+def bends(points: Floats) -> Floats:
+    """Angles (F, K - 2) between the successive stretches of a polygon with K corners (F, K, 2)."""
+    edge = np.diff(points, axis=1)
+    a, b = edge[:, :-1], edge[:, 1:]
+    return np.asarray(np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2)))
+
+
 def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:
     """Poses (F, 3) that carry points (F, N, 2) to visible markers by least squares, and residuals (F, N, 2).
 
-    NaN where fewer than four markers are seen. Points are in the body frame, so the pose is that of the body.
+    NaN where fewer than three markers are seen. Points are in the body frame, so the pose is that of the body.
     """
     seen = np.isfinite(markers[..., 0])
     count = seen.sum(axis=1)

@@ -80,7 +80,7 @@ def _steps(
 ) -> Iterator[Step]:
     if "actuation" in judged:
         yield actuation_step(servos, judged["actuation"])
-    if "observation" in judged:
+    if "observation" in judged and not judged["observation"].skipped:
         yield observation_step(recordings, seen)
     yield motion_step(motion)
     if "actuation" in judged:
@@ -95,7 +95,7 @@ def _steps(
 def actuation_step(data: Plays, rung: Rung) -> Step:
     """Joint by joint [rad]."""
     sizes = [
-        np.sqrt(((data.readings - data.realised(effects)) ** 2).mean(axis=0))
+        np.sqrt((data.left(data.realised(effects)) ** 2).mean(axis=0))
         for effects in ([], [n.effect for n in rung.named])
     ]
     parts = [
@@ -109,13 +109,15 @@ def actuation_step(data: Plays, rung: Rung) -> Step:
 def observation_step(recordings: Sequence[Recording], seen: Observation) -> Step:
     """Marker by marker [m]: RMS of a coordinate, the chain laid rigidly over the markers seen."""
     data = sample(recordings)
+    ever = data.seen.any(axis=(0, 2))
     sizes = []
     for now in (Observation.neutral(data.body), seen):
         _, left = register(now.seen(data.body, now.angles(data.readings)), data.markers)
         freedom = 1 - 3 / np.isfinite(left).sum(axis=(1, 2)).mean()  # three numbers of each frame are fitted
-        sizes.append(np.sqrt(np.nanmean(left**2, axis=(0, 2)) / freedom))
+        sizes.append(np.sqrt(np.nanmean(left[:, ever] ** 2, axis=(0, 2)) / freedom))
     parts = [
-        Error(f"vertex {k}", "m", float(a), float(b), data.noise) for k, (a, b) in enumerate(zip(*sizes, strict=True))
+        Error(f"vertex {k}", "m", float(a), float(b), data.noise)
+        for k, a, b in zip(np.flatnonzero(ever), *sizes, strict=True)
     ]
     whole = Error("observation", "m", total(list(sizes[0])), total(list(sizes[1])), data.noise)
     return Step("realised shape against markers", whole, tuple(parts))

@@ -17,15 +17,13 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.evidence import Evidence
-from serpenoid.diagnose.geometry import register, shapes, turn
+from serpenoid.diagnose.geometry import LEAST_MARKERS, register, turn
 from serpenoid.diagnose.observation import Observation, across, columns_of
 from serpenoid.diagnose.recording import Recording
-from serpenoid.measure.chain import marker_angles
+from serpenoid.measure.chain import link_of_edge, marker_angles
 
 FRAMES_PER_TRIAL = 250
-LEAST_SEEN = 8
-ANGLE_FLOOR = 2e-3  # rad: scatter of a smoothed marker angle
-LINK_FLOOR = 0.2e-3 * np.sqrt(2) / np.sqrt(11)  # m: of a link's length over eleven frames
+AVERAGED_S = 0.09  # markers are looked at over this time: as the poses at a window's ends are
 LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narrower ones are followed as this one is
 
 
@@ -41,6 +39,7 @@ class Sample:
     readings: Floats
     labels: np.ndarray
     noise: float
+    frame_s: float
     trials: tuple[tuple[Floats, np.ndarray], ...]
 
     @cached_property
@@ -62,6 +61,12 @@ class Sample:
     def count(self) -> float:
         """Of all gaits."""
         return float(self.counts.sum())
+
+    @cached_property
+    def levels(self) -> Floats:
+        """Noise of the averaged markers' joint angles [rad], then of link lengths [m] (m + N - 1,)."""
+        averaged = self.noise / np.sqrt(max(AVERAGED_S / self.frame_s, 1.0))
+        return averaged * np.concatenate([angle_leverage(self.body), np.full(self.body.vertices - 1, np.sqrt(2))])
 
     def angles(self, now: Observation) -> Floats:
         """True joint angles (F, m)."""
@@ -85,20 +90,20 @@ class Sample:
 def sample(recordings: Sequence[Recording]) -> Sample:
     """Thin the recordings; the noise comes from neighbouring frames."""
     body = recordings[0].body
-    markers, readings, labels, squares, trials = [], [], [], [], []
+    markers, readings, labels, trials = [], [], [], []
     gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
     for r in recordings:
-        inside = np.flatnonzero((np.isfinite(r.markers[..., 0]).sum(axis=1) >= LEAST_SEEN) & (r.time < r.end))
+        seen = np.isfinite(r.markers[..., 0]).sum(axis=1)
+        inside = np.flatnonzero((seen >= LEAST_MARKERS) & (r.time < r.end))
         some = inside[:: max(len(inside) // FRAMES_PER_TRIAL, 1)]
         markers.append(r.markers[some])
         readings.append(r.angles[some])
         trials.append((r.angles, some))
         labels.append(np.full(len(some), gaits[r.gait]))
-        left = register(shapes(body, r.angles), r.markers)[1]
-        squares.append(np.nanmedian(np.abs(np.diff(left, axis=0))))
-    noise = 1.4826 * float(np.median(squares)) / np.sqrt(2) * np.sqrt(24 / 21)
+    noise = float(np.median([r.marker_noise for r in recordings]))
     return Sample(
-        body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise, tuple(trials)
+        body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise,
+        float(np.median([r.frame_s for r in recordings])), tuple(trials),
     )  # fmt: skip
 
 
@@ -157,4 +162,11 @@ def _shown(data: Sample, effect: Observation) -> Floats:
     seen = effect.seen(body, data.angles(effect))
     angle = marker_angles(body, seen) - data.readings
     length = np.linalg.norm(np.diff(seen, axis=1), axis=2) - body.edges_m
-    return np.concatenate([angle / ANGLE_FLOOR, length / LINK_FLOOR], axis=1)
+    return np.asarray(np.concatenate([angle, length], axis=1) / data.levels)
+
+
+def angle_leverage(body: Body) -> Floats:
+    """Noise of a joint's angle (m,) [rad] for each metre of a marker's, the three of its two links."""
+    edge, link = body.edges_m, link_of_edge(body)
+    a, b = (1 / np.bincount(link, edge)[part] for part in (slice(None, -1), slice(1, None)))
+    return np.asarray(np.sqrt(a**2 + b**2 + (a + b) ** 2))

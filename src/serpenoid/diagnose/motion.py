@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,16 +14,21 @@ from serpenoid.effects.active import ActiveEffect
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations [m, m, rad] of a window's displacement while playing (3,) and in pauses (3,)."""
+    """Standard deviations [m, m, rad] of a window's displacement while playing (3,) and in pauses (3,).
+
+    by_setting: of trials of one setting, while playing, where their repeats tell.
+    """
 
     playing: Floats
     pause: Floats
+    by_setting: Mapping[tuple[str, float], Floats] = field(default_factory=dict)
 
     def chance(self, track: Track) -> Floats:
-        """(B - 1, 3), independent from window to window."""
+        """(B - 1, 3), independent from window to window; no less than the markers' own noise."""
         if track.noise is not None:
             return track.noise.copy()
-        return np.where(track.playing[:, None], self.playing, self.pause)
+        playing = self.by_setting.get(track.recording.setting, self.playing)
+        return np.maximum(np.where(track.playing[:, None], playing, self.pause), track.least)
 
     def of(self, track: Track) -> Floats:
         """(B - 1, 3), with what the baseline itself is in doubt about."""

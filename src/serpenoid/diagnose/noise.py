@@ -11,16 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.geometry import relative, travel, turn
+from serpenoid.diagnose.geometry import GYRATION, relative, travel, turn
 from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.windows import Prediction, Track
 
-LEAST = np.array([3e-5, 3e-5, 1.5e-4])  # m, m, rad: what averaging a few frames leaves of 0.2 mm markers
-CREEP = np.array(
-    [4e-5, 4e-5, 1.5e-4]
-)  # m, m, rad: shapes settle in pauses by less than a servo's tick, alike in repeats
+CREEP_TICKS = 0.1  # shapes settle in pauses by less than a servo's tick, alike in repeats
+TICK = 2 * np.pi / 4096
+FEW = 4  # windows: a variance of fewer tells nothing
 DRAWS = 48
-GYRATION = 0.29  # of a straight rod, body lengths
 
 
 def residuals(tracks: Sequence[Track], predictions: Sequence[Prediction]) -> list[Floats]:
@@ -40,37 +38,63 @@ def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
 
 
 def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise, Floats]:
-    """Noise of the windows, and differences over sqrt 2 while playing (K, 3); without repeats: the scatter itself.
+    """Noise of the windows, and differences over sqrt 2 while playing (K, 3).
 
-    Tracks that bring their own noise have no differences.
+    Without repeats the residuals' own scatter is all there is, and there are no differences; nor are there any of
+    tracks that bring their own noise.
     """
     own = [t.noise for t in tracks if t.noise is not None]
     if own:
         typical = np.sqrt((np.concatenate(own) ** 2).mean(axis=0))
         return Noise(typical, typical), np.empty((0, 3))
+    least = np.sqrt(np.mean([np.mean(np.square(t.least), axis=0) * np.ones(3) for t in tracks], axis=0))
+    creep = CREEP_TICKS * TICK * np.array([*[GYRATION * tracks[0].recording.body.total_length_m] * 2, 1.0])
     couples = pairs(tracks)
-    playing, pause = [], []
-    if couples:
-        for a, b in couples:
-            n = min(len(left[a]), len(left[b]))
-            d = (left[a][:n] - left[b][:n]) / np.sqrt(2)
-            d = np.where(np.isfinite(d).all(axis=1)[:, None], d, np.nan)
-            playing.append(d[tracks[a].playing[:n]])
-            pause.append(d[~tracks[a].playing[:n]])
-    else:
-        playing = [x[t.playing] for t, x in zip(tracks, left, strict=True)]
-        pause = [x[~t.playing] for t, x in zip(tracks, left, strict=True)]
-    moved, rested = (np.concatenate(x) for x in (playing, pause))
-    noise = [_sd(x[np.isfinite(x[:, 0])]) for x in (moved, rested)]
-    return Noise(np.maximum(noise[0], LEAST), np.hypot(np.maximum(noise[1], LEAST), CREEP)), moved[
-        np.isfinite(moved[:, 0])
-    ]
+    if not couples:
+        moved, rested = (_finite([x[t.playing == p] for t, x in zip(tracks, left, strict=True)]) for p in (True, False))
+        return Noise(_sd(moved, least), np.hypot(_sd(rested, least), creep)), np.empty((0, 3))
+    by: dict[tuple[str, float], list[Floats]] = {}
+    rests = []
+    for a, b in couples:
+        n = min(len(left[a]), len(left[b]))
+        d = (left[a][:n] - left[b][:n]) / np.sqrt(2)
+        by.setdefault(tracks[a].recording.setting, []).append(d[tracks[a].playing[:n]])
+        rests.append(d[~tracks[a].playing[:n]])
+    differences = {setting: _finite(found) for setting, found in by.items()}
+    moved = np.concatenate(list(differences.values()))
+    noise = Noise(_sd(moved, least), np.hypot(_sd(_finite(rests), least), creep), _each(differences, least))
+    return noise, moved
 
 
-def _sd(values: Floats) -> Floats:
-    if len(values) < 4:
-        return LEAST.copy()
-    return np.sqrt((values**2).mean(axis=0))
+def _finite(parts: Sequence[Floats]) -> Floats:
+    joined = np.concatenate(parts)
+    return np.asarray(joined[np.isfinite(joined).all(axis=1)])
+
+
+def _sd(values: Floats, least: Floats) -> Floats:
+    if len(values) < FEW:
+        return least.copy()
+    return np.maximum(np.sqrt((values**2).mean(axis=0)), least)
+
+
+def _each(differences: dict[tuple[str, float], Floats], least: Floats) -> dict[tuple[str, float], Floats]:
+    """Noise of each setting (3,): its own mean square drawn to that of all, as far as settings are alike.
+
+    Settings whose true variances scatter by tau (of their logarithm) are worth 2 / tau^2 degrees of freedom to one
+    another; what scatters more than chance, 2 / n, tells tau.
+    """
+    many = {setting: d for setting, d in differences.items() if len(d) >= FEW}
+    if len(many) < 2:
+        return {}
+    counts = np.array([len(d) for d in many.values()], dtype=float)
+    squares = np.maximum([(d**2).mean(axis=0) for d in many.values()], least**2)
+    pooled = (counts[:, None] * squares).sum(axis=0) / counts.sum()
+    scatter = ((np.log(squares) - np.log(squares).mean(axis=0)) ** 2).sum() / (3 * (len(many) - 1))
+    excess = max(scatter - float((2 / counts).mean()), 0.0)
+    worth = 2 / excess if excess > 0 else np.inf
+    share = np.array([1.0 if np.isinf(worth) else worth / (worth + n) for n in counts])[:, None]
+    variances = share * pooled + (1 - share) * squares
+    return {setting: np.sqrt(v) for setting, v in zip(many, variances, strict=True)}
 
 
 def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
@@ -85,7 +109,7 @@ def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
     for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
         chance = motion.noise.chance(track)
         if track.noise is None:
-            chance[~track.playing] = LEAST
+            chance[~track.playing] = np.broadcast_to(track.least, chance.shape)[~track.playing]
         window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
         true = travel(steps, np.zeros(3))[:, :2]

@@ -1,7 +1,8 @@
 """One trial as the diagnosis needs it: what was commanded, what servos read, what cameras saw; SI, from t0 on.
 
 Shapes come from the servos, smoothed by local parabolas within each stretch of playing or pause: unsmoothed ticks in
-the joint rates would be rectified by every law with a sign in it, and look like friction.
+the joint rates would be rectified by every law with a sign in it, and look like friction. Without a servo log they are
+what the markers show, and so are the readings: `by_servos` is False.
 """
 
 from __future__ import annotations
@@ -12,18 +13,25 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.clocks import Clock, align, start_on_log
+from serpenoid.diagnose.clocks import ALIKE, Clock, align, start_on_log
+from serpenoid.diagnose.geometry import LEAST_MARKERS, register, shapes
+from serpenoid.diagnose.shapes_from_points import angles_shown, smoothed_angles
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file, read_motion, read_table
-from serpenoid.measure.chain import marker_angles
-from serpenoid.measure.logs import ServoLog, read_servo_log
+from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.trial_files import label_markers
 
-SMOOTHED_S = 0.175  # local parabolas over this time
+SMOOTHED_S = 0.175  # local parabolas over this time,
+DEGREE = 2
+TICK = 2 * np.pi / 4096
+MISSED_TICKS = 0.5  # between two rows of a log: straight lines are then as good as its ticks, and quieter than cubics
+UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
+SMOOTHED_CYCLE = 0.08  # at most this part of a cycle: a wave then keeps all but 4e-5 of its amplitude
 
 
 @dataclass(frozen=True)
@@ -31,7 +39,7 @@ class Recording:
     """time (F,) [s since t0 on the cameras' clock], markers (F, N, 2) [m], NaN hidden; the log on its own clock.
 
     log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad].
-    t0_spread: how far t0 may be off [s].
+    t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not the markers' angles.
     """
 
     name: str
@@ -44,6 +52,12 @@ class Recording:
     position: Floats
     clock: Clock
     t0_spread: float
+    by_servos: bool = True
+
+    @property
+    def frame_s(self) -> float:
+        """Median time between frames."""
+        return float(np.median(np.diff(self.time)))
 
     @property
     def setting(self) -> tuple[str, float]:
@@ -64,26 +78,53 @@ class Recording:
     @cached_property
     def angles(self) -> Floats:
         """Servo readings (F, m) on the camera frames, smoothed."""
-        at = (1 + self.clock.rate) * self.time
-        raw = np.stack([np.interp(at, self.log_time, column) for column in self.position.T], axis=1)
-        window = 2 * int(SMOOTHED_S / np.median(np.diff(self.time)) / 2) + 1
+        at = np.clip((1 + self.clock.rate) * self.time, self.log_time[0], self.log_time[-1])
+        known = self.position if self.by_servos else smoothed_angles(self.log_time, self.position)
+        raw = _between(self.log_time, known, at)
+        if not self.by_servos:
+            return np.asarray(raw)
+        window = 2 * int(min(SMOOTHED_S, SMOOTHED_CYCLE * self.schedule.cycle_duration_s) / self.frame_s / 2) + 1
         smooth, label = raw.copy(), self.stretch(self.time)
         for one in np.unique(label):
             mine = label == one
-            if mine.sum() > window:
-                smooth[mine] = savgol_filter(raw[mine], window, 2, axis=0)
+            if mine.sum() > window > DEGREE:
+                smooth[mine] = savgol_filter(raw[mine], window, DEGREE, axis=0)
         return smooth
+
+    @cached_property
+    def marker_noise(self) -> float:
+        """SD of a marker's coordinate [m], from how neighbouring frames differ.
+
+        A rigid fit takes three numbers of the 2 K that K markers bring: what it leaves is scaled by 2 K / (2 K - 3).
+        """
+        seen = np.isfinite(self.markers[..., 0]).sum(axis=1)
+        if not (seen >= LEAST_MARKERS).any():
+            raise InputError(
+                f"trial `{self.name}`: never are {LEAST_MARKERS} markers seen at once: no pose can be known."
+            )
+        left = register(shapes(self.body, self.angles), self.markers)[1]
+        count = 2 * np.median(seen[seen >= LEAST_MARKERS])
+        between = float(np.nanmedian(np.abs(np.diff(left, axis=0))))
+        return float(1.4826 * between / np.sqrt(2) * np.sqrt(count / (count - 3)))
 
     def angles_at(self, time: Floats) -> Floats:
         """Smoothed joint angles (R, m) at other times."""
         return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
 
 
+def _between(time: Floats, values: Floats, at: Floats) -> Floats:
+    """Columns (R, m) at other times: on straight lines, or, where these would miss what bends, on cubics."""
+    missed = np.sqrt((np.diff(values, 2, axis=0) ** 2).mean()) / 8
+    if missed > MISSED_TICKS * TICK:
+        return np.asarray(CubicSpline(time, values)(at))
+    return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+
+
 Progress = Callable[[int, int, str], None]
 
 
 def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple[CampaignFile, tuple[Recording, ...]]:
-    """All trials of a campaign that have a joint table, a servo log and a motion file; InputError where none has."""
+    """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not."""
     file, folder = load_campaign_file(path)
     if not file.lengths_given:
         raise InputError(
@@ -105,16 +146,17 @@ def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple
 def read_recording(file: CampaignFile, entry: TrialEntry, folder: Path) -> Recording:
     """One trial, its clocks aligned."""
     tracks, table = read_motion(file, entry, folder), read_table(entry, file.body, folder)
-    if tracks is None or table is None or entry.servo_log is None or entry.cycle_duration_s is None:
-        raise InputError("a diagnosis needs `motion`, `servo_log`, `joint_table` and `cycle_duration_s`.")
+    if tracks is None or table is None or entry.cycle_duration_s is None:
+        raise InputError("a diagnosis needs `motion`, `joint_table` and `cycle_duration_s`.")
+    schedule = Schedule(table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
+    markers = label_markers(tracks, file.motion_of(entry), file.body.edges_m, file.body.vertices).vertices
+    if entry.servo_log is None:
+        return _by_markers(file, entry, schedule, tracks.time_s, markers)
     log = read_servo_log(folder / entry.servo_log)
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
-    schedule = Schedule(table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
-    markers = label_markers(tracks, file.motion_of(entry), file.body.edges_m, file.body.vertices).vertices
-    angles = marker_angles(file.body, markers)
-    clock = align(tracks.time_s, angles, log)
-    start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log)
+    clock = align(file.body, tracks.time_s, markers, log)
+    start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     return Recording(
         entry.name, entry.gait or entry.name, file.body, schedule, tracks.time_s - t0, markers, log.time_s - start[0],
@@ -122,8 +164,21 @@ def read_recording(file: CampaignFile, entry: TrialEntry, folder: Path) -> Recor
     )  # fmt: skip
 
 
-def _start_by_shape(schedule: Schedule, log: ServoLog) -> tuple[float, float]:
-    found = start_by_shape(schedule, log.time_s, log.position)
-    if found is None:
-        raise InputError("the log does not say when the motion began, and the joint table does not match it.")
-    return found.offset_s, 0.01
+def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time: Floats, markers: Floats) -> Recording:
+    """A trial without a servo log: joint angles are the markers', and the cameras' clock is the only one."""
+    known, shown = angles_shown(file.body, markers)
+    t0, spread = _start_by_shape(schedule, time[known], shown)
+    return Recording(
+        entry.name, entry.gait or entry.name, file.body, schedule, time - t0, markers, time[known] - t0, shown,
+        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False,
+    )  # fmt: skip
+
+
+def _start_by_shape(schedule: Schedule, time: Floats, angles: Floats) -> tuple[float, float]:
+    found = start_by_shape(schedule, time, angles)
+    if found is None or found.correlation < ALIKE:
+        raise InputError(
+            "nothing says when the motion began, and the joint table is not found in the recorded shapes. Another "
+            "gait's table, joints in another order, or markers not tail first?"
+        )
+    return found.offset_s, UNSURE_CYCLE * schedule.cycle_duration_s

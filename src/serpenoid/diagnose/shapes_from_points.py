@@ -12,11 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.geometry import filled, register, shapes
-from serpenoid.measure.chain import marker_angles
+from serpenoid.errors import InputError
+from serpenoid.measure.chain import estimate_chain, marker_angles
 from serpenoid.measure.smooth import WINDOWS, smooth, smoother
 
 
@@ -74,6 +76,21 @@ def from_points(body: Body, time: Floats, markers: Floats) -> Smoothed:
     return Smoothed(
         States(body, time, smooth_poses, smooth_angles), pose_noise, angle_noise, pose_weights, angle_weights
     )
+
+
+def angles_shown(body: Body, markers: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Frames (F,) whose markers (F, N, 2) [m] determine the shape under rigid links, and their joint angles (R, m)."""
+    chain = estimate_chain(body, markers / body.total_length_m)
+    if chain.determined.sum() < WINDOWS[1]:
+        raise InputError(
+            "in too few frames are enough markers seen to know the body's shape, and there is no servo log."
+        )
+    return chain.determined, chain.joint_angles[chain.determined]
+
+
+def smoothed_angles(time: Floats, angles: Floats) -> Floats:
+    """Joint angles (R, m) without what cross-validation takes for noise."""
+    return _smoothed(time, angles, np.ones(angles.shape[1]))[0]
 
 
 def _smoothed(time: Floats, values: Floats, scale: Floats) -> tuple[Floats, Floats, tuple[Floats, np.ndarray]]:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.geometry import filled, register, relative, shapes
+from serpenoid.diagnose.geometry import GYRATION, filled, register, relative, shapes
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.recording import Recording
@@ -23,8 +23,10 @@ WINDOWS_PER_CYCLE = 8
 STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the floor
 STEPS_PER_PAUSE = 16
 COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
-HALF_AVERAGE_S = 0.045  # poses at a boundary: frames within this distance
-LEAST_FRAMES = 4
+HALF_AVERAGE_S, HALF_AVERAGE_FRAMES = 0.045, 2.5  # poses at a boundary: frames within this distance, or so many,
+MOST_OF_WINDOW = 0.4  # but neighbouring boundaries share none
+LEAST_SHARE = 1 / 3  # of these frames that must be seen
+GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
 
 
 def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model) -> tuple[Track, ...]:
@@ -68,14 +70,10 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     guess = predicted_path(model, vertices, time, _start(r, plan, known))
     at_frames = _spline(r, time, guess)
     miss = plan - at_frames
-    around = np.full((len(bounds), 3), np.nan)
-    for i, t in enumerate(time[bounds]):
-        a, b = np.searchsorted(r.time, [t - HALF_AVERAGE_S, t + HALF_AVERAGE_S])
-        good = np.isfinite(miss[a:b, 0])
-        if good.sum() >= LEAST_FRAMES:
-            around[i] = miss[a:b][good].mean(axis=0)
+    around, counts = _averaged(r, time[bounds], miss)
     hidden = r.time[~np.isfinite(plan[:, 0])]
-    gaps = np.array([_crossed(hidden, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+    most = GAP_S / r.frame_s
+    gaps = np.array([_crossed(hidden, most, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
     bridged = filled(around)
     path = guess + np.stack([np.interp(time, time[bounds], c) for c in bridged.T], axis=1)
     some = slice(None, None, COARSER)
@@ -85,13 +83,35 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     offset = finer * COARSER**2 / (COARSER**2 - 1)  # second order: extrapolated to a mesh without error
     return Track(
         r, time[some], vertices[some], coarse, playing, cycle, phase, guess[bounds] + around, path[some], r.time, plan,
-        gaps, offset,
+        gaps, offset, least=_least(r, counts),
     )  # fmt: skip
 
 
-def _crossed(hidden: Floats, begin: float, end: float) -> bool:
+def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats]:
+    """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,)."""
+    half = max(HALF_AVERAGE_S, HALF_AVERAGE_FRAMES * r.frame_s)
+    half = min(half, MOST_OF_WINDOW * r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE)
+    needed = max(1.0, LEAST_SHARE * 2 * half / r.frame_s)
+    around, counts = np.full((len(times), 3), np.nan), np.ones(len(times))
+    for i, t in enumerate(times):
+        a, b = np.searchsorted(r.time, [t - half, t + half])
+        good = np.isfinite(miss[a:b, 0])
+        if good.sum() >= needed:
+            around[i], counts[i] = miss[a:b][good].mean(axis=0), good.sum()
+    return around, counts
+
+
+def _least(r: Recording, counts: Floats) -> Floats:
+    """SD (B - 1, 3) of a window's displacement that the markers' own noise makes, its two ends averaged."""
+    seen = np.maximum(np.isfinite(r.markers[..., 0]).sum(axis=1), 1)
+    spread = r.body.total_length_m * GYRATION
+    one = np.array([1.0, 1.0, 1 / spread]) * r.marker_noise / np.sqrt(np.median(seen))
+    return np.sqrt(1 / counts[:-1] + 1 / counts[1:])[:, None] * one
+
+
+def _crossed(hidden: Floats, most: float, begin: float, end: float) -> bool:
     """Whether a gap of all markers, long enough for something to happen in it, lies in a window."""
-    return bool(((hidden > begin) & (hidden < end)).sum() > LEAST_FRAMES)
+    return bool(((hidden > begin) & (hidden < end)).sum() > most)
 
 
 def _mapped_poses(r: Recording, seen: Observation, angles: Floats, poses: Floats) -> Floats:

@@ -51,6 +51,7 @@ class Track:
     lead: Lead | None = None  # how the body was moving before; None: it was at rest
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
     doubt: Floats | float = 0.0
+    least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
 
     @property
     def duration(self) -> Floats:

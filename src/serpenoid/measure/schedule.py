@@ -13,18 +13,23 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import Offset, find_offset
 from serpenoid.measure.logs import ServoLog
 
+ON_TIME = 1e-9  # rows: rounding of a time at which one is due
 SETTLE = 0.5  # of the pause: servos lag, and the rest of the motion happens after the last command
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """A table (T, m) played `cycles` times from `start_s`, with a pause after each."""
+    """A table (T, m) played `cycles` times from `start_s`, with a pause after each.
+
+    held: a row stays commanded until the next is due; else the command runs to the next row on a straight line.
+    """
 
     table: Floats
     cycle_duration_s: float
     cycles: int
     pause_s: float
     start_s: float = 0.0
+    held: bool = False
 
     @property
     def period_s(self) -> float:
@@ -35,11 +40,13 @@ class Schedule:
         return self.start_s + self.cycles * self.period_s
 
     def commanded(self, time_s: Floats) -> Floats:
-        """Commanded joint angles (R, m), linear between rows; row 0 before the start, in pauses and after the end."""
+        """Commanded joint angles (R, m); row 0 before the start, in pauses and after the end."""
         since = np.asarray(time_s) - self.start_s
         phase = np.where(since < 0, 0.0, np.mod(since, self.period_s) / self.cycle_duration_s)
         phase = np.where(since >= self.cycles * self.period_s, 0.0, np.minimum(phase, 1.0))
         closed = np.concatenate([self.table, self.table[:1]])
+        if self.held:
+            return np.asarray(closed[np.floor(phase * len(self.table) + ON_TIME).astype(int)])
         grid = np.linspace(0.0, 1.0, len(closed))
         return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
 
