@@ -20,6 +20,7 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.gaits.table import write_table
+from serpenoid.parallel import Workers
 from serpenoid.problem import Problem, load
 
 if TYPE_CHECKING:
@@ -72,10 +73,6 @@ def _optimum(task: Problem, begins: list[Gait]) -> tuple[OptimalGait, Gait]:
 
 def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> Protocol:
     """The two gaits on that robot and floor, one after the other."""
-    if problem.body.joint_count != robot.robot.servos:
-        remedy = f"Name the robot's problem file with --problem, or its body with `problem` in {robot.name}'s protocol."
-        counts = f"the problem's body has {problem.body.joint_count} joints, the protocol's robot {robot.robot.servos}"
-        raise InputError(f"{counts}. {remedy}")
     duration = problem.task.cycle_duration_s or robot.cycle_duration_s
     gaits = tuple(PlayedGait(name=name, joint_table=f"{name}.csv") for name in MODELS)
     start = robot.start.model_copy(update={"headings_deg": (0.0,)})
@@ -84,7 +81,7 @@ def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> 
 
 
 def play(
-    folder: Path, protocol: Protocol, gaits: dict[str, OptimalGait], jobs: int, progress: Progress
+    folder: Path, protocol: Protocol, gaits: dict[str, OptimalGait], workers: Workers, progress: Progress
 ) -> dict[str, Floats]:
     """Displacements per trial [body lengths a cycle], by gait."""
     from serpenoid.arena.campaign import run_campaign
@@ -93,7 +90,7 @@ def play(
     tables = {name: gait.table for name, gait in gaits.items()}
     for name, table in tables.items():
         write_table(folder / f"{name}.csv", table)
-    run_campaign(protocol, tables, folder / "campaign", jobs=jobs, report=progress)
+    run_campaign(protocol, tables, folder / "campaign", workers=workers, report=progress)
     _, recordings = read_recordings(folder / "campaign")
     return {name: np.array([displacement(r) for r in recordings if r.gait == name]) for name in gaits}
 

@@ -11,12 +11,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from serpenoid.arena.protocol import PlayedGait, PlayedRobot, Protocol, Start
-from serpenoid.arena.robot import robot_of
+from serpenoid.arena.protocol import PlayedGait, Protocol, Start
 from serpenoid.body import Floats
 from serpenoid.files import write_json, write_text
 from serpenoid.gait_set import write_gait_set
 from serpenoid.gaits.table import read_table, write_table
+from serpenoid.parallel import Workers, results
 from serpenoid.problem import Problem
 
 if TYPE_CHECKING:
@@ -55,8 +55,8 @@ def _find_gaits(folder: Path, problem: Problem, count: int, seed: int, progress:
         write_table(folder / "tables" / f"improved-{number:02d}.csv", pair.solution.table)
 
 
-def paper_protocol(problem: Problem, names: list[str], trials: int, seed: int) -> Protocol:
-    """Three cycles of five seconds with two-second pauses on the problem's body; each trial starts another way."""
+def paper_protocol(names: list[str], trials: int, seed: int) -> Protocol:
+    """Three cycles of five seconds with two-second pauses; each trial starts in another direction."""
     return Protocol(
         name="the paper's protocol in the arena",
         description="Random gaits and the same improved, three cycles with pauses, repeated from three headings.",
@@ -64,24 +64,21 @@ def paper_protocol(problem: Problem, names: list[str], trials: int, seed: int) -
         trials=trials,
         gait=tuple(PlayedGait(name=name, joint_table=f"gaits/{name}.csv") for name in names),
         start=Start(headings_deg=HEADINGS_DEG),
-        robot=PlayedRobot.model_validate(robot_of(problem.body)),
     )
 
 
-def read_campaign(folder: Path, jobs: int, progress: Progress) -> Campaign:
+def read_campaign(folder: Path, workers: Workers, progress: Progress) -> Campaign:
     """The campaign's trials, aligned; several at a time."""
-    from joblib import Parallel, delayed
-
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.measure.load import Campaign, load_trial
 
     file, place = load_campaign_file(folder)
-    tasks = (delayed(load_trial)(file, entry, place, file.body) for entry in file.trial)
-    trials = []
-    for trial in Parallel(n_jobs=jobs, return_as="generator")(tasks):
-        trials.append(trial)
-        progress(len(trials), trial.name)
-    return Campaign(file, place, file.body, False, tuple(trials))
+    tasks = [(file, entry, place, file.body) for entry in file.trial]
+    found = {}
+    for index, trial in results(load_trial, tasks, workers):
+        found[index] = trial
+        progress(len(found), trial.name)
+    return Campaign(file, place, file.body, False, tuple(found[i] for i in range(len(tasks))))
 
 
 def beside_the_paper(ratios: tuple[RatioStatistics, ...]) -> list[dict[str, Any]]:

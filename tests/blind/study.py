@@ -21,7 +21,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,6 +35,7 @@ from blind.pages import write_page
 from blind.score import Name, answer, errors, judge, odds
 from blind.separation import separation
 from blind.strength import effective_eps, floor, strength
+from serpenoid.parallel import Workers, results
 
 REFUSED = 2  # exit code of a diagnosis that says why it cannot be made
 
@@ -182,7 +182,7 @@ def run_one(study: Study, index: int) -> dict[str, Any]:
     return row
 
 
-def run(study: Study, count: int, jobs: int) -> list[dict[str, Any]]:
+def run(study: Study, count: int, workers: Workers) -> list[dict[str, Any]]:
     """All trials that the table has not; interrupted studies go on where they stopped."""
     file = study.out / f"{study.kind}.csv"
     before, rows = table.read(file)
@@ -194,13 +194,11 @@ def run(study: Study, count: int, jobs: int) -> list[dict[str, Any]]:
     above = {"command": command, "commit": " ".join(commits), "key": study.key}
     known = {row["identity"] for row in rows}
     order = {study.identity(i): i for i in range(count)}
-    with ProcessPoolExecutor(jobs) as pool:
-        waiting = [pool.submit(run_one, study, i) for name, i in order.items() if name not in known]
-        for n, done in enumerate(as_completed(waiting), 1):
-            row = done.result()
-            rows = sorted([*rows, row], key=lambda r: order.get(r["identity"], count))
-            table.write(file, above, rows)
-            sys.stderr.write(f"{n}/{len(waiting)} {row['identity']} {row['outcome']} ({row['seconds']:.0f} s)\n")
+    waiting = [(study, i) for name, i in order.items() if name not in known]
+    for n, (_, row) in enumerate(results(run_one, waiting, workers), 1):
+        rows = sorted([*rows, row], key=lambda r: order.get(r["identity"], count))
+        table.write(file, above, rows)
+        sys.stderr.write(f"{n}/{len(waiting)} {row['identity']} {row['outcome']} ({row['seconds']:.0f} s)\n")
     write_page(study.out)
     return rows
 
@@ -219,10 +217,11 @@ def main() -> None:
     p.add_argument("--diagnose", default=Study.diagnose, help="command before CAMPAIGN --model MODEL --out DIR")
     p.add_argument("--key", default=Study.key, help="another key, other campaigns")
     p.add_argument("--jobs", type=int, default=1)
+    p.add_argument("--cluster", help="a Dask scheduler's address, or local:N")
     p.add_argument("--keep", action="store_true", help="keep the campaign folders")
     a = p.parse_args()
     model = a.model or (None if a.kind == "random" else "problems/snake10.toml")
-    run(Study(a.kind, a.out, model, a.diagnose, a.key, keep=a.keep), a.count, a.jobs)
+    run(Study(a.kind, a.out, model, a.diagnose, a.key, keep=a.keep), a.count, Workers(a.jobs, a.cluster))
 
 
 if __name__ == "__main__":

@@ -16,35 +16,15 @@ from pathlib import Path
 
 from serpenoid.cli import options
 
-RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
-
-    serpenoid arena run problems/protocols/two-gaits.toml --out results/two-gaits
-    serpenoid measure results/two-gaits && serpenoid compare results/two-gaits
-
-A protocol names joint tables, repeats and headings; `problem = "mine.toml"` plays the body of a problem file instead of
-the paper's ten-servo snake: its links, joints and masses, with wheels scaled to it ([robot] overrides each number).
-The folder receives campaign.toml, gaits/ and one folder per trial: motion.csv (as Motive exports it), servo.csv,
-power.csv. A trial takes some seconds. Ctrl-C keeps whole trials; the same command goes on.
-`serpenoid new protocol` writes a protocol to begin with; `serpenoid schema protocol` lists every key."""
-
-USE = """What a diagnosis is worth: the optimal gaits before and after its extension, both played on one robot.
-
-    serpenoid arena use results/mats/diagnosis PROTOCOL.toml --problem problems/snake10.toml"""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `arena`."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    plain = argparse.RawDescriptionHelpFormatter
-    played = actions.add_parser(
-        "run", help="play a protocol and write a campaign", description=RUN, formatter_class=plain
-    )
-    played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="what is played, on which robot and floor")
+    played = actions.add_parser("run", help="play a protocol and write a campaign")
+    played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path)
     played.add_argument("--out", metavar="FOLDER", type=Path, help="campaign folder (default: results/<protocol>)")
     played.add_argument("--truth", metavar="FOLDER", type=Path, help="also write the noise-free motion, elsewhere")
-    used = actions.add_parser(
-        "use", help="play a diagnosis' optimal gaits, before and after", description=USE, formatter_class=plain
-    )
+    used = actions.add_parser("use", help="play a diagnosis' optimal gaits, before and after")
     used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
     used.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="robot and floor to play them on")
     used.add_argument("--problem", metavar="FILE", type=Path, help="whose gaits (default: the snake robot's)")
@@ -52,7 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
     used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
     for action in (played, used):
-        action.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="trials at a time")
+        options.add_workers(action, "trials", os.cpu_count() or 1)
         options.add_output(action)
     options.add_open(used)
 
@@ -71,7 +51,7 @@ def _run(args: argparse.Namespace) -> int:
     folder = args.out or Path("results") / args.protocol.stem
     total = len(plans(protocol))
     with options.progress_bar(args, "trials", total) as advance:
-        run_campaign(protocol, tables, folder, jobs=max(1, args.jobs), truth=args.truth, report=advance)
+        run_campaign(protocol, tables, folder, workers=options.workers(args), truth=args.truth, report=advance)
     record = {"campaign": str(folder / "campaign.toml"), "trials": total}
     options.report(args, record, [f"{total} trials described in {folder / 'campaign.toml'}"])
     return 0
@@ -94,7 +74,7 @@ def _use(args: argparse.Namespace) -> int:
         gaits = in_use.optimal_gaits(problem, args.diagnosis, advance)
         advance(len(gaits), "")
     with options.progress_bar(args, "trials", args.trials * len(gaits)) as advance:
-        found = in_use.play(folder, protocol, gaits, max(1, args.jobs), advance)
+        found = in_use.play(folder, protocol, gaits, options.workers(args), advance)
     record = in_use.record_of(gaits, found)
     write_json(folder / "in-use.json", record)
     options.report(args, record, [*in_use.lines(record), f"written to {folder}"], folder)

@@ -78,8 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     try:
         code = args.run(args)
-        if sys.stdout is not None:  # closed by the shell: >&-
-            sys.stdout.flush()
+        sys.stdout.flush()
         return code
     except InputError as error:
         return _complain(str(error), 2)

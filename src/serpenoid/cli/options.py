@@ -11,7 +11,10 @@ import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from serpenoid.parallel import Workers
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
@@ -43,6 +46,20 @@ def add_output(parser: argparse.ArgumentParser, out: str = "") -> None:
         add_open(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
     parser.add_argument("--json", action="store_true", help="print the record as JSON on standard output, nothing else")
+
+
+def add_workers(parser: argparse.ArgumentParser, things: str, jobs: int = 1) -> None:
+    """--jobs, --cluster."""
+    parser.add_argument("--jobs", "-j", type=positive, default=jobs, metavar="N", help=f"{things} at a time ({jobs})")
+    help_line = f"{things} on a Dask cluster: its scheduler's address, or local:N for N workers on this machine"
+    parser.add_argument("--cluster", metavar="ADDRESS", help=help_line)
+
+
+def workers(args: argparse.Namespace) -> Workers:
+    """What --jobs and --cluster ask for."""
+    from serpenoid.parallel import Workers
+
+    return Workers(args.jobs, args.cluster)
 
 
 def add_open(parser: argparse.ArgumentParser) -> None:
@@ -103,7 +120,7 @@ def complain(message: str) -> None:
 class Advance(Protocol):
     """What a progress bar offers: done so far, and a word about it."""
 
-    def __call__(self, done: float, text: str = "") -> None: ...
+    def __call__(self, done: float, text: str = "", total: float = ...) -> None: ...
 
 
 @contextmanager
@@ -114,7 +131,7 @@ def progress_bar(args: argparse.Namespace, title: str, total: float) -> Iterator
     as each other.
     """
     if args.quiet or args.json:
-        yield lambda done, text="": _note(title, done, total, text)
+        yield lambda done, text="", total=total: _note(title, done, total, text)
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
@@ -125,9 +142,9 @@ def progress_bar(args: argparse.Namespace, title: str, total: float) -> Iterator
     with Progress(*columns, RemainingColumn(), TextColumn("{task.fields[note]}"), console=Console(stderr=True)) as bar:
         task = bar.add_task(title, total=total, note="")
 
-        def advance(done: float, text: str = "") -> None:
+        def advance(done: float, text: str = "", total: float = total) -> None:
             _note(title, done, total, text)
-            bar.update(task, completed=done, note=text)
+            bar.update(task, completed=done, total=total, note=text)
 
         yield advance
 

@@ -24,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--gaits", type=int, default=12, metavar="N", help="random gaits, each also improved (12)")
     parser.add_argument("--trials", type=int, default=3, metavar="N", help="trials of each gait (3)")
     parser.add_argument("--seed", type=int, default=0, help="of gaits and trials (0)")
-    parser.add_argument("--jobs", "-j", type=int, default=os.cpu_count() or 1, metavar="N", help="processes")
+    options.add_workers(parser, "trials", os.cpu_count() or 1)
     options.add_output(parser, "results/reproduce")
 
 
@@ -37,19 +37,19 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.problem import load
     from serpenoid.reproduce import gait_tables, paper_protocol, read_campaign
 
-    if min(args.gaits, args.trials, args.jobs) < 1:
-        raise InputError("--gaits, --trials and --jobs need a positive number.")
+    if min(args.gaits, args.trials) < 1:
+        raise InputError("--gaits and --trials need a positive number.")
     problem = load(args.problem or examples() / "snake10.toml", args.set)
     folder = Path(args.out or "results/reproduce")
     with options.progress_bar(args, "gaits", args.gaits) as advance:
         tables = gait_tables(folder / "gaits", problem, args.gaits, args.seed, advance)
         advance(args.gaits)
-    protocol = paper_protocol(problem, list(tables), args.trials, args.seed)
+    protocol = paper_protocol(list(tables), args.trials, args.seed)
     total = 2 * args.gaits * args.trials
     with options.progress_bar(args, "trials", total) as advance:
-        run_campaign(protocol, tables, folder / "campaign", jobs=args.jobs, report=advance)
+        run_campaign(protocol, tables, folder / "campaign", workers=options.workers(args), report=advance)
     with options.progress_bar(args, "reading", total) as advance:
-        campaign = read_campaign(folder / "campaign", args.jobs, advance)
+        campaign = read_campaign(folder / "campaign", options.workers(args), advance)
     with options.progress_bar(args, "comparing", total) as advance:
         study = compare_campaign(campaign, problem.model, lambda done, _total, name: advance(done, name))
         advance(total)

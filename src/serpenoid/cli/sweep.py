@@ -34,9 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--no-polish", action="store_true", help="leave out the derivative-free check of every point")
-    parser.add_argument(
-        "--jobs", type=options.positive, default=1, metavar="N", help="problems solved at once (default 1)"
-    )
+    options.add_workers(parser, "problems")
     options.add_output(parser, "results/<problem>/sweep-<hash>")
 
 
@@ -70,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
-    if len(problems) == 1 or args.jobs <= 1:
+    if args.cluster is None and (len(problems) == 1 or args.jobs <= 1):
         summaries = []
         for problem, folder in zip(problems, folders, strict=True):
             with options.progress_bar(args, f"{problem.name}", 2 * len(values)) as advance:
@@ -99,14 +97,13 @@ def sweep_one(problem: Problem, values: list[float], folder: Path, settings: dic
 
 
 def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], folders: list[Path]) -> list[dict]:
-    from joblib import Parallel, delayed
+    from serpenoid.parallel import results
 
     settings = {key: getattr(args, key) for key in ("starts", "seed", "no_polish", "no_figures")}
-    pool = Parallel(n_jobs=args.jobs, return_as="generator_unordered")
-    tasks = (delayed(sweep_one)(p, values, f, settings) for p, f in zip(problems, folders, strict=True))
+    tasks = [(p, values, f.resolve(), settings) for p, f in zip(problems, folders, strict=True)]
     summaries = []
     with options.progress_bar(args, "problems", len(problems)) as advance:
-        for summary in pool(tasks):
+        for _, summary in results(sweep_one, tasks, options.workers(args)):
             summaries.append(summary)
             advance(len(summaries), summary["problem"])
     return sorted(summaries, key=lambda s: s["problem"])
@@ -130,6 +127,5 @@ def _lines(summary: dict) -> list[str]:
         f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed{missing}",
         f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
         f"  cost of transport least between c = 1 and 2 for idle energy {shown} (units of T * E)",
-        *(f"  {line}, at the least c" for line in summary["limits"]),
         f"  written to {summary['folder']}",
     ]

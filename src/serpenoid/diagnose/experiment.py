@@ -19,12 +19,12 @@ from serpenoid.diagnose.finding import BAND
 from serpenoid.diagnose.geometry import shapes
 from serpenoid.diagnose.medium import Fit
 from serpenoid.diagnose.motion import Motion, Noise
-from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.recording import Recording
 from serpenoid.gaits import EllipseGait
 from serpenoid.measure.schedule import Schedule
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
+from serpenoid.parallel import in_processes
 from serpenoid.self_contact import crosses_itself
 
 ROWS = 50

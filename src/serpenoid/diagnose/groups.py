@@ -15,10 +15,10 @@ from serpenoid.diagnose.finding import Rival, excludable
 from serpenoid.diagnose.medium import Fit
 from serpenoid.diagnose.noise import strength
 from serpenoid.diagnose.patches import Ranked
-from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.ranking import score, shortlist
 from serpenoid.diagnose.select import SCREENING, Selection, attempt, finished
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.parallel import in_processes
 
 AT_MOST = 10  # full fits for each chosen effect
 FIRST_ORDER = 0.4  # of the choice's gain: what linear scores fall short by, where effects are strong

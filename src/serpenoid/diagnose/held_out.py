@@ -17,8 +17,8 @@ from serpenoid.diagnose.evidence import Evidence
 from serpenoid.diagnose.medium import Fit, fit, linearised, with_values
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_error
-from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.windows import Prediction
+from serpenoid.parallel import in_processes
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
 

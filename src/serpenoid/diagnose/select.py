@@ -25,11 +25,11 @@ from serpenoid.diagnose.medium import (
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.noise import path_error, path_floor, residuals, strength, window_noise
 from serpenoid.diagnose.patches import Ranked
-from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.ranking import score, shortlist
 from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
+from serpenoid.parallel import in_processes
 
 AT_MOST, MANY, WORTH = 7, 3, 0.15  # after the first three each must take a share of what is left above chance
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)

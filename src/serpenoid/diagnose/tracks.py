@@ -14,10 +14,10 @@ from scipy.interpolate import CubicSpline
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import GYRATION, filled, register, relative, shapes
 from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.windows import Track, predicted_path
 from serpenoid.model import Model
+from serpenoid.parallel import in_processes
 
 WINDOWS_PER_CYCLE = 8
 STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the floor

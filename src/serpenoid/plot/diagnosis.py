@@ -15,8 +15,8 @@ from matplotlib.ticker import MaxNLocator
 from serpenoid.body import Floats
 from serpenoid.diagnose.geometry import relative, travel
 from serpenoid.diagnose.maps import windows
-from serpenoid.diagnose.processes import in_processes
 from serpenoid.diagnose.select import GAIN
+from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.figures import save
 from serpenoid.plot.joints import joint_angles, joint_bar

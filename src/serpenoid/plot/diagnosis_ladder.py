@@ -37,9 +37,8 @@ def stage(error: Error, ax: Axes) -> Axes:
     for i, (value, colour) in enumerate(((error.before, ORANGE), (error.after, BLUE))):
         ax.bar(i, scale * value, color=colour, width=0.62)
         top = scale * max(value, error.floor)  # clear of the line
-        ax.text(
-            i, top, f"{value / error.floor:.2g} \N{MULTIPLICATION SIGN} noise", ha="center", va="bottom", fontsize=SMALL
-        )
+        times = f"{value / error.floor:.2g} \N{MULTIPLICATION SIGN}\nnoise"
+        ax.text(i, top, times, ha="center", va="bottom", fontsize=SMALL)
     ax.axhline(scale * error.floor, color=INK, lw=1.0, ls="--")
     ax.set_xticks([0, 1], ["before", "after"])
     ax.set_xlim(-0.6, 1.6)

@@ -1,4 +1,4 @@
-"""The same function on many inputs, on as many cores as there are; results in order.
+"""Short pieces of one task, forked so that large inputs need not be sent; on as many cores as are allowed; in order.
 
 Ctrl-C reaches every process of a terminal. Workers ignore it; the first process ends them, and hears it only once they
 are all there: an interrupt amid a fork is lost or leaves one behind.
@@ -16,13 +16,16 @@ from types import FrameType
 from typing import Any
 
 AT_MOST = 4
+_allowed = AT_MOST
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
 _tasks: list[Task] = []
 
 
 def in_processes(tasks: Sequence[Task]) -> list[Any]:
     """Run every (function, arguments); forked where that exists, so that inputs need not be sent."""
-    cores = min(len(tasks), AT_MOST, os.cpu_count() or 1)
+    cores = min(len(tasks), _allowed, os.cpu_count() or 1)
+    if multiprocessing.current_process().daemon:  # a worker that may have no children
+        cores = 1
     if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
         return [function(*arguments) for function, arguments in tasks]
     global _tasks
@@ -32,6 +35,17 @@ def in_processes(tasks: Sequence[Task]) -> list[Any]:
         with pool:
             hear()
             return pool.map(_run, range(len(tasks)), chunksize=1)
+
+
+@contextmanager
+def limited(cores: int) -> Iterator[None]:
+    """Inside, `in_processes` uses so many at most."""
+    global _allowed
+    before, _allowed = _allowed, cores
+    try:
+        yield
+    finally:
+        _allowed = before
 
 
 @contextmanager

@@ -1,0 +1,83 @@
+"""One campaign diagnosed: read, judged, written, drawn, and said."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from serpenoid.cli import campaigns, options
+from serpenoid.cli.work import Work
+
+if TYPE_CHECKING:
+    from serpenoid.diagnose.baseline import Baseline
+    from serpenoid.diagnose.diagnose import Diagnosis
+    from serpenoid.measure.campaign import CampaignFile
+
+
+def run_one(args: argparse.Namespace, campaign: str) -> int:
+    """Diagnose, write, report."""
+    from serpenoid.diagnose.reference import reference_of, summary
+    from serpenoid.diagnose.words import lines
+    from serpenoid.diagnose.write import write
+    from serpenoid.measure.campaign import load_campaign_file
+
+    wanted = [*([args.reference] if args.reference else []), campaign]
+    sizes = [len(load_campaign_file(c)[0].trial) for c in wanted]
+    folder = options.output_folder(args, Path("results") / campaigns.name_of(campaign) / "diagnosis")
+    with options.progress_bar(args, "diagnosing", sum(sizes)) as advance:
+        work = Work(sizes, not args.no_figures, advance)
+        earlier, before = None, None
+        if args.reference:
+            file, then = _diagnosed(args, args.reference, None, work)
+            earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
+        file, found = _diagnosed(args, campaign, earlier, work)
+        record = write(folder, file, found, before)
+        if not args.no_figures:
+            work.draw()
+            _pictures(folder, found, record)
+        work.finish()
+    options.report(args, record, [*lines(record), f"written to {folder}"], folder)
+    return 0
+
+
+def _diagnosed(
+    args: argparse.Namespace, campaign: str, earlier: Baseline | None, work: Work
+) -> tuple[CampaignFile, Diagnosis]:
+    """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all."""
+    from serpenoid.diagnose.baseline import Baseline
+    from serpenoid.diagnose.diagnose import diagnose, diagnose_tracked
+    from serpenoid.diagnose.recording import read_recordings
+    from serpenoid.diagnose.start import baseline, check_body
+    from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
+    from serpenoid.errors import InputError
+    from serpenoid.measure.campaign import load_campaign_file
+    from serpenoid.measure.load import load_campaign
+
+    file, _ = load_campaign_file(campaign)
+
+    def reading(done: int, _total: int, name: str) -> None:
+        work.read(done, name)
+
+    if is_tracked_only(file):
+        if args.reference:
+            raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
+        tracked = tracked_recordings(load_campaign(campaign, reading))
+        return file, diagnose_tracked(tracked, baseline(args.model, file, tracked[0].body), work.begin)
+    check_body(args.model, file)
+    known = earlier or Baseline(baseline(args.model, file, file.body))
+    known.check(file.body)
+    found = diagnose(read_recordings(campaign, reading)[1], known, work.begin)
+    work.campaign_done()
+    return file, found
+
+
+def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:
+    from serpenoid.diagnose.animate import animated
+    from serpenoid.diagnose.report import write_pages
+    from serpenoid.gaits.table import read_table
+    from serpenoid.plot.diagnosis import draw_all
+
+    proposed = record["next_experiment"]
+    draw_all(folder, found, read_table(folder / proposed["joint_table"]) if proposed else None)
+    write_pages(folder, record, animated(found))
