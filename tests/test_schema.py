@@ -189,3 +189,19 @@ def test_a_joint_table_with_a_fault_is_refused_with_row_and_column(tmp_path: Pat
         read_table(path, 2)
     with pytest.raises(InputError, match="no such joint table"):
         read_table(tmp_path / "none.csv", 2)
+
+
+class Listed(schema.Record):
+    start: ListedStart = Field(default_factory=lambda: ListedStart())
+
+
+class ListedStart(schema.Record):
+    headings: tuple[float, ...] = Field(default=(0.0,), min_length=1)
+
+
+def test_an_empty_list_inside_a_section_is_named_and_a_faulty_entry_is_one_fault(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\[start\] headings: .*at least 1 item"):
+        schema.load(Listed, written(tmp_path, "[start]\nheadings = []\n"))
+    with pytest.raises(InputError) as caught:
+        schema.load(Listed, written(tmp_path, "[start]\nheadings = ['north']\n"))
+    assert len(str(caught.value).splitlines()) == 1

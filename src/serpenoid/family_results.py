@@ -7,6 +7,7 @@ from typing import Any
 
 from serpenoid.family import Sweep, write_sweep_table
 from serpenoid.files import provenance, write_json
+from serpenoid.joint_limits import limit_lines
 from serpenoid.performance import idle_for_minimum
 from serpenoid.results import write_solution
 
@@ -30,6 +31,7 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         "failed": sum(point.reached for point in result.points) - len(solved),
         "not_reached": sum(not point.reached for point in result.points),
         "displacement": [float(min(shown)), float(max(shown))] if solved else [0.0, 0.0],
+        "limits": limit_lines(result.problem, solved[0].table) if solved else [],
         "idle_for_minimum_between_1_and_2": window,
         "status": "solved" if len(solved) == len(result.points) and result.complete else "incomplete",
         "provenance": provenance(problem=result.problem.name, problem_hash=result.problem.hash),

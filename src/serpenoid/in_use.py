@@ -73,6 +73,10 @@ def _optimum(task: Problem, begins: list[Gait]) -> tuple[OptimalGait, Gait]:
 
 def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> Protocol:
     """The two gaits on that robot and floor, one after the other."""
+    if problem.body.joint_count != robot.robot.servos:
+        remedy = f"Name the robot's problem file with --problem, or its body with `problem` in {robot.name}'s protocol."
+        counts = f"the problem's body has {problem.body.joint_count} joints, the protocol's robot {robot.robot.servos}"
+        raise InputError(f"{counts}. {remedy}")
     duration = problem.task.cycle_duration_s or robot.cycle_duration_s
     gaits = tuple(PlayedGait(name=name, joint_table=f"{name}.csv") for name in MODELS)
     start = robot.start.model_copy(update={"headings_deg": (0.0,)})

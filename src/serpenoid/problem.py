@@ -44,10 +44,12 @@ class About(Record):
 
 
 class Constraints(Record):
-    """Constraints that can be switched on."""
+    """Constraints on a gait; the limits that the body declares hold unless they are switched off here."""
 
-    joint_limits: bool = Field(default=False, description="keep every row within the body's joint_limit_deg")
-    joint_speed_limits: bool = Field(default=False, description="body's joint_speed_limit_rpm at task.cycle_duration_s")
+    joint_limits: bool | None = Field(default=None, description="false: joint_limit_deg of the body does not hold")
+    joint_speed_limits: bool | None = Field(
+        default=None, description="false: joint_speed_limit_rpm of the body, at task.cycle_duration_s, does not hold"
+    )
     straight: bool = Field(default=False, description="no heading change over a cycle")
     heading_change_rad: float | None = Field(default=None, description="prescribed heading change over a cycle")
     spatial_frequency: Annotated[float, Field(gt=0)] | None = Field(default=None, description="fixes xi")
@@ -118,6 +120,16 @@ class Problem(Record):
         return self
 
     @property
+    def joint_limit_deg(self) -> float | None:
+        """The body's joint limit, None where there is none or it is switched off."""
+        return None if self.task.constraints.joint_limits is False else self.body.joint_limit_deg
+
+    @property
+    def joint_speed_limit_rpm(self) -> float | None:
+        """The body's speed limit, None where there is none or it is switched off."""
+        return None if self.task.constraints.joint_speed_limits is False else self.body.joint_speed_limit_rpm
+
+    @property
     def model(self) -> Model:
         """Body, medium and effects, with the task's clock."""
         return Model(self.body, self.medium, self.effects, self.task.cycle_duration_s)
@@ -147,6 +159,8 @@ class Problem(Record):
         data = self.model_dump(mode="json", exclude=None if self.effects else {"effects"})
         if self.medium.anisotropy_ratio_bounds is None:
             del data["medium"]["anisotropy_ratio_bounds"]
+        holds = {"joint_limits": self.joint_limit_deg, "joint_speed_limits": self.joint_speed_limit_rpm}
+        data["task"]["constraints"] |= {name: limit is not None for name, limit in holds.items()}
         return short_hash(data)
 
 
@@ -157,13 +171,14 @@ def load(
 ) -> Problem:
     """Read a problem file; `set` holds `section.key=value` assignments as on the command line.
 
-    `model` names a model file: its medium, effects and (where it has one) body replace the problem's.
+    `model` names a model file: its medium, effects and (where it has one) body replace the problem's; a limit of the
+    joints that its body does not state stays the problem's.
     Raises InputError that names file, section, key, rule, value and remedy.
     """
     path = Path(path)
     data = schema.read_toml(path)
     if model is not None:
-        data |= read_model_file(model)
+        data |= _with_limits(read_model_file(model), data.get("body"))
     data = schema.override(data, set or [])
     gait = data.get("gait")
     if isinstance(gait, dict):
@@ -171,3 +186,11 @@ def load(
     problem = schema.validate(Problem, data, str(path))
     problem._folder, problem._name = path.parent, path.stem
     return problem
+
+
+def _with_limits(model: dict[str, Any], body: Any) -> dict[str, Any]:
+    """A model is fitted to motion and says nothing about what the joints stand."""
+    if "body" not in model or not isinstance(body, dict):
+        return model
+    limits = {key: body[key] for key in ("joint_limit_deg", "joint_speed_limit_rpm") if key in body}
+    return model | {"body": limits | model["body"]}

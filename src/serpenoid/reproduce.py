@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from serpenoid.arena.protocol import PlayedGait, Protocol, Start
+from serpenoid.arena.protocol import PlayedGait, PlayedRobot, Protocol, Start
+from serpenoid.arena.robot import robot_of
 from serpenoid.body import Floats
 from serpenoid.files import write_json, write_text
 from serpenoid.gait_set import write_gait_set
@@ -55,8 +56,8 @@ def _find_gaits(folder: Path, problem: Problem, count: int, seed: int, progress:
         write_table(folder / "tables" / f"improved-{number:02d}.csv", pair.solution.table)
 
 
-def paper_protocol(names: list[str], trials: int, seed: int) -> Protocol:
-    """Three cycles of five seconds with two-second pauses; each trial starts in another direction."""
+def paper_protocol(problem: Problem, names: list[str], trials: int, seed: int) -> Protocol:
+    """Three cycles of five seconds with two-second pauses on the problem's body; each trial starts another way."""
     return Protocol(
         name="the paper's protocol in the arena",
         description="Random gaits and the same improved, three cycles with pauses, repeated from three headings.",
@@ -64,6 +65,7 @@ def paper_protocol(names: list[str], trials: int, seed: int) -> Protocol:
         trials=trials,
         gait=tuple(PlayedGait(name=name, joint_table=f"gaits/{name}.csv") for name in names),
         start=Start(headings_deg=HEADINGS_DEG),
+        robot=PlayedRobot.model_validate(robot_of(problem.body)),
     )
 
 

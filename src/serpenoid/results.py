@@ -138,6 +138,11 @@ def _record(
             "length_m": body.total_length_m,
             "mass_kg": body.mass_kg,
             "joint_limit_deg": body.joint_limit_deg,
+            "joint_speed_limit_rpm": body.joint_speed_limit_rpm,
+        },
+        "limits_held": {
+            "joint_limits": task.constraints.joint_limits is not False,
+            "joint_speed_limits": task.constraints.joint_speed_limits is not False,
         },
         "steps": trajectory.steps_per_cycle,
         "rows_that_cross": crossing_rows(trajectory),

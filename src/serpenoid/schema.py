@@ -45,9 +45,9 @@ def validate(schema: type[R], data: dict[str, Any], source: str) -> R:
         return schema.model_validate(data)
     except ValidationError as error:
         found = error.errors()
-        inside = {fault["loc"][0] for fault in found if len(fault["loc"]) > 1}
         # a list whose entries are faulty counts as empty: that is no second fault
-        found = [fault for fault in found if fault["type"] != "too_short" or fault["loc"][0] not in inside]
+        above = {fault["loc"][:depth] for fault in found for depth in range(1, len(fault["loc"]))}
+        found = [fault for fault in found if fault["type"] != "too_short" or fault["loc"] not in above]
         faults = "\n".join(f"{source}: {_describe(schema, fault)}" for fault in found)
         raise InputError(faults) from None
 

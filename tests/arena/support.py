@@ -14,12 +14,13 @@ ROBOT = Robot()
 LENGTH = float(ROBOT.edge_lengths_m.sum())
 
 
-def serpenoid_table(a=6.0, sigma=1.0, xi=1.0, rows=50):
+def serpenoid_table(a=6.0, sigma=1.0, xi=1.0, rows=50, theta=0.0, centre=(0.0, 0.0)):
     """Joint angles (rows, 10): edge angle = integral of kappa at the edge's midpoint, joint = their difference."""
     edges = ROBOT.edge_lengths_m / LENGTH
     middle, k = np.cumsum(edges) - edges / 2, 2 * np.pi * xi
     phase = 2 * np.pi * np.arange(rows)[:, None] / rows
-    w1, w2 = a * np.cos(phase), a * sigma * np.sin(phase)
+    u, v, c, s = a * np.cos(phase), a * sigma * np.sin(phase), np.cos(theta), np.sin(theta)
+    w1, w2 = c * u - s * v + centre[0], s * u + c * v + centre[1]
     return np.diff((w1 * (1 - np.cos(k * middle)) + w2 * np.sin(k * middle)) / k, axis=1)
 
 

@@ -6,7 +6,9 @@ import math
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.problem import load
 from serpenoid.reproduce import PAPER, PAPER_S, beside_the_paper, paper_protocol
+from specimens import PROBLEMS
 
 
 def test_the_papers_numbers_fit_each_other():
@@ -16,7 +18,7 @@ def test_the_papers_numbers_fit_each_other():
 
 
 def test_the_protocol_is_the_papers():
-    protocol = paper_protocol([f"g{n}" for n in range(24)], 3, 0)
+    protocol = paper_protocol(load(PROBLEMS / "snake10.toml"), [f"g{n}" for n in range(24)], 3, 0)
     assert (len(protocol.gait), protocol.trials, protocol.cycles, protocol.pause_s) == (24, 3, 3, 2.0)
     assert protocol.cameras.frames_per_second == 120
 

@@ -86,7 +86,7 @@ def test_honest_port_in_memory_works(rig):
     bus, _, _, _ = rig(lambda raw: raw)
     assert bus.ping(3) == 1060
     assert bus.read_states(range(1, 11))[10].position == 2048
-    assert sorted(bus.scan()) == list(range(1, 11))
+    assert sorted(bus.scan().servos) == list(range(1, 11))
 
 
 def test_3000_exchanges_with_corrupt_answers_raise_nothing_but_bus_faults(rig):

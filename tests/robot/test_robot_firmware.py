@@ -96,7 +96,13 @@ def test_second_press_stops_at_once(program):
 @needs_compiler
 @pytest.mark.parametrize(
     ("event", "reason"),
-    [("error@3.0", "hardware error"), ("sag@3.0", "voltage"), ("gone@3.0", "voltage"), ("gone@0", "no XL430-W250")],
+    [
+        ("error@3.0", "hardware error"),
+        ("sag@3.0", "voltage"),
+        ("gone@3.0", "voltage"),
+        ("gone@0", "no XL430-W250"),
+        ("narrow@0", "its own limits are narrower than the robot file's"),
+    ],
 )
 def test_fault_switches_torque_off_says_why_and_blinks(program, event, reason):
     lines = run(program, 9, "press@0.5", event)

@@ -51,14 +51,36 @@ def test_results_folder_is_read_with_its_cycle_duration(tmp_path):
     (tmp_path / "solution.json").write_text(json.dumps({"cycle_duration_s": 4.0}))
     table = read_table(tmp_path)
     assert np.array_equal(table.angles, gait())
-    assert table.cycle_duration_s == 4.0
+    assert table.stated.cycle_duration_s == 4.0
 
 
-@pytest.mark.parametrize("content", ["{", "[]", '{"cycle_duration_s": "x"}', '{"cycle_duration_s": -1}', "{}"])
-def test_solution_without_a_usable_duration_gives_none(tmp_path, content):
+@pytest.mark.parametrize(
+    "content",
+    [
+        "{",
+        "[]",
+        '{"cycle_duration_s": "5"}',
+        '{"cycle_duration_s": -1}',
+        '{"cycle_duration_s": 1e999}',
+        '{"cycle_duration_s": 700}',
+        '{"cycle_duration_s": true}',
+        '{"body": {"joint_limit_deg": -50}}',
+        '{"limits_held": {"joint_limits": "no"}}',
+        "[" * 5000,
+    ],
+)
+def test_a_broken_solution_is_refused_rather_than_replaced_by_the_robot_files_duration(tmp_path, content):
     write_table(tmp_path / "joint_table.csv", gait())
     (tmp_path / "solution.json").write_text(content)
-    assert read_table(tmp_path).cycle_duration_s is None
+    with pytest.raises(InputError, match=r"solution\.json: .*Write the results again"):
+        read_table(tmp_path)
+
+
+@pytest.mark.parametrize("content", ["{}", '{"cycle_duration_s": null, "kkt": 5}'])
+def test_a_solution_that_states_nothing_leaves_the_duration_to_the_robot_file(tmp_path, content):
+    write_table(tmp_path / "joint_table.csv", gait())
+    (tmp_path / "solution.json").write_text(content)
+    assert read_table(tmp_path).stated.cycle_duration_s is None
 
 
 @pytest.mark.parametrize(

@@ -1,23 +1,19 @@
 """One robot on one floor, as put together: the healthy numbers spread over wheels, servos and links.
 
 A hidden change is a function from one assembly to another; the neutral values here are the healthy robot.
-Legend: 12 wheel pairs numbered like the vertices (0 tail .. 11 head), 10 servos and 11 links from the tail.
+Legend: N wheel pairs numbered like the vertices (0 tail .. N - 1 head), m servos and m + 1 links from the tail.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
 
-from serpenoid.arena.robot import SERVOS, WHEELS, Robot
+from serpenoid.arena.robot import Robot
 from serpenoid.body import Floats
-
-
-def _filled(shape: int | tuple[int, ...], value: float) -> Any:
-    return field(default_factory=lambda: np.full(shape, value))
 
 
 @dataclass(frozen=True)
@@ -44,20 +40,20 @@ class Assembly:
     """What the scene is built from; arrays are never written to (use `with_item`)."""
 
     robot: Robot
-    toe: Floats = _filled(WHEELS, 0.0)  # rad, counter-clockwise turn of the wheel set against its link
-    lift: Floats = _filled(WHEELS, 0.0)  # m, above where it should be
-    grip: Floats = _filled((WHEELS, 2), 1.0)  # factor on the friction coefficient, left and right wheel
-    grip_against: Floats = _filled(2, 1.0)  # factor while slipping to the left, to the right
-    bearing: Floats = _filled(WHEELS, 0.0)  # N m, additional dry torque of the bearing
-    backward: Floats = _filled(WHEELS, 0.0)  # N m, additional while rolling backward
-    payload: Floats = _filled(SERVOS + 1, 0.0)  # kg, at the middle of a link
-    gain: Floats = _filled(SERVOS, 1.0)  # factor on the position gain
-    torque: Floats = _filled(SERVOS, 1.0)  # factor on the torque limit
-    scale: Floats = _filled(SERVOS, 1.0)  # factor on the commanded angle
-    zero: Floats = _filled(SERVOS, 0.0)  # rad, true angle minus the servo's reading
-    backlash: Floats = _filled(SERVOS, 0.0)  # rad, whole play between servo and link
-    stuck: Floats = _filled(SERVOS, np.nan)  # rad, angle at which the servo is blocked
-    marker: Floats = _filled((WHEELS, 2), 0.0)  # m, marker off its place, along and across its link
+    toe: Floats  # rad, counter-clockwise turn of the wheel set against its link
+    lift: Floats  # m, above where it should be
+    grip: Floats  # factor on the friction coefficient, left and right wheel
+    grip_against: Floats  # factor while slipping to the left, to the right
+    bearing: Floats  # N m, additional dry torque of the bearing
+    backward: Floats  # N m, additional while rolling backward
+    payload: Floats  # kg, at the middle of a link
+    gain: Floats  # factor on the position gain
+    torque: Floats  # factor on the torque limit
+    scale: Floats  # factor on the commanded angle
+    zero: Floats  # rad, true angle minus the servo's reading
+    backlash: Floats  # rad, whole play between servo and link
+    stuck: Floats  # rad, angle at which the servo is blocked
+    marker: Floats  # m, marker off its place, along and across its link
     voltage_V: float = 11.1  # battery under no load at the start of a trial
     voltage_drop: float = 0.0  # V per second
     slope_rad: float = 0.0
@@ -67,7 +63,25 @@ class Assembly:
 
     @classmethod
     def healthy(cls, robot: Robot) -> Self:
-        return cls(robot, voltage_V=robot.voltage_V)
+        n, m = robot.wheels, robot.servos
+        return cls(
+            robot=robot,
+            toe=np.zeros(n),
+            lift=np.zeros(n),
+            grip=np.ones((n, 2)),
+            grip_against=np.ones(2),
+            bearing=np.zeros(n),
+            backward=np.zeros(n),
+            payload=np.zeros(m + 1),
+            gain=np.ones(m),
+            torque=np.ones(m),
+            scale=np.ones(m),
+            zero=np.zeros(m),
+            backlash=np.zeros(m),
+            stuck=np.full(m, np.nan),
+            marker=np.zeros((n, 2)),
+            voltage_V=robot.voltage_V,
+        )
 
     def with_item(self, name: str, index: int | Sequence[int] | slice, value: Any) -> Self:
         """A copy in which one element (or slice) of the array `name` is `value`."""

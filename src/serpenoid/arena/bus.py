@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.arena import mujoco_module
+from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.bench import CENTRE, Bench
-from serpenoid.arena.robot import SERVOS
+from serpenoid.arena.robot import Robot
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv
 from serpenoid.parallel.local import interrupts_held, watch_parent
@@ -26,7 +27,8 @@ from serpenoid.robot.emulator.servo import EmulatedServo
 FRAME_S = 1 / 120
 LONGEST_S = 1.0  # a lag behind the clock longer than this is not caught up with
 PATIENCE_S = 0.002
-NOW, GOAL, TORQUE, POSITION, SPEED = 0, 1, 1 + SERVOS, 1 + 2 * SERVOS, 1 + 3 * SERVOS  # places in the shared numbers
+NOW = 0  # places in the shared numbers: the time, then of every servo
+GOAL, TORQUE, POSITION, SPEED = range(1, 5)
 
 
 class Shaft(Motion):
@@ -43,16 +45,19 @@ class Shaft(Motion):
 class Ground:
     """The robot that the emulated servos are built into, filmed by ideal cameras."""
 
-    def __init__(self, servos: Sequence[EmulatedServo], joints: Sequence[JointServo]) -> None:
+    def __init__(self, servos: Sequence[EmulatedServo], joints: Sequence[JointServo], robot: Robot) -> None:
         mujoco_module()
+        if len(joints) != robot.servos:
+            remedy = "Name the robot's own body with --problem FILE."
+            raise InputError(f"--robot has {len(joints)} joints, the arena's robot {robot.servos}. {remedy}")
         self._pairs = list(zip(servos, joints, strict=True))
         for servo, joint in self._pairs:
             servo.motion = Shaft(float(joint.zero_ticks))
         context = multiprocessing.get_context("spawn")
-        self._numbers = context.Array("d", 1 + 4 * SERVOS, lock=False)
+        self._numbers = context.Array("d", 1 + 4 * robot.servos, lock=False)
         self._ended = context.Event()
         self._mail, theirs = context.Pipe()
-        self._process = context.Process(target=_drive, args=(self._numbers, self._ended, theirs), daemon=True)
+        self._process = context.Process(target=_drive, args=(robot, self._numbers, self._ended, theirs), daemon=True)
         with interrupts_held():
             self._process.start()
         theirs.close()
@@ -62,10 +67,10 @@ class Ground:
         """Let the robot move up to time `now` [s], and tell the shafts where they are by now."""
         numbers = self._numbers
         for index, (servo, joint) in enumerate(self._pairs):
-            numbers[GOAL + index] = joint.sign * (servo.motion.profile - joint.zero_ticks)
-            numbers[TORQUE + index] = float(servo.torque)
-            servo.motion.position = joint.zero_ticks + joint.sign * numbers[POSITION + index]
-            servo.motion.velocity = joint.sign * numbers[SPEED + index]
+            numbers[_at(GOAL, index)] = joint.sign * (servo.motion.profile - joint.zero_ticks)
+            numbers[_at(TORQUE, index)] = float(servo.torque)
+            servo.motion.position = joint.zero_ticks + joint.sign * numbers[_at(POSITION, index)]
+            servo.motion.velocity = joint.sign * numbers[_at(SPEED, index)]
         numbers[NOW] = now
 
     def close(self, motion: Path | None = None) -> None:
@@ -83,10 +88,10 @@ class Ground:
             raise InputError(complaint)
 
 
-def _drive(numbers: Any, ended: Any, mail: Any) -> None:
+def _drive(robot: Robot, numbers: Any, ended: Any, mail: Any) -> None:
     """The arena's process: follow the clock, send the frames at the end."""
     watch_parent()
-    bench = Bench()
+    bench = Bench(Assembly.healthy(robot))
     frames = [bench.markers()[:, :2]]
     mail.send("ready")
     reached, complaint = 0.0, ""
@@ -104,11 +109,15 @@ def _drive(numbers: Any, ended: Any, mail: Any) -> None:
     mail.send((frames, complaint))
 
 
+def _at(what: int, servo: int) -> int:
+    return 4 * servo + what
+
+
 def _move(bench: Bench, numbers: Any) -> None:
-    for index in range(SERVOS):
-        bench.set_torque(index + 1, bool(numbers[TORQUE + index]))
-        bench.set_goal_ticks(index + 1, CENTRE + numbers[GOAL + index])
+    for index in range(bench.servos):
+        bench.set_torque(index + 1, bool(numbers[_at(TORQUE, index)]))
+        bench.set_goal_ticks(index + 1, CENTRE + numbers[_at(GOAL, index)])
     bench.step(FRAME_S)
-    for index in range(SERVOS):
-        numbers[POSITION + index] = bench.position_ticks(index + 1) - CENTRE
-        numbers[SPEED + index] = bench.velocity_ticks_per_s(index + 1)
+    for index in range(bench.servos):
+        numbers[_at(POSITION, index)] = bench.position_ticks(index + 1) - CENTRE
+        numbers[_at(SPEED, index)] = bench.velocity_ticks_per_s(index + 1)

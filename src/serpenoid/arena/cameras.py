@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from serpenoid.arena.protocol import Cameras
-from serpenoid.arena.robot import SERVOS
+from serpenoid.arena.robot import Robot
 from serpenoid.body import Floats
 from serpenoid.files import atomic
 
-MARKERS = ("tail", *(f"joint_{number}" for number in range(1, SERVOS + 1)), "head")
 ASSET = "Snake"
 FIRST_FRAGMENT = 1001
 
@@ -26,16 +25,24 @@ class Track:
     positions: Floats
 
 
-def film(markers: Floats, cameras: Cameras, random: np.random.Generator) -> list[Track]:
-    """Tracks as exported, labelled markers first, from true positions (F, 12, 3)."""
+def marker_names(robot: Robot) -> list[str]:
+    """Of the vertices, tail to head."""
+    names = [f"point_{vertex}" for vertex in range(robot.wheels)]
+    for number, vertex in enumerate(robot.links.joints, 1):
+        names[vertex] = f"joint_{number}"
+    return ["tail", *names[1:-1], "head"]
+
+
+def film(markers: Floats, names: Sequence[str], cameras: Cameras, random: np.random.Generator) -> list[Track]:
+    """Tracks as exported, labelled markers first, from true positions (F, N, 3)."""
     seen = markers + random.normal(0, cameras.noise_m, markers.shape)
     fragments: list[Track] = []
-    for vertex in range(len(MARKERS)):
+    for vertex in range(len(names)):
         for burst in _bursts(len(seen), cameras, random):
             if random.random() < cameras.unlabelled:
                 fragments.append(_fragment(seen[:, vertex], burst, FIRST_FRAGMENT + len(fragments)))
             seen[burst, vertex] = np.nan
-    labelled = [Track(f"{ASSET}:{name}", seen[:, vertex]) for vertex, name in enumerate(MARKERS)]
+    labelled = [Track(f"{ASSET}:{name}", seen[:, vertex]) for vertex, name in enumerate(names)]
     return labelled + fragments
 
 

@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.arena import mujoco_module
-from serpenoid.arena.cameras import ASSET, MARKERS, film, write_motive
+from serpenoid.arena.cameras import ASSET, film, marker_names, write_motive
 from serpenoid.arena.logs import write_power_log, write_servo_log
 from serpenoid.arena.protocol import Protocol
-from serpenoid.arena.robot import WHEELS
 from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
 from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
@@ -89,7 +88,7 @@ def run_trial(protocol: Protocol, plan: Plan, table: Floats, folder: Path, truth
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir()
     cameras, logs = protocol.cameras, protocol.logs
-    tracks = film(recording.markers, cameras, randomness(protocol, plan, 3))
+    tracks = film(recording.markers, marker_names(protocol.robot), cameras, randomness(protocol, plan, 3))
     write_motive(part / "motion.csv", tracks, cameras.frames_per_second, plan.name, "2025-01-01 12.00.00.000 PM")
     write_servo_log(part / "servo.csv", recording, table, logs, randomness(protocol, plan, 4))
     write_power_log(part / "power.csv", recording, logs, randomness(protocol, plan, 5))
@@ -114,7 +113,8 @@ def campaign_toml(protocol: Protocol, done: list[Plan]) -> str:
         f"description = {json.dumps(protocol.description)}",
         "",
         "[body]",
-        f"vertices = {WHEELS}",
+        f"vertices = {robot.wheels}",
+        *([] if robot.servos == robot.wheels - 2 else [f"joints = {list(robot.links.joints)}"]),
         f"edge_lengths = {_numbers(robot.edge_lengths_m)}",
         f"weights = {_numbers(robot.vertex_masses_kg)}",
         f"mass_kg = {robot.mass_kg}",
@@ -123,7 +123,7 @@ def campaign_toml(protocol: Protocol, done: list[Plan]) -> str:
         'format = "motive"',
         'length_unit = "m"',
         'up_axis = "y"',
-        f"markers = {json.dumps([f'{ASSET}:{name}' for name in MARKERS])}",
+        f"markers = {json.dumps([f'{ASSET}:{name}' for name in marker_names(robot)])}",
         f"frames_per_second = {protocol.cameras.frames_per_second}",
     ]
     for plan in done:

@@ -1,6 +1,6 @@
 """What can be hidden in the robot or under it: each change turns one assembly into another (`[robot.changes.NAME]`).
 
-Vertices 0 (tail) to 11 (head) name wheel pairs and markers, joints 1 to 10 servos, links 0 (tail) to 10 (head).
+Vertices 0 (tail) to N - 1 (head) name wheel pairs and markers, joints 1 to m servos, links 0 (tail) to m (head).
 The last group (magnet, tether, gust) is outside what the package's catalogue of effects can name, on purpose.
 """
 
@@ -17,9 +17,9 @@ from serpenoid.arena.assembly import Assembly, Patch, Pull
 from serpenoid.arena.robot import NotNegative, Positive
 from serpenoid.schema import Record
 
-Vertex = Annotated[int, Field(ge=0, le=11)]
-Joint = Annotated[int, Field(ge=1, le=10)]
-Link = Annotated[int, Field(ge=0, le=10)]
+Vertex = Annotated[int, Field(ge=0)]
+Joint = Annotated[int, Field(ge=1)]
+Link = Annotated[int, Field(ge=0)]
 Factor = Annotated[float, Field(ge=0, le=10)]
 
 
@@ -190,14 +190,16 @@ class DisplacedMarker(Record):
 class Magnet(Record):
     """A point on the floor that draws one link."""
 
-    link: Link = 10
+    link: Link | None = Field(default=None, description="default: the head's")
     x_m: float = 0.3
     y_m: float = 0.3
     force_N: float = 2.0
     reach_m: Positive = 0.15
 
     def apply(self, assembly: Assembly) -> Assembly:
-        return _pulled(assembly, Pull("magnet", self.link, (self.x_m, self.y_m, self.force_N, self.reach_m)))
+        return _pulled(
+            assembly, Pull("magnet", _link(assembly, self.link, 1.0), (self.x_m, self.y_m, self.force_N, self.reach_m))
+        )
 
 
 class Tether(Record):
@@ -210,13 +212,16 @@ class Tether(Record):
     length_m: Positive = 0.4
 
     def apply(self, assembly: Assembly) -> Assembly:
-        return _pulled(assembly, Pull("tether", self.link, (self.x_m, self.y_m, self.stiffness, self.length_m)))
+        return _pulled(
+            assembly,
+            Pull("tether", _link(assembly, self.link, 0.0), (self.x_m, self.y_m, self.stiffness, self.length_m)),
+        )
 
 
 class Gust(Record):
     """A push on one link for a short while."""
 
-    link: Link = 5
+    link: Link | None = Field(default=None, description="default: the middle one")
     force_x_N: float = 0.0
     force_y_N: float = 3.0
     begin_s: NotNegative = 4.0
@@ -224,7 +229,15 @@ class Gust(Record):
 
     def apply(self, assembly: Assembly) -> Assembly:
         values = (self.force_x_N, self.force_y_N, self.begin_s, self.duration_s)
-        return _pulled(assembly, Pull("gust", self.link, values))
+        return _pulled(assembly, Pull("gust", _link(assembly, self.link, 0.5), values))
+
+
+def _link(assembly: Assembly, named: int | None, share: float) -> int:
+    """The named link, or the one at a share of the way from tail to head."""
+    last = assembly.robot.servos
+    if named is not None and named > last:
+        raise IndexError
+    return round(share * last) if named is None else named
 
 
 def _pulled(assembly: Assembly, pull: Pull) -> Assembly:
@@ -257,5 +270,10 @@ class Changes(Record):
     def apply(self, assembly: Assembly) -> Assembly:
         for name in type(self).model_fields:
             change = getattr(self, name)
-            assembly = assembly if change is None else change.apply(assembly)
+            try:
+                assembly = assembly if change is None else change.apply(assembly)
+            except IndexError:
+                parts = f"it has {assembly.robot.servos} joints and {assembly.robot.wheels} vertices"
+                text = f"`{name}` names a vertex, joint or link that this robot does not have: {parts}"
+                raise ValueError(text) from None
         return assembly

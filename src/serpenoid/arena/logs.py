@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.arena.protocol import Logs
-from serpenoid.arena.robot import SERVOS
 from serpenoid.arena.trial import Recording, commanded_angles
 from serpenoid.body import Floats
 from serpenoid.files import write_csv
@@ -18,7 +17,8 @@ ROOM_C, HOT_C_PER_W = 31, 0.4  # servo case: idle, and per watt drawn by all of 
 def write_servo_log(path: Path, recording: Recording, table: Floats, logs: Logs, random: np.random.Generator) -> None:
     """Readings at `servo_hz`; positions in ticks, voltage in tenths, load in thousandths, as the servos give them."""
     columns = ("command", "position", "voltage", "load", "temperature", "error")
-    names = [f"{column}_{number}" for column in columns for number in range(1, SERVOS + 1)]
+    servos = recording.angles.shape[1]
+    names = [f"{column}_{number}" for column in columns for number in range(1, servos + 1)]
     picked = _picked(recording.time_s, logs.servo_hz)
     clock = random.uniform(0, logs.clocks_differ_s) if logs.clocks_differ_s else 0.0
     command = commanded_angles(recording, table)
@@ -31,10 +31,10 @@ def write_servo_log(path: Path, recording: Recording, table: Floats, logs: Logs,
             *_place(recording, i),
             *(round(value, 6) for value in command[i].tolist()),
             *(round(value, 6) for value in recording.angles[i].tolist()),
-            *[float(voltage[i])] * SERVOS,
+            *[float(voltage[i])] * servos,
             *load[i].tolist(),
-            *[warmth] * SERVOS,
-            *[0] * SERVOS,
+            *[warmth] * servos,
+            *[0] * servos,
         ]
         for i in picked
     ]

@@ -14,11 +14,12 @@ from pydantic import Field, model_validator
 
 from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.changes import Changes
-from serpenoid.arena.robot import SERVOS, NotNegative, Positive, Robot
+from serpenoid.arena.robot import NotNegative, Positive, Robot, robot_of
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits.table import read_table
-from serpenoid.schema import Record, load
+from serpenoid.problem import load as load_problem
+from serpenoid.schema import Record, read_toml, validate
 
 Share = Annotated[float, Field(ge=0, lt=1)]
 Label = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
@@ -28,7 +29,7 @@ class PlayedGait(Record):
     """One joint table, played at one or several cycle durations."""
 
     name: Label = Field(description="label of the gait; trials with the same label and duration are repeats")
-    joint_table: str = Field(description="CSV with header joint_1,...,joint_10, radians; relative to the protocol")
+    joint_table: str = Field(description="CSV with header joint_1,...,joint_m, radians; relative to the protocol")
     cycle_durations_s: tuple[Positive, ...] | None = Field(
         default=None, min_length=1, description="default: the protocol's"
     )
@@ -81,6 +82,11 @@ class PlayedRobot(Robot):
 
     changes: Changes = Changes()
 
+    @model_validator(mode="after")
+    def _changes_fit(self) -> Self:
+        self.assembled()
+        return self
+
     def assembled(self) -> Assembly:
         return self.changes.apply(Assembly.healthy(self))
 
@@ -92,6 +98,9 @@ class Protocol(Record):
     name: str = "arena"
     description: str = ""
     seed: int = Field(default=0, ge=0)
+    problem: str | None = Field(
+        default=None, description="problem file whose body is played, relative to the protocol; default: the paper's"
+    )
     trials: int = Field(default=3, ge=1, description="repeats of each gait and duration")
     cycles: int = Field(default=3, ge=1)
     cycle_duration_s: Positive = Field(default=5.0, description="for gaits that do not say")
@@ -114,14 +123,17 @@ class Protocol(Record):
 
 def load_protocol(path: str | Path) -> tuple[Protocol, dict[str, Floats]]:
     """The protocol and its joint tables by gait name, each checked against what the servos can be told."""
-    protocol = load(Protocol, path)
-    folder = Path(path).parent
-    return protocol, {gait.name: read_joint_table(folder / gait.joint_table) for gait in protocol.gait}
+    path, data = Path(path), read_toml(path)
+    if isinstance(data.get("problem"), str) and isinstance(data.get("robot", {}), dict):
+        data["robot"] = robot_of(load_problem(path.parent / data["problem"]).body, data.get("robot"))
+    protocol = validate(Protocol, data, str(path))
+    servos = protocol.robot.servos
+    return protocol, {gait.name: read_joint_table(path.parent / gait.joint_table, servos) for gait in protocol.gait}
 
 
-def read_joint_table(path: Path) -> Floats:
-    """Joint angles, shape (T, 10) [rad], within what the servos' brackets allow."""
-    table = read_table(path, SERVOS)
+def read_joint_table(path: Path, servos: int) -> Floats:
+    """Joint angles, shape (T, m) [rad], within what the servos' brackets allow."""
+    table = read_table(path, servos)
     row, column = np.unravel_index(np.abs(table).argmax(), table.shape)
     if abs(table[row, column]) > math.pi / 2:
         raise InputError(

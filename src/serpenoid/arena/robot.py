@@ -1,4 +1,4 @@
-"""The arena's robot in numbers: the paper's ten-servo snake, each value with its source. SI units.
+"""The arena's robot in numbers: the paper's ten-servo snake, or another chain, each value with its source. SI units.
 
 Sources: [P] the paper's experimental protocol; [D] the servo maker's data sheet (XL430-W250); [A] assumed, because no
 source gives it - these are the numbers to change first when the arena should resemble another laboratory.
@@ -7,26 +7,30 @@ source gives it - these are the numbers to change first when the arena should re
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from serpenoid.body import Floats
+from serpenoid.arena.chain import Chain, chain_of
+from serpenoid.body import Body, Floats
 from serpenoid.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
-SERVOS = 10
-WHEELS = 12  # wheel pairs, numbered like the vertices: 0 under the tail marker, 1..10 behind the joints, 11 the head
+PAPER_SERVOS = 10
+PAPER_SPACING_M = 0.92 / (PAPER_SERVOS + 1)
 TICKS = 4096  # per turn [D]
 TICK = 2 * math.pi / TICKS
+WHEEL_SHARE = 0.3  # of a light vertex: its wheels are not all of it
 
 
 class Robot(Record):
     """Every number of the healthy robot; a protocol's `[robot]` section may override any of them."""
 
+    chain: Chain | None = Field(default=None, description="another body than the paper's; `problem` fills it in")
     length_m: Positive = Field(default=0.92, description="nose to tail end [P]")
     mass_kg: Positive = Field(default=1.38, description="all of it [P]")
     servo_mass_kg: Positive = Field(default=0.057, description="one servo [D]")
@@ -68,35 +72,59 @@ class Robot(Record):
 
     @model_validator(mode="after")
     def _mass_left_for_the_board(self) -> Self:
-        if self.board_mass_kg < 0:
+        if self.chain is None and self.board_mass_kg < 0:
             raise ValueError(f"the parts weigh {-self.board_mass_kg:.3f} kg more than `mass_kg`, got {self.mass_kg}")
         return self
 
     @property
+    def links(self) -> Chain:
+        """The chain: a given one, or the paper's, whose end markers stand mid-link."""
+        if self.chain is not None:
+            return self.chain
+        half = self.spacing_m / 2
+        edges = (half, *[self.spacing_m] * (PAPER_SERVOS - 1), half)
+        joint = self.servo_mass_kg + self.wheel_pair_mass_kg + self.connector_mass_kg
+        end = self.battery_mass_kg + self.wheel_pair_mass_kg + self.connector_mass_kg
+        masses = (end, *[joint] * PAPER_SERVOS, end + max(self.board_mass_kg, 1e-9))
+        return Chain(edges_m=edges, joints=tuple(range(1, PAPER_SERVOS + 1)), masses_kg=masses)
+
+    @property
+    def servos(self) -> int:
+        """m, numbered from the tail."""
+        return PAPER_SERVOS if self.chain is None else len(self.chain.joints)
+
+    @property
+    def wheels(self) -> int:
+        """Wheel pairs, numbered like the vertices: 0 under the tail marker, then behind the joints, last the head."""
+        return PAPER_SERVOS + 2 if self.chain is None else len(self.chain.edges_m) + 1
+
+    @property
     def spacing_m(self) -> float:
-        """Between neighbouring joints."""
-        return self.length_m / (SERVOS + 1)
+        """Between neighbouring joints of the paper's robot."""
+        return self.length_m / (PAPER_SERVOS + 1)
+
+    @property
+    def size(self) -> float:
+        """The mean distance between neighbouring vertices over the paper's 84 mm between joints."""
+        return 1.0 if self.chain is None else float(np.mean(self.chain.edges_m)) / PAPER_SPACING_M
 
     @property
     def board_mass_kg(self) -> float:
-        """What is left of the mass: board, power sensor, switch and cables, in the head."""
-        servos = SERVOS * self.servo_mass_kg
-        wheels = WHEELS * self.wheel_pair_mass_kg
-        connectors = WHEELS * self.connector_mass_kg
+        """What is left of the paper's mass: board, power sensor, switch and cables, in the head."""
+        servos = PAPER_SERVOS * self.servo_mass_kg
+        wheels = (PAPER_SERVOS + 2) * self.wheel_pair_mass_kg
+        connectors = (PAPER_SERVOS + 2) * self.connector_mass_kg
         return self.mass_kg - servos - wheels - connectors - 2 * self.battery_mass_kg
 
     @property
     def edge_lengths_m(self) -> Floats:
-        """The chain's edges from tail marker to head marker, shape (11,): the end markers stand mid-link."""
-        half = self.spacing_m / 2
-        return np.array([half, *[self.spacing_m] * (SERVOS - 1), half])
+        """The chain's edges from tail marker to head marker, shape (N - 1,)."""
+        return np.array(self.links.edges_m)
 
     @property
     def vertex_masses_kg(self) -> Floats:
-        """Mass carried at each vertex, shape (12,): what a kitchen scale finds part by part."""
-        joint = self.servo_mass_kg + self.wheel_pair_mass_kg + self.connector_mass_kg
-        end = self.battery_mass_kg + self.wheel_pair_mass_kg + self.connector_mass_kg
-        return np.array([end, *[joint] * SERVOS, end + self.board_mass_kg])
+        """Mass carried at each vertex, shape (N,): what a kitchen scale finds part by part."""
+        return np.array(self.links.masses_kg)
 
     @property
     def torque_constant(self) -> float:
@@ -123,3 +151,37 @@ class Robot(Record):
     def servo_damping(self) -> float:
         """N m per rad/s: the motor's back EMF; with the stiffness it makes the servo's lag."""
         return self.torque_constant * self.back_emf_constant / self.resistance
+
+
+def robot_of(body: Body, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """`[robot]` for the body of a problem file: what is `given` there stays, the rest is scaled to the body.
+
+    Lengths of wheels and axles are those of the paper's robot times the mean edge over its spacing; the joints'
+    vertical stiffness grows with weight times length, so that all robots sag alike. Servos are XL430.
+    """
+    given = dict(given or {})
+    chain = chain_of(body)
+    if _is_the_papers(chain):
+        return given
+    paper, mass = Robot(), sum(chain.masses_kg)
+    size = float(np.mean(chain.edges_m)) / PAPER_SPACING_M
+    length = sum(chain.edges_m)
+    own = {
+        "length_m": length,
+        "mass_kg": mass,
+        "wheel_diameter_m": size * paper.wheel_diameter_m,
+        "wheel_offset_m": size * paper.wheel_offset_m,
+        "track_m": size * paper.track_m,
+        "wheel_pair_mass_kg": min(paper.wheel_pair_mass_kg, WHEEL_SHARE * min(chain.masses_kg)),
+        "bend_stiffness": paper.bend_stiffness * mass * length / (paper.mass_kg * paper.length_m),
+    }
+    return own | given | {"chain": chain}
+
+
+def _is_the_papers(chain: Chain) -> bool:
+    """A body with the paper's edges and mass is the paper's robot, whose parts are known one by one."""
+    paper = Robot()
+    if chain.joints != paper.links.joints or len(chain.edges_m) != len(paper.links.edges_m):
+        return False
+    same_mass = abs(sum(chain.masses_kg) - paper.mass_kg) < 1e-3
+    return same_mass and bool(np.allclose(chain.edges_m, paper.edge_lengths_m, rtol=0, atol=1e-5))

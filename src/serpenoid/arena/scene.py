@@ -12,7 +12,8 @@ from typing import Any
 
 from serpenoid.arena import mujoco_module
 from serpenoid.arena.assembly import Assembly
-from serpenoid.arena.robot import SERVOS, WHEELS, Robot
+from serpenoid.arena.chain import Chain
+from serpenoid.arena.robot import Robot
 
 MARKER_HEIGHT = 0.034  # above the axles: on top of the servos
 SIDES = (1, -1)  # left, right
@@ -36,9 +37,9 @@ def compile_scene(assembly: Assembly) -> Any:
 def scene_xml(assembly: Assembly) -> str:
     robot = assembly.robot
     header = HEADER.format(timestep=robot.timestep_s, soft=robot.contact_time_s)
-    links = "".join(_link(assembly, number) for number in range(SERVOS + 1))
-    bodies = links + "</body>" * (SERVOS + 1 + _loose(assembly))
-    servos = "".join(_servo(assembly, joint) for joint in range(SERVOS))
+    links = "".join(_link(assembly, number) for number in range(robot.servos + 1))
+    bodies = links + "</body>" * (robot.servos + 1 + _loose(assembly))
+    servos = "".join(_servo(assembly, joint) for joint in range(robot.servos))
     return f"{header}{bodies}</worldbody><actuator>{servos}</actuator></mujoco>"
 
 
@@ -53,20 +54,10 @@ def _link(assembly: Assembly, number: int) -> str:
         [
             _tail(robot) if number == 0 else _hinge(assembly, number - 1),
             _masses(assembly, number),
-            *(_wheel(assembly, wheel) for wheel in range(WHEELS) if wheel_link(wheel) == number),
-            *(_marker(assembly, wheel) for wheel in range(WHEELS) if marker_link(wheel) == number),
+            *(_wheel(assembly, wheel) for wheel in range(robot.wheels) if robot.links.before(wheel) == number),
+            *(_marker(assembly, vertex) for vertex in range(robot.wheels) if robot.links.after(vertex) == number),
         ]
     )
-
-
-def wheel_link(wheel: int) -> int:
-    """The link that carries wheel pair `wheel`: behind joint j is the link that ends there."""
-    return min(max(wheel - 1, 0), SERVOS)
-
-
-def marker_link(vertex: int) -> int:
-    """The link that carries the marker of `vertex`: on the joint's axis, at the start of the next link."""
-    return min(vertex, SERVOS)
 
 
 def _tail(robot: Robot) -> str:
@@ -76,7 +67,7 @@ def _tail(robot: Robot) -> str:
 def _hinge(assembly: Assembly, joint: int) -> str:
     """Servo joint number `joint` (0 next to the tail), the link's bending, and its play if it is loose."""
     robot = assembly.robot
-    reach = robot.spacing_m / 2 if joint == 0 else robot.spacing_m
+    reach = robot.links.length_m(joint)
     play = assembly.backlash[joint]
     zero = f'<body name="link_{joint + 1}" pos="{reach} 0 0" euler="0 0 {assembly.zero[joint]}">'
     servo = (
@@ -93,23 +84,42 @@ def _hinge(assembly: Assembly, joint: int) -> str:
 
 
 def _masses(assembly: Assembly, number: int) -> str:
-    """Connector, then a servo behind the link's head-side joint, batteries and board in the end links."""
     robot = assembly.robot
-    spacing = robot.spacing_m
+    parts = _paper_parts(robot, number) if robot.chain is None else _parts(robot, robot.chain, number)
+    if assembly.payload[number] > 0:
+        middle = robot.spacing_m / 2 if robot.chain is None else robot.chain.length_m(number) / 2
+        middle = 0.0 if robot.chain is None and number == 0 else middle
+        parts.append(_box(float(assembly.payload[number]), 0.02, 0.02, 0.01, middle, 0.04))
+    return "".join(parts)
+
+
+def _parts(robot: Robot, chain: Chain, number: int) -> list[str]:
+    """What each vertex carries beside its wheels, as one box where the vertex is: servos behind their joints."""
+    s, parts = robot.size, []
+    for vertex, mass in enumerate(chain.masses_kg):
+        if chain.before(vertex) == number:
+            behind = 0.012 * s if vertex in chain.joints else 0.0
+            rest = mass - robot.wheel_pair_mass_kg
+            place = chain.place_m(vertex, number) - behind
+            parts.append(_box(rest, 0.0233 * s, 0.0143 * s, 0.017 * s, place, 0.015 * s))
+    return parts
+
+
+def _paper_parts(robot: Robot, number: int) -> list[str]:
+    """Connector, then a servo behind the link's head-side joint, batteries and board in the end links."""
+    spacing, last = robot.spacing_m, robot.servos
     middle = 0.0 if number == 0 else spacing / 2
     end = spacing / 2 if number == 0 else spacing
     parts = [_box(robot.connector_mass_kg, 0.02, 0.015, 0.01, middle)]
-    if number < SERVOS:
+    if number < last:
         parts.append(_box(robot.servo_mass_kg, 0.0233, 0.0143, 0.017, end - 0.012, 0.015))
-    if number in (0, SERVOS):
+    if number in (0, last):
         parts.append(_box(robot.battery_mass_kg, 0.035, 0.0175, 0.015, middle, 0.01))
     if number == 0:  # the tail link holds two wheel sets and so two connectors
         parts.append(_box(robot.connector_mass_kg, 0.01, 0.015, 0.01, end - robot.wheel_offset_m))
-    if number == SERVOS and robot.board_mass_kg > 0:
+    if number == last and robot.board_mass_kg > 0:
         parts.append(_box(robot.board_mass_kg, 0.025, 0.0175, 0.008, middle, 0.03))
-    if assembly.payload[number] > 0:
-        parts.append(_box(float(assembly.payload[number]), 0.02, 0.02, 0.01, middle, 0.04))
-    return "".join(parts)
+    return parts
 
 
 def _box(mass: float, half_x: float, half_y: float, half_z: float, x: float, z: float = 0.0) -> str:
@@ -158,19 +168,17 @@ def _tyre(assembly: Assembly, wheel: int, side: int, across: float) -> str:
 
 
 def _wheel_place(robot: Robot, wheel: int) -> float:
-    """x of the axle in its link's frame."""
-    if wheel == 0:
-        return 0.0
-    if wheel == WHEELS - 1:
-        return robot.spacing_m / 2
-    end = robot.spacing_m / 2 if wheel == 1 else robot.spacing_m
-    return end - robot.wheel_offset_m
+    """x of the axle in its link's frame: behind a joint, under any other vertex."""
+    chain = robot.links
+    place = chain.place_m(wheel, chain.before(wheel))
+    return place - robot.wheel_offset_m if wheel in chain.joints else place
 
 
 def _marker(assembly: Assembly, vertex: int) -> str:
-    x = assembly.robot.spacing_m / 2 if vertex == WHEELS - 1 else 0.0
+    robot = assembly.robot
+    x = robot.links.place_m(vertex, robot.links.after(vertex))
     along, across = assembly.marker[vertex]
-    return f'<site name="marker_{vertex}" pos="{x + along} {across} {MARKER_HEIGHT}"/>'
+    return f'<site name="marker_{vertex}" pos="{x + along} {across} {MARKER_HEIGHT * robot.size}"/>'
 
 
 def _servo(assembly: Assembly, joint: int) -> str:

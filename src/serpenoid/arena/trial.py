@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from serpenoid.arena.floor import Mats
 from serpenoid.arena.protocol import Protocol
-from serpenoid.arena.robot import SERVOS, TICK
+from serpenoid.arena.robot import TICK
 from serpenoid.arena.world import World
 from serpenoid.body import Floats
 
@@ -44,8 +44,8 @@ class Command:
 class Recording:
     """The noise-free truth. S time steps, F frames; time zero is the cameras' first frame.
 
-    `time_s` (S,), `angles` (S, 10) servo readings, `duty` (S, 10), `power_W` (S,), `voltage_V` (S,),
-    `command` (S,) index into `commands`; `frame_s` (F,), `markers` (F, 12, 3) z up, `loads` (F, 12) [N].
+    `time_s` (S,), `angles` (S, m) servo readings, `duty` (S, m), `power_W` (S,), `voltage_V` (S,),
+    `command` (S,) index into `commands`; `frame_s` (F,), `markers` (F, N, 3) z up, `loads` (F, N) [N].
     """
 
     commands: tuple[Command, ...]
@@ -109,14 +109,10 @@ def _record(world: World, table: Floats, commands: tuple[Command, ...], frames_p
     steps = math.ceil((LEAD_S + commands[-1].time_s + TRAIL_S) / timestep)
     time: Floats = np.arange(steps, dtype=np.float64) * timestep
     sent = np.zeros(steps, dtype=np.int64)
-    angles, duty, power, voltage = (
-        np.zeros((steps, SERVOS)),
-        np.zeros((steps, SERVOS)),
-        np.zeros(steps),
-        np.zeros(steps),
-    )
+    angles, duty = np.zeros((steps, world.robot.servos)), np.zeros((steps, world.robot.servos))
+    power, voltage = np.zeros(steps), np.zeros(steps)
     frames = math.floor(time[-1] * frames_per_second) + 1
-    markers, loads = np.zeros((frames, 12, 3)), np.zeros((frames, 12))
+    markers, loads = np.zeros((frames, world.robot.wheels, 3)), np.zeros((frames, world.robot.wheels))
     index, frame = 0, 0
     for step in range(steps):
         while index + 1 < len(commands) and commands[index + 1].time_s <= time[step] - LEAD_S + timestep / 2:
@@ -133,6 +129,6 @@ def _record(world: World, table: Floats, commands: tuple[Command, ...], frames_p
 
 
 def commanded_angles(recording: Recording, table: Floats) -> Floats:
-    """Angles as they went over the bus, in whole ticks, shape (S, 10) [rad]."""
+    """Angles as they went over the bus, in whole ticks, shape (S, m) [rad]."""
     rows = np.array([command.row for command in recording.commands])
     return np.round(table[rows[recording.command]] / TICK) * TICK

@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.arena import mujoco_module
 from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.floor import Mats, force, patch_factor
-from serpenoid.arena.robot import SERVOS, TICK, WHEELS
+from serpenoid.arena.robot import TICK
 from serpenoid.arena.scene import compile_scene
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
@@ -31,8 +31,8 @@ class World:
         self.model = compile_scene(assembly)
         self.data = self._mujoco.MjData(self.model)
         self._find_places()
-        self.goal = np.zeros(SERVOS)
-        self._start, self._target, self._since = np.zeros(SERVOS), np.zeros(SERVOS), 0.0
+        self.goal = np.zeros(self.robot.servos)
+        self._start, self._target, self._since = np.zeros(self.robot.servos), np.zeros(self.robot.servos), 0.0
         self._tilt_floor()
 
     @property
@@ -46,7 +46,7 @@ class World:
         self._start, self.goal = self._target.copy(), self._target.copy()
         self.data.qpos[self._servo_q] = self.goal
         self._turn_root(x_m, y_m, heading_rad)
-        self._loads = np.full(2 * WHEELS, self.robot.mass_kg * 9.81 / (2 * WHEELS))
+        self._loads = np.full(2 * self.robot.wheels, self.robot.mass_kg * 9.81 / (2 * self.robot.wheels))
         self._places = self.data.geom_xpos[self._tyres].copy()
         self._refresh(0.0)
         for _ in range(round(SETTLE_S / self.robot.timestep_s)):
@@ -55,7 +55,7 @@ class World:
         self._since = -math.inf
 
     def command(self, angles: Floats) -> None:
-        """Send goals, shape (10,) [rad]; they are rounded to ticks, as on the bus."""
+        """Send goals, shape (m,) [rad]; they are rounded to ticks, as on the bus."""
         goals = np.round(self.assembly.scale * np.asarray(angles) / TICK) * TICK
         stuck = self.assembly.stuck
         self._start = self.goal.copy()
@@ -74,19 +74,19 @@ class World:
             self._check()
 
     def markers(self) -> Floats:
-        """Marker positions, shape (12, 3) [m], z up."""
+        """Marker positions, shape (N, 3) [m], z up."""
         return self.data.site_xpos.copy()
 
     def angles(self) -> Floats:
-        """What the servos read, shape (10,) [rad], in whole ticks."""
+        """What the servos read, shape (m,) [rad], in whole ticks."""
         return np.round(self.data.qpos[self._servo_q] / TICK) * TICK
 
     def speeds(self) -> Floats:
-        """Of the servos' shafts, shape (10,) [rad/s]."""
+        """Of the servos' shafts, shape (m,) [rad/s]."""
         return self.data.qvel[self._servo_v].copy()
 
     def duty(self) -> Floats:
-        """Share of the supply voltage the servos apply, shape (10,), -1..1: what they call load."""
+        """Share of the supply voltage the servos apply, shape (m,), -1..1: what they call load."""
         return self.data.actuator_force / self.model.actuator_forcerange[:, 1] * self.assembly.torque
 
     def voltage(self) -> float:
@@ -104,7 +104,7 @@ class World:
         volts = self.data.actuator_force * robot.resistance / robot.torque_constant
         amperes = (volts - robot.back_emf_constant * self.data.qvel[self._servo_v]) / robot.resistance
         motors = float(np.maximum(0.0, volts * amperes).sum())
-        return motors + SERVOS * robot.standby_current_A * self.source_voltage() + robot.controller_power_W
+        return motors + robot.servos * robot.standby_current_A * self.source_voltage() + robot.controller_power_W
 
     def mechanical_power(self) -> float:
         """Of all motors on the body [W], after their own losses."""
@@ -112,23 +112,23 @@ class World:
         return float(((self.data.actuator_force - self.robot.servo_damping * speed) * speed).sum())
 
     def wheel_loads(self) -> Floats:
-        """Normal force under each wheel pair, shape (12,) [N], smoothed as the foam does."""
-        return self._loads.reshape(WHEELS, 2).sum(axis=1)
+        """Normal force under each wheel pair, shape (N,) [N], smoothed as the foam does."""
+        return self._loads.reshape(self.robot.wheels, 2).sum(axis=1)
 
     def _find_places(self) -> None:
         model = self.model
-        servos = [model.joint(f"servo_{j}") for j in range(SERVOS)]
+        servos = [model.joint(f"servo_{j}") for j in range(self.robot.servos)]
         self._servo_q = np.array([joint.qposadr[0] for joint in servos])
         self._servo_v = np.array([joint.dofadr[0] for joint in servos])
-        self._tyres = np.array([model.geom(f"tyre_{k}{side}").id for k in range(WHEELS) for side in "lr"])
+        self._tyres = np.array([model.geom(f"tyre_{k}{side}").id for k in range(self.robot.wheels) for side in "lr"])
         axles = model.body_jntadr[model.geom_bodyid[self._tyres]]
         self._axle_v = model.jnt_dofadr[axles]  # of each tyre; the two tyres of a common axle name the same one
-        self._links = np.array([model.body(f"link_{number}").id for number in range(SERVOS + 1)])
+        self._links = np.array([model.body(f"link_{number}").id for number in range(self.robot.servos + 1)])
         self._tyre_of = np.full(model.ngeom, -1)
-        self._tyre_of[self._tyres] = np.arange(2 * WHEELS)
+        self._tyre_of[self._tyres] = np.arange(2 * self.robot.wheels)
         self._grip = model.geom_friction[self._tyres, 0].copy()
-        self._places = np.zeros((2 * WHEELS, 3))
-        self._loads = np.zeros(2 * WHEELS)
+        self._places = np.zeros((2 * self.robot.wheels, 3))
+        self._loads = np.zeros(2 * self.robot.wheels)
         self._next_refresh = 0.0
 
     def _check(self) -> None:
@@ -182,7 +182,7 @@ class World:
 
     def _follow_load(self, interval: float) -> None:
         contact = self.data.contact
-        normal = np.zeros(2 * WHEELS)
+        normal = np.zeros(2 * self.robot.wheels)
         if interval > 0 and self.data.ncon:
             tyre = self._tyre_of[contact.geom].max(axis=1)
             normal[tyre] = self.data.efc_force[contact.efc_address]
@@ -199,7 +199,7 @@ class World:
         self.model.dof_damping[self._axle_v] = drag[self._axle_v]
 
     def _against(self, velocity: Floats) -> Floats:
-        """Factor on the grip by the side a wheel slips to; `velocity`: (24, 3) of the wheels' centres."""
+        """Factor on the grip by the side a wheel slips to; `velocity`: (2 N, 3) of the wheels' centres."""
         leftward = self.data.geom_xmat[self._tyres].reshape(-1, 3, 3)[:, :, 1]
         slip = (velocity * leftward).sum(axis=1)
         left, right = self.assembly.grip_against

@@ -16,15 +16,35 @@ from pathlib import Path
 
 from serpenoid.cli import options
 
+RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
+
+    serpenoid arena run problems/protocols/two-gaits.toml --out results/two-gaits
+    serpenoid measure results/two-gaits && serpenoid compare results/two-gaits
+
+A protocol names joint tables, repeats and headings; `problem = "mine.toml"` plays the body of a problem file instead of
+the paper's ten-servo snake: its links, joints and masses, with wheels scaled to it ([robot] overrides each number).
+The folder receives campaign.toml, gaits/ and one folder per trial: motion.csv (as Motive exports it), servo.csv,
+power.csv. A trial takes some seconds. Ctrl-C keeps whole trials; the same command goes on.
+`serpenoid new protocol` writes a protocol to begin with; `serpenoid schema protocol` lists every key."""
+
+USE = """What a diagnosis is worth: the optimal gaits before and after its extension, both played on one robot.
+
+    serpenoid arena use results/mats/diagnosis PROTOCOL.toml --problem problems/snake10.toml"""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `arena`."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    played = actions.add_parser("run", help="play a protocol and write a campaign")
-    played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path)
+    plain = argparse.RawDescriptionHelpFormatter
+    played = actions.add_parser(
+        "run", help="play a protocol and write a campaign", description=RUN, formatter_class=plain
+    )
+    played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="what is played, on which robot and floor")
     played.add_argument("--out", metavar="FOLDER", type=Path, help="campaign folder (default: results/<protocol>)")
     played.add_argument("--truth", metavar="FOLDER", type=Path, help="also write the noise-free motion, elsewhere")
-    used = actions.add_parser("use", help="play a diagnosis' optimal gaits, before and after")
+    used = actions.add_parser(
+        "use", help="play a diagnosis' optimal gaits, before and after", description=USE, formatter_class=plain
+    )
     used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
     used.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="robot and floor to play them on")
     used.add_argument("--problem", metavar="FILE", type=Path, help="whose gaits (default: the snake robot's)")

@@ -20,7 +20,16 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
+from serpenoid.cli.robot_arguments import (
+    add_robot,
+    add_table,
+    add_widen,
+    body_refusals,
+    checked_table,
+    cycle_duration,
+    load_robot,
+    warn,
+)
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv, write_text
 from serpenoid.robot import ros
@@ -40,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_robot(parser, required=False)
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="openrb, ros2: cycles to play (default 1)")
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="openrb, ros2: rest after each cycle [s]")
+    add_widen(parser)
     parser.add_argument("--power-stream", action="store_true", help="openrb: stream INA260 readings over USB")
 
 
@@ -62,7 +72,8 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
         table, refusals = checked_table(args, robot)
         return table, robot, refusals
     table = read_table(args.results)
-    return table, None, check_finite(table.angles)
+    duration = args.cycle_duration or table.stated.cycle_duration_s
+    return table, None, check_finite(table.angles) or body_refusals(args, table, duration)
 
 
 def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None) -> list[Path]:
@@ -99,7 +110,9 @@ def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> l
 def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> Plan:
     if robot is None:
         raise InputError(f"--format {args.format} needs --robot FILE: it maps joints to servos.")
-    return make_plan(table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause)
+    return make_plan(
+        table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause, args.widen_limits
+    )
 
 
 EXPORTERS: dict[str, Exporter] = {"csv": _csv, "ticks": _ticks, "openrb": _openrb, "ros2": _ros2}

@@ -78,7 +78,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     try:
         code = args.run(args)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # closed by the shell: >&-
+            sys.stdout.flush()
         return code
     except InputError as error:
         return _complain(str(error), 2)

@@ -2,7 +2,8 @@
 
 RESULTS is a results folder or a joint-table CSV. Before anything moves the table, the servos and the battery are
 checked; then the robot approaches the first row slowly, plays the cycles, and torque is switched off: at the end, on
-any fault, on Ctrl-C, and on the emergency keys (space, Esc, q).
+any fault, on Ctrl-C, and on the emergency keys (space, Esc, q). A joint that does not follow its command stops the
+robot, slows it down or is reported, as [tracking] of the robot file says; exit code 0 means that all of them followed.
 
   serpenoid play RESULTS --robot problems/robots/snake10-robot.toml --dry-run
   serpenoid play RESULTS --robot problems/robots/snake10-robot.toml --cycles 3 --pause 2 --log trials/gait01-a-1
@@ -14,17 +15,28 @@ No robot at hand? `serpenoid robot emulate` prints a port to rehearse on.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 import time
 from pathlib import Path
 
-from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
+from serpenoid.cli.robot_arguments import (
+    add_robot,
+    add_table,
+    add_widen,
+    checked_table,
+    cycle_duration,
+    load_robot,
+    sentence,
+    tell,
+    warn,
+)
 from serpenoid.robot.dry_run import describe
 from serpenoid.robot.plan import make_plan
 from serpenoid.robot.port import resolve_port
 from serpenoid.robot.session import Outcome, TrialFiles, play_trial
 
-EXIT_CODES = {"done": 0, "failed": 1, "stopped": 130}
+EXIT_CODES = {"done": 0, "strayed": 1, "failed": 1, "stopped": 130}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -34,6 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="rest after each cycle [s] (default 0)")
     parser.add_argument("--log", type=Path, metavar="DIR", help="record into this folder (not yet used)")
     parser.add_argument("--power-port", metavar="PORT", help="serial port of an INA260 stream: power.csv in DIR")
+    add_widen(parser)
     parser.add_argument("--dry-run", action="store_true", help="print what would be sent; touch no port")
 
 
@@ -43,7 +56,9 @@ def run(args: argparse.Namespace) -> int:
     if refusals:
         warn("refused, nothing has moved:", *refusals)
         return 1
-    plan = make_plan(table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause)
+    plan = make_plan(
+        table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause, args.widen_limits
+    )
     if args.dry_run:
         sys.stdout.writelines(line + "\n" for line in describe(plan))
         return 0
@@ -56,22 +71,27 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _report(outcome: Outcome, folder: Path | None) -> None:
-    lines = [f"{outcome.status}: {outcome.reason}.".replace("..", ".").replace("?.", "?"), f"motors: {outcome.torque}."]
+    lines = [sentence(f"{outcome.status}: {outcome.reason}"), sentence(f"motors: {outcome.torque}")]
     lines.append(f"schedule: {outcome.timing}.")
+    if outcome.tracking:
+        lines.append(f"tracking: {outcome.tracking}.")
     if outcome.numbers.get("failed_exchanges"):
         failed = ", ".join(f"servo {servo}: {count}" for servo, count in outcome.numbers["failed_exchanges"].items())
         lines.append(f"bus: exchanges that failed and were repeated: {failed}.")
-    if folder is not None:
+    lines += [f"note: {sentence(note)}" for note in outcome.notes]
+    if folder is not None and (folder / "servo.csv").exists():
         lines.append(f"recording: {folder}")
-    stream = sys.stdout if outcome.status == "done" and outcome.torque_off else sys.stderr
-    stream.writelines(line + "\n" for line in lines)
+    tell(sys.stdout if outcome.status == "done" and outcome.torque_off else sys.stderr, *lines)
 
 
 class StatusLine:
-    """Progress on stderr: one line that renews itself on a terminal, new stages only elsewhere."""
+    """Progress on stderr: one line that renews itself on a terminal, new stages only elsewhere.
+
+    A terminal that went away, or a closed stderr, is no reason to stop a robot.
+    """
 
     def __init__(self) -> None:
-        self._terminal = sys.stderr.isatty()
+        self._terminal = sys.stderr is not None and sys.stderr.isatty()
         self._last = 0.0
         self._stage = ""
 
@@ -80,12 +100,15 @@ class StatusLine:
         is_new, self._stage = stage != self._stage, stage
         if self._terminal and (is_new or time.monotonic() - self._last > 0.2):
             self._last = time.monotonic()
-            sys.stderr.write(f"\r\x1b[K{text}")
-            sys.stderr.flush()
+            self._write(f"\r\x1b[K{text}")
         elif not self._terminal and is_new:
-            sys.stderr.write(stage + "\n")
-            sys.stderr.flush()
+            self._write(stage + "\n")
 
     def finish(self) -> None:
         if self._terminal:
-            sys.stderr.write("\r\x1b[K")
+            self._write("\r\x1b[K")
+
+    def _write(self, text: str) -> None:
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            sys.stderr.write(text)
+            sys.stderr.flush()

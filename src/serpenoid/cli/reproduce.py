@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     with options.progress_bar(args, "gaits", args.gaits) as advance:
         tables = gait_tables(folder / "gaits", problem, args.gaits, args.seed, advance)
         advance(args.gaits)
-    protocol = paper_protocol(list(tables), args.trials, args.seed)
+    protocol = paper_protocol(problem, list(tables), args.trials, args.seed)
     total = 2 * args.gaits * args.trials
     with options.progress_bar(args, "trials", total) as advance:
         run_campaign(protocol, tables, folder / "campaign", workers=options.workers(args), report=advance)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TextIO
 
 from serpenoid.errors import InputError
-from serpenoid.robot.checks import Refusal, check_table
+from serpenoid.robot.checks import Refusal, check_body, check_table
 from serpenoid.robot.description import Robot
+from serpenoid.robot.stated import LONGEST_CYCLE_S
 from serpenoid.robot.table import JointTable, read_table
 from serpenoid.schema import load
 
@@ -20,6 +22,11 @@ def add_table(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar="S",
         help="time of one cycle [s] (default: what the results say, else the robot file)",
+    )
+    parser.add_argument(
+        "--no-joint-limits",
+        action="store_true",
+        help="do not hold the body's joint and speed limits that the results state; the robot file's hold always",
     )
 
 
@@ -36,9 +43,9 @@ def load_robot(args: argparse.Namespace) -> Robot:
 def cycle_duration(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> float:
     """--cycle-duration, else the results' own, else the robot file's [s]."""
     given = args.cycle_duration
-    if given is not None and not 0 < given <= 600:
+    if given is not None and not 0 < given <= LONGEST_CYCLE_S:
         raise InputError(f"--cycle-duration must be above 0 and at most 600 seconds, got {given}.")
-    chosen = given or table.cycle_duration_s or (robot.motion.cycle_duration_s if robot else None)
+    chosen = given or table.stated.cycle_duration_s or (robot.motion.cycle_duration_s if robot else None)
     if chosen is None:
         raise InputError("The results do not say how long a cycle lasts. Give --cycle-duration S or --robot FILE.")
     return chosen
@@ -48,8 +55,46 @@ def checked_table(args: argparse.Namespace, robot: Robot) -> tuple[JointTable, l
     """The table and what speaks against it, at the robot's nominal voltage."""
     table = read_table(args.results)
     duration = cycle_duration(args, table, robot)
-    return table, check_table(table.angles, robot, duration, robot.voltage.nominal_V)
+    refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V)
+    return table, refusals or body_refusals(args, table, duration)
+
+
+def body_refusals(args: argparse.Namespace, table: JointTable, duration: float | None) -> list[Refusal]:
+    """What the results' own body forbids; limits that do not hold are named on standard error."""
+    stated = table.stated
+    off = stated.switched_off
+    if off:
+        warn(f"{' and '.join(off)} switched off in the problem file: not held")
+    if args.no_joint_limits:
+        warn("--no-joint-limits: the limits of the results' body are not held")
+        return []
+    return check_body(table.angles, stated, duration)
+
+
+def add_widen(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--widen-limits",
+        action="store_true",
+        help="write the robot file's limits over narrower ones in the servos' own memory (default: the narrower hold)",
+    )
 
 
 def warn(*lines: object) -> None:
-    sys.stderr.writelines(f"{line}\n" for line in lines)
+    tell(sys.stderr, *lines)
+
+
+def tell(stream: TextIO | None, *lines: object) -> None:
+    """Write lines; where the stream is closed or its disk full, on standard error: what a robot does must be said."""
+    for target in (stream, sys.stderr):
+        try:
+            if target is not None:
+                target.writelines(f"{line}\n" for line in lines)
+                target.flush()
+                return
+        except (OSError, ValueError):  # ValueError: closed
+            continue
+
+
+def sentence(text: str) -> str:
+    """The text with one mark at its end."""
+    return text if text.endswith((".", "?", "!")) else f"{text}."

@@ -10,17 +10,18 @@ from typing import Any
 import numpy as np
 
 from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
-from serpenoid.robot.bus import Bus, open_bus
+from serpenoid.robot.bus import COLLISION_REMEDY, Bus, open_bus
 from serpenoid.robot.checks import Refusal, check_start, check_table
 from serpenoid.robot.control_table import MODEL_NAME, MODEL_NUMBER
 from serpenoid.robot.description import Robot
-from serpenoid.robot.faults import RobotFault
+from serpenoid.robot.faults import PortLost, RobotFault
 from serpenoid.robot.port import exclusive_port, resolve_port
 from serpenoid.robot.power import record_power
-from serpenoid.robot.prepare import identify, inspect
+from serpenoid.robot.prepare import identify, inspect, narrower
 from serpenoid.robot.table import JointTable
 from serpenoid.robot.ticks import to_ticks
 
+LAST_ID = 252
 SCAN_RATES = (57600, 1000000, 115200, 2000000, 3000000)
 
 
@@ -47,27 +48,54 @@ def configure(actions: Any) -> None:
 def _scan(args: argparse.Namespace) -> int:
     port = resolve_port(args.port)
     rates = (args.baud_rate,) if args.baud_rate else SCAN_RATES
-    total = 0
+    total, colliding = 0, False
     with exclusive_port(port):
         for rate in rates:
             try:
                 with open_bus(port, rate) as bus:
-                    total += _print_found(bus, rate)
+                    found, garbled = _print_found(bus, rate)
+                    total, colliding = total + found, colliding or garbled
             except RobotFault as fault:
                 warn(fault)
-    if not total:
-        warn(f"{port}: no servo answered at {', '.join(map(str, rates))} baud. Is the battery on and the cable in?")
-    return 0 if total else 1
+    if colliding:
+        warn(COLLISION_REMEDY)
+    elif not total:
+        tried = f"{port}: no servo answered at {', '.join(map(str, rates))} baud"
+        warn(
+            f"{tried}. Is the battery on and the cable in? New servos have 57600 baud and ID 1: connect one at a time."
+        )
+    return 0 if total and not colliding else 1
 
 
-def _print_found(bus: Bus, rate: int) -> int:
+def _print_found(bus: Bus, rate: int) -> tuple[int, bool]:
+    """How many servos answered, and whether some talked at once."""
     found = bus.scan()
-    for servo_id, (model, firmware) in found.items():
+    shared = set(found.repeated)
+    for servo_id, (model, firmware) in found.servos.items():
         name = MODEL_NAME if model == MODEL_NUMBER else f"model {model}"
-        state = bus.read_states([servo_id])[servo_id]
-        reading = f"{state.position} ticks, {state.voltage:.1f} V, {state.temperature} deg C"
+        try:
+            state = bus.read_states([servo_id])[servo_id]
+            reading = f"{state.position} ticks, {state.voltage:.1f} V, {state.temperature} deg C"
+        except PortLost:
+            raise
+        except RobotFault as fault:
+            reading = str(fault)
+            shared |= {servo_id} if bus.is_garbled(servo_id) else set()
         sys.stdout.write(f"ID {servo_id:3d}  {name}  firmware {firmware}  {rate} baud  {reading}\n")
-    return len(found)
+    if found.garbled and not shared:
+        shared = _who_is_garbled(bus, set(found.servos))
+    for servo_id in sorted(shared):
+        warn(f"ID {servo_id:3d}  {rate} baud  garbled: more than one servo has this ID")
+    if found.garbled and not shared:
+        warn(f"{found.garbled} bytes at {rate} baud were no whole answer: two servos with one ID, or noise on the line")
+    return len(found.servos), found.collision or bool(shared)
+
+
+def _who_is_garbled(bus: Bus, understood: set[int]) -> set[int]:
+    """Ask every other ID by itself, twice where the first answer was garbled."""
+    warn("something answered that could not be understood; asking every ID by itself (some seconds)")
+    others = [servo_id for servo_id in range(LAST_ID + 1) if servo_id not in understood]
+    return {servo_id for servo_id in others if bus.is_garbled(servo_id) and bus.is_garbled(servo_id)}
 
 
 def _check(args: argparse.Namespace) -> int:
@@ -94,6 +122,8 @@ def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tu
             if refusals:
                 return refusals, f"on {port}"
             refusals = inspect(bus, robot)
+            robot, notes = narrower(bus, robot)
+            warn(*notes)
             states = [bus.read_states(robot.ids)[servo_id] for servo_id in robot.ids]
         except RobotFault as fault:
             return [Refusal(port, str(fault), "the bus must answer", "Check power and cable.")], "on the bus"

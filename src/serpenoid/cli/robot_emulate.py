@@ -44,11 +44,13 @@ def configure(actions: Any) -> None:
     )
     parser.add_argument("--robot", type=Path, metavar="FILE", help="IDs, baud rate and zero positions from this file")
     parser.add_argument("--baud-rate", type=int, metavar="B", help="default: the robot file's, else 1000000")
+    parser.add_argument("--ids", metavar="N,N", help="other IDs, tail first; twice the same: two servos that collide")
     parser.add_argument("--link", type=Path, metavar="PATH", help="symbolic link to the port, under a name that stays")
     parser.add_argument("--fault", action="append", default=[], metavar="FAULT", help="a fault, see below; repeatable")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
     parser.add_argument("--report", type=Path, metavar="FILE", help="write what became of the servos to this JSON file")
     parser.add_argument("--arena", action="store_true", help="the servos move the robot of the virtual arena")
+    parser.add_argument("--problem", type=Path, metavar="FILE", help="with --arena: whose body (the paper's snake)")
     parser.add_argument("--motion", type=Path, metavar="FILE", help="with --arena: where it went, as a tidy motion CSV")
     parser.set_defaults(do=run)
 
@@ -85,19 +87,35 @@ def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
     if baud_rate not in codes:
         raise InputError(f"--baud-rate must be one of {', '.join(map(str, codes))}, got {baud_rate}.")
     places = [(joint.id, joint.zero_ticks) for joint in robot.joint] if robot else [(i, 2048) for i in range(1, 11)]
+    if args.ids is not None:
+        places = [(servo_id, zero) for servo_id, (_, zero) in zip(_ids(args.ids, len(places)), places, strict=True)]
     return baud_rate, [EmulatedServo(servo_id, codes[baud_rate], float(zero)) for servo_id, zero in places]
+
+
+def _ids(text: str, count: int) -> list[int]:
+    ids = [int(part) if part.strip().isdecimal() else -1 for part in text.split(",")]
+    if len(ids) != count or not all(0 <= servo_id <= 252 for servo_id in ids):
+        raise InputError(f"--ids must be {count} numbers from 0 to 252, one for each servo, got {text}.")
+    return ids
 
 
 def _ground(args: argparse.Namespace, servos: list[EmulatedServo]) -> Ground | None:
     if args.motion is not None and not args.arena:
         raise InputError("--motion: only the arena's robot goes anywhere. Add --arena.")
+    if args.problem is not None and not args.arena:
+        raise InputError("--problem: only the arena's robot has a body. Add --arena.")
     if not args.arena:
         return None
     if args.robot is None:
         raise InputError("--arena needs --robot FILE: it says which servo moves which joint.")
     from serpenoid.arena.bus import Ground
+    from serpenoid.arena.robot import Robot as ArenaRobot
+    from serpenoid.arena.robot import robot_of
+    from serpenoid.problem import load as load_problem
 
-    return Ground(servos, load(Robot, args.robot).joint)
+    given = {"profile_s": 0.0}  # the emulated servos walk their profiles themselves
+    body = {} if args.problem is None else robot_of(load_problem(args.problem).body)
+    return Ground(servos, load(Robot, args.robot).joint, ArenaRobot.model_validate(given | body))
 
 
 def _in_words(report: dict[str, Any]) -> str:

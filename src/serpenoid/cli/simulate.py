@@ -23,6 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
+    from serpenoid.joint_limits import limit_lines
     from serpenoid.problem import load
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_simulation
     from serpenoid.simulation.problem import simulate
@@ -42,6 +43,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {motion.heading_change:+.6f} rad",
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
+        *limit_lines(problem, result.table),
         *crossing_warning(motion),
         *weight_warning(problem),
         f"written to        {folder}",

@@ -54,6 +54,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
+    from serpenoid.joint_limits import limit_lines
     from serpenoid.optimise.solve import refine, solve
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
     from serpenoid.status import Status
@@ -74,7 +75,12 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
 
         multistart_figures(folder, result)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
-    lines = [*_lines(best, result), *crossing_warning(best.trajectory), *weight_warning(problem)]
+    lines = [
+        *_lines(best, result),
+        *limit_lines(problem, best.table),
+        *crossing_warning(best.trajectory),
+        *weight_warning(problem),
+    ]
     lines += [f"written to        {folder}"]
     options.report(args, record, lines, folder)
     if stopped:

@@ -127,5 +127,6 @@ def _lines(summary: dict) -> list[str]:
         f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed{missing}",
         f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
         f"  cost of transport least between c = 1 and 2 for idle energy {shown} (units of T * E)",
+        *(f"  {line}, at the least c" for line in summary["limits"]),
         f"  written to {summary['folder']}",
     ]

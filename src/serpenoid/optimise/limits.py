@@ -32,14 +32,14 @@ class PathLimits:
 
 
 def path_limits(problem: Problem) -> PathLimits:
-    """The limits that the problem switches on; the change per step follows from speed limit and cycle duration."""
-    body, task, m = problem.body, problem.task, problem.body.joint_count
+    """The limits that hold; the change per step follows from speed limit and cycle duration, where both are known."""
+    task, m = problem.task, problem.body.joint_count
     upper = np.full(2 * m, np.inf)
-    if task.constraints.joint_limits:
-        upper[:m] = np.deg2rad(body.joint_limit_deg or 180.0)
-    if task.constraints.joint_speed_limits:
-        speed = (body.joint_speed_limit_rpm or np.inf) * 2 * np.pi / 60
-        upper[m:] = speed * (task.cycle_duration_s or np.inf) / task.steps
+    if problem.joint_limit_deg is not None:
+        upper[:m] = np.deg2rad(problem.joint_limit_deg)
+    if problem.joint_speed_limit_rpm is not None and task.cycle_duration_s is not None:
+        speed = problem.joint_speed_limit_rpm * 2 * np.pi / 60
+        upper[m:] = speed * task.cycle_duration_s / task.steps
     for active in problem.model.actuation_effects:
         if isinstance(active.effect, ActuationEffect):  # a gait that never saturates is played as it is commanded
             reach = active.effect.speed_limit(active.parameters) * problem.model.step_duration(task.steps)

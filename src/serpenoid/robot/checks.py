@@ -11,9 +11,11 @@ from math import ceil, degrees, tau
 import numpy as np
 from numpy.typing import NDArray
 
+from serpenoid.joint_limits import KEPT, largest_angle, turns_per_cycle
 from serpenoid.robot.control_table import no_load_speed_rpm
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
+from serpenoid.robot.stated import Stated
 from serpenoid.robot.ticks import RADIANS_PER_TICK, to_ticks
 
 BUS_SHARE = 0.9  # of a row's time that its packets may take
@@ -40,6 +42,25 @@ def check_table(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: flo
     ticks = to_ticks(angles, robot)
     refusals = _check_positions(angles, ticks, robot) + _check_speeds(ticks, robot, cycle_duration_s, voltage)
     return refusals + _check_bus(len(ticks), robot, cycle_duration_s)
+
+
+def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: float | None) -> list[Refusal]:
+    """What the body of the results allows its joints: `angles` (T, m) [rad], in a cycle of that duration if known."""
+    refusals = []
+    joint, reach = largest_angle(angles)
+    limit = stated.joint_limit_deg
+    remedy = "Solve with this limit, or say --no-joint-limits: the robot file's limits then hold alone."
+    if limit is not None and reach > limit * (1 + KEPT):
+        where = f"joint_{joint + 1}, step {int(np.abs(angles[:, joint]).argmax())}"
+        refusals.append(Refusal(where, f"angle {reach:.1f} degrees", f"the body's limit is {limit:g} degrees", remedy))
+    joint, turns = turns_per_cycle(angles)
+    limit = stated.joint_speed_limit_rpm
+    if limit is None or cycle_duration_s is None or turns * 60 / cycle_duration_s <= limit * (1 + KEPT):
+        return refusals
+    shortest = ceil(turns * 60 / limit * 100) / 100
+    value = f"speed {turns * 60 / cycle_duration_s:.1f} rpm in a cycle of {cycle_duration_s:g} s"
+    slower = f"Play a cycle of {shortest:g} s or more (--cycle-duration), or say --no-joint-limits."
+    return [*refusals, Refusal(f"joint_{joint + 1}", value, f"the body's limit is {limit:g} rpm", slower)]
 
 
 def check_start(present: NDArray[np.int64], first_row: NDArray[np.int64], robot: Robot) -> list[Refusal]:

@@ -10,6 +10,10 @@ from pydantic import Field, model_validator
 from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
 from serpenoid.schema import Record
 
+# Three quarters of the XL430's torque (all of it: 177 ticks, 15.6 degrees), and twice the largest error of a healthy
+# robot on a floor that grips (6.3 degrees: `results/benchmarks/robustness.md`).
+TRACKING_LIMIT_DEG = 12.0
+
 
 class JointServo(Record):
     """One servo: `ticks = zero_ticks + sign * angle * 4096 / (2 pi)`, kept in minimum_ticks..maximum_ticks."""
@@ -52,7 +56,15 @@ class MotionSettings(Record):
     approach_speed_rpm: float = Field(default=5.0, gt=0, le=20)
     approach_limit_deg: float = Field(default=90.0, gt=0, le=360)
     watchdog_s: float = Field(default=0.5, ge=0.2, le=2.5)  # silence after which a servo stops by itself
-    arrival_tolerance_deg: float = Field(default=3.0, gt=0, le=30)
+    arrival_tolerance_deg: float | None = Field(default=None, gt=0, le=30)  # None: limit_deg of [tracking]
+
+
+class TrackingRule(Record):
+    """How far a joint may stand from where its commands of the last `lag_s` were, and what happens beyond."""
+
+    limit_deg: float = Field(default=TRACKING_LIMIT_DEG, gt=0, le=180)
+    lag_s: float = Field(default=0.3, ge=0.05, le=2.0)
+    action: Literal["stop", "slow", "warn"] = "stop"
 
 
 class VoltageWindow(Record):
@@ -78,6 +90,7 @@ class Robot(Record):
     bus: BusSettings
     motion: MotionSettings
     voltage: VoltageWindow
+    tracking: TrackingRule = TrackingRule()
     joint: list[JointServo] = Field(min_length=1, max_length=60)
 
     @model_validator(mode="after")
@@ -87,6 +100,12 @@ class Robot(Record):
         if twice:
             raise ValueError(f"servo ID {twice[0]} is used by two joints; every [[joint]] needs its own `id`")
         return self
+
+    @property
+    def arrival_tolerance_deg(self) -> float:
+        """How far from the first row a joint may come to rest."""
+        own = self.motion.arrival_tolerance_deg
+        return self.tracking.limit_deg if own is None else own
 
     @property
     def ids(self) -> list[int]:

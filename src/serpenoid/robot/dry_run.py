@@ -18,10 +18,12 @@ def describe(plan: Plan) -> Iterator[str]:
     yield "ping each servo; check model, firmware, voltage, hardware errors"
     yield "torque_enable = 0, bus_watchdog = 0, profile_acceleration = 0 on every servo"
     for register, values in plan.settings().items():
-        yield f"{register} = {_row(values)}   (where it differs)"
+        keeps = register.endswith("_limit") and not plan.widen_limits
+        where = "where it differs; a servo's own narrower limit stays" if keeps else "where it differs"
+        yield f"{register} = {_row(values)}   ({where})"
     yield f"profile_velocity = {_row(plan.approach_velocity())}   (0.229 rpm)"
+    yield f"bus_watchdog = {plan.watchdog_units} on every servo   ({plan.watchdog_s:.2f} s, from torque on)"
     yield "goal_position = present position, torque_enable = 1 on every servo"
-    yield f"bus_watchdog = {plan.watchdog_units}   ({plan.watchdog_s:.2f} s)"
     yield f"approach:   goal_position = {_row(plan.ticks[0])}; wait for arrival"
     yield f"profile_velocity = {_row(plan.play_velocity())}"
     for row in plan.rows():

@@ -5,6 +5,8 @@ A log that ends in the middle of a line lost that line and no other.
 
 from __future__ import annotations
 
+import contextlib
+import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,32 +18,43 @@ from numpy.typing import NDArray
 from serpenoid.errors import InputError
 from serpenoid.robot.bus import ServoState
 from serpenoid.robot.description import Robot
+from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.ticks import to_radians
 
 GROUPS = ("command", "position", "voltage", "load", "temperature", "error")
 
 
 class ServoLog:
-    """Appends to `servo.csv` in `folder`; `folder` None writes nothing. Time zero is the log's beginning."""
+    """Appends to `servo.csv` in `folder`, from `begin()` on; `folder` None writes nothing."""
 
     def __init__(self, folder: Path | None, robot: Robot) -> None:
         self._robot = robot
+        self._path = None if folder is None else check_new(folder / "servo.csv")
         self._start = time.monotonic()
         self.rows = 0
         self._stream: TextIO | None = None
-        if folder is not None:
-            self._stream = open_new(folder / "servo.csv")
-            joints = range(1, len(robot.joint) + 1)
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is a recording."""
+        return self._stream is not None
+
+    def begin(self) -> None:
+        """Create the file; time zero is now."""
+        self._start = time.monotonic()
+        if self._path is not None:
+            self._stream = open_new(self._path)
+            joints = range(1, len(self._robot.joint) + 1)
             columns = [f"{group}_{j}" for group in GROUPS for j in joints]
-            self._stream.write(",".join(["t_s", "phase", "cycle", "step", *columns]) + "\n")
-            self._stream.flush()
+            self._put(",".join(["t_s", "phase", "cycle", "step", *columns]))
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         if self._stream is not None:
-            self._stream.close()
+            with contextlib.suppress(OSError):  # a full disk was reported when it was met
+                self._stream.close()
 
     def write(
         self,
@@ -64,8 +77,33 @@ class ServoLog:
         cells += [f"{servo.load:.3f}" for servo in servos]
         cells += [str(servo.temperature) for servo in servos]
         cells += [str(errors.get(servo_id, 0)) for servo_id in self._robot.ids]
-        self._stream.write(",".join(cells) + "\n")
-        self._stream.flush()
+        self._put(",".join(cells))
+
+    def _put(self, line: str) -> None:
+        stream = self._stream
+        if stream is None:
+            return
+        try:
+            stream.write(line + "\n")
+            stream.flush()
+        except OSError as error:
+            raise RobotFault(f"{self._path}: cannot be written any more ({error.strerror}). Make room.") from None
+
+
+def check_new(path: Path) -> Path:
+    """The path itself, if a recording could be made there; nothing is created. InputError else."""
+    there = next(folder for folder in path.absolute().parents if folder.exists())
+    if path.exists():
+        raise InputError(_taken(path))
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            return path
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --log folder.") from None
+
+
+def _taken(path: Path) -> str:
+    return f"{path}: a recording is already there. Choose another --log folder for this trial."
 
 
 def open_new(path: Path) -> TextIO:
@@ -74,6 +112,6 @@ def open_new(path: Path) -> TextIO:
         path.parent.mkdir(parents=True, exist_ok=True)
         return path.open("x", encoding="utf-8", newline="\n")
     except FileExistsError:
-        raise InputError(f"{path}: a recording is already there. Choose another --log folder for this trial.") from None
+        raise InputError(_taken(path)) from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --log folder.") from None

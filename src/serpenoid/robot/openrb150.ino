@@ -23,6 +23,8 @@ const int32_t MAXIMUM_DECIVOLT = @MAXIMUM_DECIVOLT@;
 const int32_t ARRIVAL_TICKS = @ARRIVAL_TICKS@;
 const int32_t APPROACH_LIMIT_TICKS = @APPROACH_LIMIT_TICKS@;
 const int32_t APPROACH_VELOCITY = @APPROACH_VELOCITY@;  // 0.229 rpm
+const bool WIDEN_LIMITS = @WIDEN_LIMITS@;
+const int16_t FACTORY_SPEED_LIMIT = 265;  // 0.229 rpm
 const int32_t WATCHDOG = @WATCHDOG@;  // 20 ms
 const uint32_t APPROACH_MS = @APPROACH_MS@UL;
 const uint32_t LOOK_US = 50000UL;  // button and servos are looked at this often in long rows and pauses
@@ -117,6 +119,14 @@ void set(uint8_t item, uint8_t id, int32_t value) {
   }
 }
 
+// Somebody set the servo's own memory to less than the robot file allows: not to be undone without a word.
+bool hasNarrowerLimits(uint8_t j) {
+  return dxl.readControlTableItem(MIN_POSITION_LIMIT, ID[j]) > MINIMUM[j] ||
+         dxl.readControlTableItem(MAX_POSITION_LIMIT, ID[j]) < MAXIMUM[j] ||
+         dxl.readControlTableItem(VELOCITY_LIMIT, ID[j]) <
+             (SPEED_LIMIT[j] < FACTORY_SPEED_LIMIT ? SPEED_LIMIT[j] : FACTORY_SPEED_LIMIT);
+}
+
 void setUpServo(uint8_t j) {
   const uint8_t id = ID[j];
   if (!dxl.ping(id) || dxl.getModelNumber(id) != MODEL) {
@@ -127,6 +137,9 @@ void setUpServo(uint8_t j) {
   set(DRIVE_MODE, id, 0);
   set(OPERATING_MODE, id, 3);
   set(HOMING_OFFSET, id, 0);
+  if (!WIDEN_LIMITS && hasNarrowerLimits(j)) {
+    fail("its own limits are narrower than the robot file's (export --widen-limits overwrites them)", id);
+  }
   set(VELOCITY_LIMIT, id, SPEED_LIMIT[j]);
   set(MIN_POSITION_LIMIT, id, MINIMUM[j]);
   set(MAX_POSITION_LIMIT, id, MAXIMUM[j]);
@@ -173,11 +186,11 @@ bool approach() {
   }
   for (uint8_t j = 0; j < JOINTS; j++) {
     setVelocity(j, APPROACH_VELOCITY);
-    dxl.writeControlTableItem(GOAL_POSITION, ID[j], dxl.readControlTableItem(PRESENT_POSITION, ID[j]));
-    dxl.torqueOn(ID[j]);
+    dxl.writeControlTableItem(BUS_WATCHDOG, ID[j], WATCHDOG);  // it waits for torque
   }
   for (uint8_t j = 0; j < JOINTS; j++) {
-    dxl.writeControlTableItem(BUS_WATCHDOG, ID[j], WATCHDOG);
+    dxl.writeControlTableItem(GOAL_POSITION, ID[j], dxl.readControlTableItem(PRESENT_POSITION, ID[j]));
+    dxl.torqueOn(ID[j]);
   }
   sendRow(0);
   const uint32_t begin = millis();

@@ -50,6 +50,7 @@ class Plan:
     cycle_duration_s: float
     cycles: int
     pause_s: float
+    widen_limits: bool = False  # write the robot file's limits over narrower ones in the servos' own memory
 
     @property
     def row_period_s(self) -> float:
@@ -94,13 +95,13 @@ class Plan:
 
     def approach_velocity(self) -> list[int]:
         """Profile Velocity (112) on the way to the first row."""
-        return [_velocity_units(self.robot.motion.approach_speed_rpm)] * len(self.robot.joint)
+        return [velocity_units(self.robot.motion.approach_speed_rpm)] * len(self.robot.joint)
 
     def play_velocity(self) -> list[int]:
         """Profile Velocity (112) while playing: enough for the table, never above the joint's limit."""
         limits = [joint.speed_limit_rpm for joint in self.robot.joint]
         return [
-            _velocity_units(min(SPEED_RESERVE * peak, cap))
+            velocity_units(min(SPEED_RESERVE * peak, cap))
             for peak, cap in zip(self.peak_speed_rpm(), limits, strict=True)
         ]
 
@@ -112,16 +113,23 @@ class Plan:
             "drive_mode": [0] * len(joints),
             "operating_mode": [POSITION_MODE] * len(joints),
             "homing_offset": [0] * len(joints),
-            "velocity_limit": [_velocity_units(joint.speed_limit_rpm) for joint in joints],
+            "velocity_limit": [velocity_units(joint.speed_limit_rpm) for joint in joints],
             "minimum_position_limit": [joint.minimum_ticks for joint in joints],
             "maximum_position_limit": [joint.maximum_ticks for joint in joints],
         }
 
 
-def make_plan(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, cycles: int, pause_s: float) -> Plan:
+def make_plan(
+    angles: NDArray[np.float64],
+    robot: Robot,
+    cycle_duration_s: float,
+    cycles: int,
+    pause_s: float,
+    widen_limits: bool = False,
+) -> Plan:
     """Plan a checked table (`checks.check_table` first: shape and finiteness are its matter)."""
     check_repetition(cycles, pause_s)
-    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s)
+    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s, widen_limits)
 
 
 def check_repetition(cycles: int, pause_s: float) -> None:
@@ -149,5 +157,6 @@ def read_time_s(joints: int, baud_rate: int) -> float:
     return (state + health) * BITS_PER_BYTE / baud_rate + (joints + 1) * RETURN_DELAY_UNITS * 2e-6
 
 
-def _velocity_units(rpm: float) -> int:
-    return max(1, int(rpm / RPM_PER_VELOCITY_UNIT))
+def velocity_units(rpm: float) -> int:
+    """Velocity Limit (44) and Profile Velocity (112), never above `rpm`."""
+    return max(1, int(rpm / RPM_PER_VELOCITY_UNIT + 1e-9))

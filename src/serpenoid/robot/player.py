@@ -17,6 +17,7 @@ from serpenoid.robot.prepare import refuse, set_profile, set_up
 from serpenoid.robot.stop import StopWatcher
 from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
 from serpenoid.robot.timing import RowTiming
+from serpenoid.robot.tracking import RowClock, Tracking
 from serpenoid.robot.watch import ServoWatch
 
 SLIPPED_S = 0.5  # rows' time that leaves more than a row late, less what leaves in time
@@ -27,24 +28,39 @@ Progress = Callable[[str], None]
 
 
 class Player:
-    """Plays once. The caller owns port, log and stop watcher, and switches torque off afterwards."""
+    """Plays once. The caller owns port, log and stop watcher, and switches torque off afterwards.
 
-    def __init__(self, bus: Bus, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Progress) -> None:
+    `begin()` is called when nothing speaks against playing and before anything moves: it opens the recording.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        plan: Plan,
+        log: ServoLog,
+        stop: StopWatcher,
+        progress: Progress,
+        begin: Callable[[], None] = lambda: None,
+    ) -> None:
         self._bus, self._plan, self._log, self._stop, self._progress = bus, plan, log, stop, progress
+        self._begin = begin
         self._ids = plan.robot.ids
         self._slipped_s = 0.0
         self._watch = ServoWatch(bus, plan)
         self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
         self._gave_up = False
         self.given_up_readings = 0
-        self.switched_on = False  # from just before the first torque_enable = 1
+        self.switched_on = False  # from just before the first torque_enable = 1; all watchdogs are armed by then
+        self.tracking = Tracking(plan.robot)
+        self.notes: list[str] = []
         self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
 
     def run(self) -> None:
         """Raise RobotFault, StopRequested or InputError; the motors are then still as they were at that moment."""
         self._progress("checking and setting up the servos")
-        set_up(self._bus, self._plan, self._stop)
+        self._plan, self.notes = set_up(self._bus, self._plan, self._stop)
         self._refuse_bad_start()
+        self._begin()
         self._switch_on()
         self._bus.attempts = ATTEMPTS_IN_MOTION
         self._approach()
@@ -56,19 +72,24 @@ class Player:
         states = self._bus.read_states(self._ids)
         volts = min(state.voltage for state in states.values())
         refusals = check_table(to_radians(plan.ticks, robot), robot, plan.cycle_duration_s, volts)
-        refuse(refusals + check_start(self._positions(states), plan.ticks[0], robot))
+        refuse(refusals + check_start(self._positions(states), plan.ticks[0], robot), self.notes)
 
     def _switch_on(self) -> None:
-        """Goal = where it stands, so that nothing jumps; then profile, torque, watchdog."""
+        """Profile and watchdogs, which wait for torque; goal = where it stands, so that nothing jumps; then torque."""
         states = self._bus.read_states(self._ids)
         set_profile(self._bus, self._plan, self._plan.approach_velocity())
+        for servo_id in self._ids:
+            self._stop.check()
+            self._bus.write(servo_id, "bus_watchdog", self._plan.watchdog_units)
         self.switched_on = True
+        fed = time.monotonic()
         for servo_id in self._ids:
             self._stop.check()
             self._bus.write(servo_id, "goal_position", states[servo_id].position)
             self._bus.write(servo_id, "torque_enable", 1)
-        for servo_id in self._ids:  # last, and together: a watchdog waits for packets to its own servo
-            self._bus.write(servo_id, "bus_watchdog", self._plan.watchdog_units)
+            if time.monotonic() - fed > READING_INTERVAL_S:  # a long chain: those that are on must hear something
+                self._bus.read_states(self._ids)
+                fed = time.monotonic()
 
     def _approach(self) -> None:
         """Slowly to the first row; a joint that does not arrive stops the trial."""
@@ -78,7 +99,7 @@ class Player:
         farthest = float(np.abs(self._positions(states) - first.goals).max()) * RADIANS_PER_TICK
         seconds = farthest / (motion.approach_speed_rpm * 2 * np.pi / 60)
         self._progress(f"approaching the first row ({seconds:.1f} s)")
-        tolerance = np.radians(motion.arrival_tolerance_deg) / RADIANS_PER_TICK
+        tolerance = np.radians(self._plan.robot.arrival_tolerance_deg) / RADIANS_PER_TICK
         give_up = time.monotonic() + 1.5 * seconds + 2.0
         self._send(first)
         before = self._positions(states)
@@ -89,32 +110,39 @@ class Player:
             if off.max() <= tolerance and moved.max() <= STANDSTILL_TICKS:
                 break
             if time.monotonic() > give_up:
-                label = self._plan.robot.joint_label(int(off.argmax()))
-                raise RobotFault(
-                    f"{label} did not arrive at the first row ({int(off.max())} ticks short). Is it blocked?"
-                )
+                raise RobotFault(self._not_there(off))
         set_profile(self._bus, self._plan, self._plan.play_velocity())
+
+    def _not_there(self, off: NDArray[np.int64]) -> str:
+        robot = self._plan.robot
+        short, limit = np.degrees(off.max() * RADIANS_PER_TICK), robot.arrival_tolerance_deg
+        where = f"{robot.joint_label(int(off.argmax()))} did not arrive at the first row: {short:.1f} degrees short"
+        return f"{where}, the limit is {limit:g} (`limit_deg` in [tracking]). Is it blocked, or does the floor hold it?"
 
     def _play(self) -> None:
         plan = self._plan
         rows = list(plan.rows())
         ends = [row.time for row in rows[1:]] + [plan.end_s]
-        start = time.monotonic() + plan.row_period_s
+        clock = RowClock(time.monotonic() + plan.row_period_s)
         for row, end in zip(rows, ends, strict=True):
             self._progress(f"cycle {row.cycle + 1} of {plan.cycles}, step {row.step} of {len(plan.ticks)}")
-            self._stop.wait_until(start + row.time)
-            late = self._send(row, start + row.time)
+            self._stop.wait_until(clock.due(row.time))
+            late = self._send(row, clock.due(row.time))
             if late > plan.watchdog_s:
                 self._refuse_after_trip(late)
             self._refuse_slipped(late)
-            self._read_until(row, start + row.time, start + end)
-        self._stop.wait_until(start + plan.end_s)
+            before = self.tracking.stretch
+            self._read_until(row, clock.due(row.time), clock.due(end))
+            if self.tracking.stretch > before:
+                clock.stretch(self.tracking.stretch, end)
+        self._stop.wait_until(clock.due(plan.end_s))
         self._read(RowCommand(plan.end_s, "end", plan.cycles - 1, len(plan.ticks), plan.ticks[0]))
 
     def _send(self, row: RowCommand, due: float | None = None) -> float:
         """Send one row; return how late [s] it left."""
         late = 0.0 if due is None else time.monotonic() - due
         self._bus.write_goals(dict(zip(self._ids, row.goals.tolist(), strict=True)))
+        self.tracking.sent(time.monotonic(), row.goals)
         if due is not None:
             self.timing.note(late)
         return late
@@ -145,6 +173,8 @@ class Player:
         errors = {i: health.hardware_error for i, health in healths.items()}
         self._log.write(moment, (row.phase, row.cycle, row.step), row.goals, states, errors)
         self._watch.judge(healths, states, {i for i in self._ids if self._bus.failures[i] > failures[i]})
+        if row.phase != "approach":
+            self.tracking.read(moment, self._positions(states))
         return states
 
     def _refuse_after_trip(self, late: float) -> None:

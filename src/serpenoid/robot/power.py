@@ -5,16 +5,17 @@ The stream may begin in the middle of a line and may carry other text; only whol
 
 from __future__ import annotations
 
+import contextlib
 import math
 import threading
 import time
 from pathlib import Path
-from typing import Self
+from typing import Self, TextIO
 
 import serial
 
 from serpenoid.errors import InputError
-from serpenoid.robot.log import open_new
+from serpenoid.robot.log import check_new, open_new
 from serpenoid.robot.port import exclusive_port
 
 HEADER = "t_s,voltage_V,current_A,power_W"
@@ -35,13 +36,14 @@ def parse_line(line: str) -> tuple[float, float, float, float] | None:
 
 
 class PowerRecorder:
-    """Records a stream to `power.csv` in `folder` while the `with` block runs, in a thread of its own."""
+    """Records a stream to `power.csv` in `folder` from `begin()` to the end of the `with` block, in its own thread."""
 
     def __init__(self, port: str, folder: Path | None) -> None:
         if folder is None:
             raise InputError("--power-port needs --log DIR: that is where power.csv goes.")
         self._port = port
-        self._path = folder / "power.csv"
+        self._path = check_new(folder / "power.csv")
+        self._stream: TextIO | None = None
         self._finished = threading.Event()
         self._thread = threading.Thread(target=self._record, name="power log", daemon=True)
         self.lines = 0
@@ -55,16 +57,22 @@ class PowerRecorder:
         except serial.SerialException as error:
             self._lock.__exit__(None, None, None)
             raise InputError(f"--power-port {self._port}: cannot be opened ({error}).") from None
+        return self
+
+    def begin(self) -> None:
+        """Create the file; what the sensor sent before is dropped."""
+        self._serial.reset_input_buffer()
         self._stream = open_new(self._path)
         self._stream.write(HEADER + "\n")
         self._stream.flush()
         self._thread.start()
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._finished.set()
-        self._thread.join(timeout=2.0)
-        self._stream.close()
+        if self._stream is not None:
+            self._thread.join(timeout=2.0)
+            with contextlib.suppress(OSError):  # a full disk: `lost` says so
+                self._stream.close()
         self._serial.close()
         self._lock.__exit__(None, None, None)
 
@@ -78,20 +86,25 @@ class PowerRecorder:
                 return
             *lines, pending = pending.split(b"\n")
             pending = pending[-LONGEST_LINE:]
-            for line in lines:
-                self._keep(line.decode("ascii", errors="replace"))
+            try:
+                for line in lines:
+                    self._keep(line.decode("ascii", errors="replace"))
+            except OSError:
+                self.lost = True
+                return
 
     def _keep(self, line: str) -> None:
         values = parse_line(line)
-        if values is not None:
-            self.lines += 1
+        if values is not None and self._stream is not None:
             self._stream.write("{:.6f},{:.4f},{:.5f},{:.4f}\n".format(*values))
             self._stream.flush()
+            self.lines += 1
 
 
 def record_power(port: str, folder: Path, seconds: float) -> int:
     """Record for `seconds` (or until Ctrl-C, which keeps what there is); return the number of lines."""
     with PowerRecorder(port, folder) as recorder:
+        recorder.begin()
         give_up = time.monotonic() + seconds
         while time.monotonic() < give_up and not recorder.lost:
             time.sleep(0.05)

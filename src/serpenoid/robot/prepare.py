@@ -3,22 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from serpenoid.robot.bus import Bus
 from serpenoid.robot.checks import Refusal, check_voltage
-from serpenoid.robot.control_table import MODEL_NAME, MODEL_NUMBER, OLDEST_FIRMWARE, name_hardware_errors
+from serpenoid.robot.control_table import (
+    MODEL_NAME,
+    MODEL_NUMBER,
+    OLDEST_FIRMWARE,
+    REGISTERS,
+    RPM_PER_VELOCITY_UNIT,
+    name_hardware_errors,
+)
 from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import BusFault, PortLost, RobotFault
-from serpenoid.robot.plan import Plan
+from serpenoid.robot.plan import Plan, velocity_units
 from serpenoid.robot.stop import StopWatcher
 
 
-def set_up(bus: Bus, plan: Plan, stop: StopWatcher) -> None:
-    """Identify, inspect, then write limits and modes with torque off. Raise RobotFault with all that is wrong."""
+def set_up(bus: Bus, plan: Plan, stop: StopWatcher) -> tuple[Plan, list[str]]:
+    """Identify, inspect, then write limits and modes with torque off. Raise RobotFault with all that is wrong.
+
+    Returns the plan within the limits that hold, and what was found or written that the user should know.
+    """
     refuse(identify(bus, plan.robot))
     refuse(inspect(bus, plan.robot))
+    robot, notes = (plan.robot, []) if plan.widen_limits else narrower(bus, plan.robot)
+    plan = replace(plan, robot=robot)
     ids = plan.robot.ids
     for servo_id in ids:
         bus.write(servo_id, "torque_enable", 0)
@@ -27,8 +40,34 @@ def set_up(bus: Bus, plan: Plan, stop: StopWatcher) -> None:
     for register, values in plan.settings().items():
         for servo_id, value in zip(ids, values, strict=True):
             stop.check()
-            if bus.read(servo_id, register) != value:  # EEPROM wears out: write only what differs
+            before = bus.read(servo_id, register)
+            if before != value:  # EEPROM wears out: write only what differs
                 bus.write(servo_id, register, value)
+                if before != REGISTERS[register].initial:  # somebody set it
+                    label = plan.robot.joint_label(ids.index(servo_id))
+                    notes.append(f"{label}: {register} {before} -> {value} written to its memory")
+    return plan, notes
+
+
+def narrower(bus: Bus, robot: Robot) -> tuple[Robot, list[str]]:
+    """The robot within the limits that its servos keep in their own memory, and a word about each narrower one."""
+    joints, notes = [], []
+    for j, joint in enumerate(robot.joint):
+        low, high = (bus.read(joint.id, f"{end}_position_limit") for end in ("minimum", "maximum"))
+        speed = bus.read(joint.id, "velocity_limit")
+        own: dict[str, float] = {}
+        if low > joint.minimum_ticks:
+            own["minimum_ticks"] = low
+        if high < joint.maximum_ticks:
+            own["maximum_ticks"] = high
+        if speed < velocity_units(joint.speed_limit_rpm) and speed < REGISTERS["velocity_limit"].initial:
+            own["speed_limit_rpm"] = speed * RPM_PER_VELOCITY_UNIT
+        said = [f"`{name}` is {value:.4g}, not {getattr(joint, name):g}" for name, value in own.items()]
+        if said:
+            holds = "the narrower limit holds (--widen-limits writes the robot file's)"
+            notes.append(f"{robot.joint_label(j)}: in its own memory {', '.join(said)}: {holds}")
+        joints.append(joint.model_copy(update=own))
+    return robot.model_copy(update={"joint": joints}), notes
 
 
 def set_profile(bus: Bus, plan: Plan, velocity: Sequence[int]) -> None:
@@ -48,7 +87,7 @@ def identify(bus: Bus, robot: Robot) -> list[Refusal]:
         except PortLost:
             raise
         except BusFault as fault:
-            remedy = "Check power, cable and ID: serpenoid robot scan."
+            remedy = "Check power and cable, and whether two servos have this ID: serpenoid robot scan."
             refusals.append(Refusal(label, str(fault).rstrip("."), f"expected at {robot.bus.baud_rate} baud", remedy))
             continue
         if model != MODEL_NUMBER:
@@ -74,6 +113,6 @@ def inspect(bus: Bus, robot: Robot) -> list[Refusal]:
     return refusals
 
 
-def refuse(refusals: Sequence[Refusal]) -> None:
+def refuse(refusals: Sequence[Refusal], notes: Sequence[str] = ()) -> None:
     if refusals:
-        raise RobotFault("refused, nothing has moved:\n" + "\n".join(map(str, refusals)))
+        raise RobotFault("\n".join(["refused, nothing has moved:", *map(str, refusals), *notes]))

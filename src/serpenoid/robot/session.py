@@ -34,13 +34,18 @@ class TrialFiles:
 
 @dataclass
 class Outcome:
-    """`status`: done, stopped (by the user) or failed; `torque` says what is known about the motors."""
+    """`status`: done, strayed (played, a joint off its command), stopped (by the user) or failed.
+
+    `torque` says what is known about the motors; `notes` what the user should know beside it.
+    """
 
     status: str
     reason: str
     torque: str = "never switched on"
     torque_off: bool = True
     timing: str = "no rows were sent"
+    tracking: str = ""
+    notes: list[str] = field(default_factory=list)
     numbers: dict[str, Any] = field(default_factory=dict)
 
 
@@ -49,24 +54,29 @@ def play_trial(port: str, plan: Plan, files: TrialFiles, progress: Progress) -> 
     with ExitStack() as stack:
         stack.enter_context(exclusive_port(port))
         log = stack.enter_context(ServoLog(files.folder, plan.robot))
+        recorders: list[ServoLog | PowerRecorder] = [log]
         if files.power_port is not None:
-            stack.enter_context(PowerRecorder(files.power_port, files.folder))
+            recorders.append(stack.enter_context(PowerRecorder(files.power_port, files.folder)))
         stop = stack.enter_context(StopWatcher())
         if stop.has_keys:
             progress("emergency stop: space, Esc or q")
-        outcome = _play(port, plan, log, stop, progress)
+        outcome = _play(port, plan, recorders, stop, progress)
         if files.folder is not None:
-            _write_summary(files.folder, plan, outcome)
+            _write_summary(files.folder, plan, outcome, log.begun)
         return outcome
 
 
-def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Progress) -> Outcome:
+def _play(
+    port: str, plan: Plan, recorders: list[ServoLog | PowerRecorder], stop: StopWatcher, progress: Progress
+) -> Outcome:
     outcome = Outcome("done", "played to the end")
+    log = next(recorder for recorder in recorders if isinstance(recorder, ServoLog))
     bus = open_bus(port, plan.robot.bus.baud_rate)
     try:
-        player = Player(bus, plan, log, stop, progress)
+        player = Player(bus, plan, log, stop, progress, lambda: _begin(recorders))
         try:
             player.run()
+            _judge_tracking(outcome, player)
         except RobotFault as fault:
             outcome.status, outcome.reason = "failed", _named(fault, plan)
         except StopRequested as request:
@@ -74,14 +84,36 @@ def _play(port: str, plan: Plan, log: ServoLog, stop: StopWatcher, progress: Pro
         finally:
             stop.disarm()
             outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress, player.switched_on)
-        outcome.timing = player.timing.sentence()
-        outcome.numbers = player.timing.summary() | {
-            "given_up_readings": player.given_up_readings,
-            "failed_exchanges": {str(servo): count for servo, count in sorted(bus.failures.items())},
-        }
+        _account(outcome, player, bus)
     finally:
         bus.close()
     return outcome
+
+
+def _begin(recorders: list[ServoLog | PowerRecorder]) -> None:
+    for recorder in recorders:
+        recorder.begin()
+
+
+def _judge_tracking(outcome: Outcome, player: Player) -> None:
+    strayed = player.tracking.strayed
+    if strayed:
+        slowly = ", and more slowly than asked" if player.tracking.stretch > 1 else ""
+        outcome.status = "strayed"
+        outcome.reason = f"played to the end{slowly}, but {', '.join(strayed)} did not follow: not the gait asked for"
+
+
+def _account(outcome: Outcome, player: Player, bus: Bus) -> None:
+    """What the summary says beside the outcome itself."""
+    outcome.timing = player.timing.sentence()
+    outcome.notes = player.notes
+    if player.timing.lateness:
+        outcome.tracking = player.tracking.sentence()
+    outcome.numbers = player.timing.summary() | {
+        "given_up_readings": player.given_up_readings,
+        "failed_exchanges": {str(servo): count for servo, count in sorted(bus.failures.items())},
+        "tracking": player.tracking.summary(),
+    }
 
 
 def _named(fault: RobotFault, plan: Plan) -> str:
@@ -121,10 +153,23 @@ def _switch_off_again(bus: Bus, port: str, plan: Plan, progress: Progress) -> li
     return plan.robot.ids
 
 
-def _write_summary(folder: Path, plan: Plan, outcome: Outcome) -> None:
-    """What belongs beside the log: the table that was played, how it went, and the campaign's trial section."""
-    write_table(folder / "joint_table.csv", to_radians(plan.ticks, plan.robot))
-    summary = {
+def _write_summary(folder: Path, plan: Plan, outcome: Outcome, recorded: bool) -> None:
+    """How it went; beside a recording also the table that was played, and the campaign's trial section.
+
+    A disk that is full changes the outcome: what became of the motors is said all the same.
+    """
+    try:
+        write_json(folder / "play.json", _summary(plan, outcome))
+        if recorded:
+            write_table(folder / "joint_table.csv", to_radians(plan.ticks, plan.robot))
+            write_text(folder / "trial.toml", _trial_section(folder, plan, outcome))
+    except OSError as error:
+        outcome.notes.append(f"{folder}: the summary could not be written ({error.strerror})")
+        outcome.status = "failed" if outcome.status == "done" else outcome.status
+
+
+def _summary(plan: Plan, outcome: Outcome) -> dict[str, Any]:
+    return {
         "status": outcome.status,
         "reason": outcome.reason,
         "torque_off": outcome.torque_off,
@@ -133,15 +178,15 @@ def _write_summary(folder: Path, plan: Plan, outcome: Outcome) -> None:
         "cycles": plan.cycles,
         "pause_s": plan.pause_s,
         "timing": outcome.numbers,
+        "notes": outcome.notes,
         "provenance": provenance(),
     }
-    write_json(folder / "play.json", summary)
-    write_text(folder / "trial.toml", _trial_section(folder, plan))
 
 
-def _trial_section(folder: Path, plan: Plan) -> str:
+def _trial_section(folder: Path, plan: Plan, outcome: Outcome) -> str:
     name = folder.resolve().name
-    lines = [
+    lines = [] if outcome.status == "done" else [f"# {outcome.status}: {' '.join(outcome.reason.split())}"]
+    lines += [
         "# Paste into campaign.toml beside this folder; `gait` groups repeats, `motion` names the camera's file.",
         "[[trial]]",
         f'name = "{name}"',

@@ -6,7 +6,6 @@ Row `i` is the shape at step `i`; after the last row the first one is commanded 
 from __future__ import annotations
 
 import csv
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,15 +14,16 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv
+from serpenoid.robot.stated import Stated, read_stated
 
 
 @dataclass(frozen=True)
 class JointTable:
-    """T: steps, m: joints; `angles` (T, m) [rad]; `cycle_duration_s` where the results say it."""
+    """T: steps, m: joints; `angles` (T, m) [rad]; `stated`: what the results say of them."""
 
     angles: NDArray[np.float64]
     source: Path
-    cycle_duration_s: float | None = None
+    stated: Stated = Stated()
 
     @property
     def steps(self) -> int:
@@ -41,7 +41,7 @@ def read_table(path: str | Path) -> JointTable:
     if not file.is_file():
         remedy = "Name a results folder (with joint_table.csv in it) or a joint-table CSV."
         raise InputError(f"{file}: no such file. {remedy}")
-    return JointTable(_read_angles(file), file, _cycle_duration(file.parent / "solution.json"))
+    return JointTable(_read_angles(file), file, read_stated(file.parent / "solution.json"))
 
 
 def write_table(path: str | Path, angles: NDArray[np.float64]) -> None:
@@ -71,11 +71,3 @@ def _read_row(file: Path, number: int, row: list[str], joints: int) -> list[floa
         return [float(cell) for cell in row]
     except ValueError as error:
         raise InputError(f"{file}: line {number}: {error}. Angles are numbers in radians.") from None
-
-
-def _cycle_duration(file: Path) -> float | None:
-    try:
-        value = json.loads(file.read_text(encoding="utf-8")).get("cycle_duration_s")
-    except (OSError, ValueError, AttributeError):
-        return None
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) and value > 0 else None

@@ -1,4 +1,4 @@
-// Runs a sketch on the host. Arguments: seconds to run, then what happens: press@S  error@S  sag@S  gone@S  wrap
+// Runs a sketch on the host. Arguments: seconds to run, then what happens: press@S  error@S  sag@S  gone@S  wrap  narrow@S
 // Prints one line per event; exits with 3 if the sketch breaks a rule of the servos or of the schedule's watchdog.
 #include <cmath>
 #include <cstring>
@@ -22,6 +22,7 @@ static uint64_t now_us = 0, clock_offset = 0, end_us = 0;
 static unsigned long baud = 0;
 static std::vector<uint64_t> presses;
 static uint64_t error_us = ~0ull, sag_us = ~0ull, gone_us = ~0ull;
+static bool narrow = false;  // somebody set servo 4 to less than the robot file allows
 
 struct Servo {
   int32_t item[ITEMS] = {};
@@ -82,7 +83,8 @@ void Dynamixel2Arduino::begin(unsigned long rate) {
   baud = rate;
   for (int id = 1; id <= JOINT_COUNT; id++) {
     servos[id].item[OPERATING_MODE] = 1;
-    servos[id].item[MAX_POSITION_LIMIT] = 4095;
+    servos[id].item[MAX_POSITION_LIMIT] = narrow && id == 4 ? 2400 : 4095;
+    servos[id].item[VELOCITY_LIMIT] = 265;
   }
 }
 bool Dynamixel2Arduino::setPortProtocolVersion(float version) { return version == 2.0f; }
@@ -113,6 +115,7 @@ bool Dynamixel2Arduino::writeControlTableItem(uint8_t item, uint8_t id, int32_t 
   if (item == GOAL_POSITION) check_goal(*servo, value);
   if (item == TORQUE_ENABLE && value) {
     if (servo->item[OPERATING_MODE] != 3) broken("torque on in another mode");
+    if (servo->item[BUS_WATCHDOG] == 0) broken("torque on without a watchdog");
     if (servo->item[PROFILE_VELOCITY] == 0) broken("torque on at full speed");
     if (std::abs(servo->item[GOAL_POSITION] - servo->position) > 2) broken("torque on with a jump");
   }
@@ -160,6 +163,7 @@ int main(int count, char **words) {
     if (word.rfind("error@", 0) == 0) error_us = at;
     if (word.rfind("sag@", 0) == 0) sag_us = at;
     if (word.rfind("gone@", 0) == 0) gone_us = at;
+    if (word.rfind("narrow@", 0) == 0) narrow = true;
     if (word == "wrap") clock_offset = 0xFFFFFFFFull - 3000000;  // the clock wraps around while playing
   }
   try {

@@ -6,6 +6,7 @@ packet handler and their answers collected here, one by one.
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from typing import Any, Self, TypeVar
 import dynamixel_sdk as sdk
 
 from serpenoid.errors import InputError
+from serpenoid.robot.bus.collisions import Found, read_ping_answers
 from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink
 from serpenoid.robot.bus.readings import (
     FIRST_HEALTH,
@@ -64,11 +66,17 @@ class Bus:
         except PORT_ERRORS:
             self._link.is_open = False
 
-    def scan(self) -> dict[int, tuple[int, int]]:
-        """Broadcast ping: servo ID -> (model number, firmware version)."""
-        with self._guard("broadcast ping"):
-            found, _ = self._packets.broadcastPing(self._link)
-        return {servo_id: (model, firmware) for servo_id, (model, firmware) in sorted(found.items())}
+    def scan(self) -> Found:
+        """Broadcast ping. The SDK throws away what it cannot read, so all that was heard is read here."""
+        with self._guard("broadcast ping"), contextlib.suppress(IndexError, TypeError, ValueError):
+            self._packets.broadcastPing(self._link)
+        return read_ping_answers(bytes(self._link.heard), lambda data: self._packets.updateCRC(0, data, len(data)))
+
+    def is_garbled(self, servo_id: int) -> bool:
+        """Whether what comes back from an ID is no whole answer; a single question, so noise may look like it."""
+        with self._guard("read", servo_id):
+            self._packets.readTx(self._link, servo_id, FIRST_STATE.address, STATE_BYTES)
+            return self._receive(STATE_BYTES).reason not in ("", NO_ANSWER)
 
     def ping(self, servo_id: int) -> int:
         """The model number."""

@@ -30,6 +30,7 @@ class SerialLink(PortHandler):
     def __init__(self, port_name: str) -> None:
         super().__init__(port_name)
         self._received = 0
+        self.heard = bytearray()  # since the last question
 
     def getCurrentTime(self) -> float:  # noqa: N802 (the SDK's name)
         return time.monotonic() * 1000.0
@@ -43,15 +44,20 @@ class SerialLink(PortHandler):
 
     def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
         super().setPacketTimeout(packet_length)
-        self._received = 0
+        self._forget()
 
     def setPacketTimeoutMillis(self, msec: float) -> None:  # noqa: N802
         super().setPacketTimeoutMillis(msec)
+        self._forget()
+
+    def _forget(self) -> None:
         self._received = 0
+        self.heard.clear()
 
     def readPort(self, length: int) -> bytes:  # noqa: N802
         data: bytes = self.ser.read(length) if length > 0 else b""
         self._received += len(data)
+        self.heard += data
         if self._received > LONGEST_EXCHANGE:
             raise BusFault("the bus never falls silent: another master, a wrong baud rate, or noise on the line.")
         return data

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from serpenoid.robot.emulator import packets
+from serpenoid.robot.emulator.collision import overlapped
 from serpenoid.robot.emulator.faults import Fault
 from serpenoid.robot.emulator.servo import EmulatedServo
 
 BITS_PER_BYTE = 10  # start, eight data, stop
+Servos = dict[int, list[EmulatedServo]]  # by ID
 SILENCE_S = 0.05  # a packet that pauses this long inside is given up
 
 
@@ -83,7 +85,17 @@ class Chain:
             self.torque_since = now
         answers = self._until_silence(packet, answers, now)
         in_turn = packet.instruction in (packets.SYNC_READ, packets.BULK_READ)
-        return [self._send(servo, answer, now, in_turn) for servo, answer in answers]
+        return [self._send(servo, answer, now, in_turn) for servo, answer in self._on_the_line(answers)]
+
+    def _on_the_line(self, answers: list[tuple[EmulatedServo, bytes]]) -> list[tuple[EmulatedServo, bytes]]:
+        """Servos with one ID answer at once."""
+        by_id: dict[int, list[tuple[EmulatedServo, bytes]]] = {}
+        for servo, answer in answers:
+            by_id.setdefault(servo.id, []).append((servo, answer))
+        return [
+            (group[0][0], group[0][1] if len(group) == 1 else overlapped([a for _, a in group], self._random))
+            for group in by_id.values()
+        ]
 
     def _until_silence(
         self, packet: packets.Packet, answers: list[tuple[EmulatedServo, bytes]], now: float
@@ -95,7 +107,9 @@ class Chain:
         return [answer for answer, is_silent in zip(answers, silent, strict=True) if not is_silent]
 
     def _answers(self, packet: packets.Packet, servos: list[EmulatedServo]) -> list[tuple[EmulatedServo, bytes]]:
-        by_id = {servo.id: servo for servo in servos}
+        by_id: Servos = {}
+        for servo in servos:
+            by_id.setdefault(servo.id, []).append(servo)
         parameters = packet.parameters
         if packet.instruction == packets.STATUS:
             return []
@@ -111,36 +125,35 @@ class Chain:
             answers = [(servo, servo.execute(packet)) for servo in sorted(servos, key=lambda servo: servo.id)]
             wanted = answers if packet.instruction == packets.PING else []
         else:
-            wanted = [(by_id[packet.id], by_id[packet.id].execute(packet))] if packet.id in by_id else []
+            wanted = [(servo, servo.execute(packet)) for servo in by_id.get(packet.id, [])]
         return [(servo, answer) for servo, answer in wanted if answer is not None]
 
-    def _read_many(self, packet: packets.Packet, by_id: dict[int, EmulatedServo]) -> list[tuple[EmulatedServo, bytes]]:
+    def _read_many(self, packet: packets.Packet, by_id: Servos) -> list[tuple[EmulatedServo, bytes]]:
         """Servos answer in the order asked; one that is missing silences those behind it, which wait for its answer."""
         answers = []
         for servo_id, address, size in _questions(packet):
-            servo = by_id.get(servo_id)
-            if servo is None or servo.table["status_return_level"] == 0:
+            asked = [servo for servo in by_id.get(servo_id, []) if servo.table["status_return_level"]]
+            if not asked:
                 break
-            answers.append((servo, servo.read_status(address, size)))
+            answers += [(servo, servo.read_status(address, size)) for servo in asked]
         return answers
 
-    def _sync_write(self, parameters: bytes, by_id: dict[int, EmulatedServo]) -> None:
+    def _sync_write(self, parameters: bytes, by_id: Servos) -> None:
         address, size = int.from_bytes(parameters[:2], "little"), int.from_bytes(parameters[2:4], "little")
         body = parameters[4:]
         if size == 0 or len(body) % (size + 1):
             return
         for start in range(0, len(body), size + 1):
-            servo = by_id.get(body[start])
-            if servo is not None:
+            for servo in by_id.get(body[start], []):
                 servo.write(address, body[start + 1 : start + 1 + size])
 
-    def _bulk_write(self, parameters: bytes, by_id: dict[int, EmulatedServo]) -> None:
+    def _bulk_write(self, parameters: bytes, by_id: Servos) -> None:
         while len(parameters) >= 5:
             servo_id = parameters[0]
             address, size = int.from_bytes(parameters[1:3], "little"), int.from_bytes(parameters[3:5], "little")
             data, parameters = parameters[5 : 5 + size], parameters[5 + size :]
-            if len(data) == size and size and servo_id in by_id:
-                by_id[servo_id].write(address, data)
+            for servo in by_id.get(servo_id, []) if len(data) == size and size else []:
+                servo.write(address, data)
 
     def _send(self, servo: EmulatedServo, answer: bytes, now: float, in_turn: bool) -> Reply:
         """`in_turn`: the servos behind this one wait for its answer, so a delay is theirs too."""
@@ -170,6 +183,8 @@ class Chain:
             if fault.kind == "reset" and servo.id == fault.servo and fault not in self._spent:
                 self._spent.add(fault)
                 servo.reset()
+            if fault.kind == "stuck" and servo.id == fault.servo:
+                servo.motion.fastest_rpm = fault.value
             if fault.kind == "voltage":
                 servo.supply_voltage = fault.value
 

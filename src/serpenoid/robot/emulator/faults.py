@@ -12,6 +12,7 @@ KINDS: dict[str, tuple[bool, float, str]] = {
     "silent": (True, 0.0, "the servo obeys but no longer answers"),
     "deaf": (True, 0.0, "the servo neither hears nor answers; its watchdog alone stops it"),
     "reset": (True, 0.0, "the servo loses power for a moment: RAM and torque are gone, no error is left"),
+    "stuck": (True, 0.0, "the shaft turns no faster than this many rpm: 0 is blocked"),
     "crc": (True, 1.0, "this share of the servo's answers has a wrong checksum"),
     "delay": (True, 0.1, "the servo answers this many seconds late"),
     "overheat": (True, 80.0, "the servo's temperature jumps to this many degrees"),

@@ -6,7 +6,7 @@ position: first-order lag behind the profile, never faster than the no-load spee
 
 from __future__ import annotations
 
-from math import copysign, exp, sqrt
+from math import copysign, exp, inf, sqrt
 
 from serpenoid.robot.control_table import (
     RPM2_PER_ACCELERATION_UNIT,
@@ -29,6 +29,7 @@ class Motion:
         self.position = position
         self.profile = position
         self.velocity = 0.0
+        self.fastest_rpm = inf  # what is in its way allows no more
         self._profile_velocity = 0.0
 
     def rest(self) -> None:
@@ -38,7 +39,7 @@ class Motion:
 
     def advance(self, duration: float, goal: float, velocity: int, acceleration: int, voltage: float) -> None:
         """Move for `duration` [s] towards `goal` with the register values of the profile."""
-        fastest = no_load_speed_rpm(voltage) * TICKS_PER_S_PER_RPM
+        fastest = min(no_load_speed_rpm(voltage), self.fastest_rpm) * TICKS_PER_S_PER_RPM
         remaining = duration
         while remaining > 0:
             step = min(STEP_S, remaining)

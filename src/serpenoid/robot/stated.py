@@ -1,0 +1,71 @@
+"""What solution.json says of the table beside it: how long a cycle lasts and what its joints may do."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from serpenoid.errors import InputError
+
+LONGEST_CYCLE_S = 600.0
+Angle = Annotated[float, Field(gt=0, le=180)]
+Speed = Annotated[float, Field(gt=0)]
+
+
+class _Part(BaseModel):
+    """Other keys of solution.json are not the robot's matter."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False, strict=True)
+
+
+class _Body(_Part):
+    joint_limit_deg: Angle | None = None
+    joint_speed_limit_rpm: Speed | None = None
+
+
+class _Held(_Part):
+    joint_limits: bool = True
+    joint_speed_limits: bool = True
+
+
+class Stated(_Part):
+    """The part of solution.json that the robot needs."""
+
+    cycle_duration_s: Annotated[float, Field(gt=0, le=LONGEST_CYCLE_S)] | None = None
+    body: _Body = _Body()
+    limits_held: _Held = _Held()
+
+    @property
+    def joint_limit_deg(self) -> float | None:
+        """None where there is none or the problem file switched it off."""
+        return self.body.joint_limit_deg if self.limits_held.joint_limits else None
+
+    @property
+    def joint_speed_limit_rpm(self) -> float | None:
+        """None where there is none or the problem file switched it off."""
+        return self.body.joint_speed_limit_rpm if self.limits_held.joint_speed_limits else None
+
+    @property
+    def switched_off(self) -> list[str]:
+        """The declared limits that the problem file switched off, as a reader names them."""
+        angle, speed = self.body.joint_limit_deg, self.body.joint_speed_limit_rpm
+        off = [] if angle is None or self.limits_held.joint_limits else [f"joint limit of {angle:g} degrees"]
+        return off + ([] if speed is None or self.limits_held.joint_speed_limits else [f"speed limit of {speed:g} rpm"])
+
+
+def read_stated(file: Path) -> Stated:
+    """Read `file`; nothing is stated where there is none. Raises InputError where it is there and broken."""
+    remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
+    try:
+        return Stated.model_validate(json.loads(file.read_text(encoding="utf-8")))
+    except (FileNotFoundError, NotADirectoryError):
+        return Stated()
+    except ValidationError as error:
+        fault = error.errors()[0]
+        place = ".".join(map(str, fault["loc"])) or "the record"
+        raise InputError(f"{file}: {place}: {fault['msg']}, got {str(fault['input'])[:40]}. {remedy}") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{file}: cannot be read ({str(error)[:100]}). {remedy}") from None

@@ -1,0 +1,98 @@
+"""How far each joint stands from its command, its lag apart, and what is done when that is too far.
+
+A servo that follows within `lag_s` stands, at any moment, where some command of the last `lag_s` seconds has been:
+
+    error_j = distance of position_j from the interval that command_j ran through in that time
+
+So a fast gait is not blamed for its lag, and what remains is what torque could not do.  m: joints.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.robot.description import Robot
+from serpenoid.robot.faults import RobotFault
+from serpenoid.robot.ticks import RADIANS_PER_TICK
+
+READINGS = 3  # running: a joint that catches on the floor for a moment is not stuck
+SLOWER = 1.5  # each time the gait is slowed down
+SLOWEST = 4.0  # times its duration; a joint that is still too far off is not slow but stuck
+
+Ticks = NDArray[np.int64]
+
+
+class Tracking:
+    """Told of every row sent and every position read; raises RobotFault where the robot file says `stop`."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._sent: deque[tuple[float, Ticks]] = deque()
+        self._running = 0
+        self.worst = np.zeros(len(robot.joint))  # [degrees]
+        self.strayed: list[str] = []
+        self.stretch = 1.0  # times the duration that was asked for
+
+    def sent(self, moment: float, goals: Ticks) -> None:
+        """A row left at monotonic time `moment` [s]; goals (m,) [ticks]."""
+        self._sent.append((moment, goals))
+
+    def read(self, moment: float, positions: Ticks) -> None:
+        """Positions (m,) [ticks] at monotonic time `moment` [s]."""
+        error = self._error(moment, positions)
+        self.worst = np.maximum(self.worst, error)
+        self._running = self._running + 1 if error.max() > self._robot.tracking.limit_deg else 0
+        if self._running == READINGS:
+            self._running = 0
+            self._act(int(error.argmax()), float(error.max()))
+
+    def _error(self, moment: float, positions: Ticks) -> NDArray[np.float64]:
+        begin = moment - self._robot.tracking.lag_s
+        while len(self._sent) > 1 and self._sent[1][0] <= begin:
+            self._sent.popleft()
+        commands = np.array([goals for _, goals in self._sent])
+        off = np.maximum(commands.min(axis=0) - positions, positions - commands.max(axis=0))
+        return np.degrees(np.maximum(off, 0) * RADIANS_PER_TICK)
+
+    def _act(self, joint: int, error: float) -> None:
+        label, rule = self._robot.joint_label(joint), self._robot.tracking
+        what = f"{label} is {error:.1f} degrees off its command, `limit_deg` in [tracking] is {rule.limit_deg:g}"
+        if rule.action == "stop" or (rule.action == "slow" and self.stretch * SLOWER > SLOWEST):
+            slowed = f", though the gait was slowed down {self.stretch:.2g} times" if self.stretch > 1 else ""
+            raise RobotFault(f"{what}{slowed}. Is it blocked, overloaded, or its horn loose?")
+        if label not in self.strayed:
+            self.strayed.append(label)
+        if rule.action == "slow":
+            self.stretch *= SLOWER
+
+    def sentence(self) -> str:
+        """For the summary."""
+        joint = int(self.worst.argmax())
+        limit = f"the limit is {self._robot.tracking.limit_deg:g}"
+        worst = (
+            f"{self._robot.joint_label(joint)} was at most {self.worst[joint]:.1f} degrees off its command ({limit})"
+        )
+        return worst + (f"; slowed down {self.stretch:.2g} times" if self.stretch > 1 else "")
+
+    def summary(self) -> dict[str, object]:
+        """For play.json."""
+        worst = [round(float(degrees), 2) for degrees in self.worst]
+        return {"worst_deg": worst, "strayed": self.strayed, "slowed_down": round(self.stretch, 3)}
+
+
+class RowClock:
+    """When rows are due: monotonic time of a row's own time [s], slower from some moment on if asked."""
+
+    def __init__(self, start: float) -> None:
+        self._at, self._since, self._stretch = start, 0.0, 1.0
+
+    def due(self, time: float) -> float:
+        """Monotonic time [s]."""
+        return self._at + (time - self._since) * self._stretch
+
+    def stretch(self, factor: float, time: float) -> None:
+        """From row time `time` on everything takes `factor` times as long as planned."""
+        self._at, self._since, self._stretch = self.due(time), time, factor

@@ -1,0 +1,109 @@
+"""A limit that the body declares holds from the problem file to the servo, and is switched off in words only."""
+
+import json
+from math import degrees
+
+import numpy as np
+import pytest
+from emulated import ROBOT_FILE, gait, serpenoid
+
+from serpenoid.optimise.limits import path_limits, worst_violation
+from serpenoid.optimise.solve import solve
+from serpenoid.problem import Problem, load
+from serpenoid.robot.table import write_table
+
+SIX = """
+[body]
+vertices = 8
+edge_lengths = [0.05, 0.1, 0.12, 0.1, 0.08, 0.1, 0.05]
+joint_limit_deg = 50
+joint_speed_limit_rpm = 30
+[medium]
+anisotropy_ratio = 0.2
+[task]
+steps = 30
+cycle_duration_s = 4.0
+"""
+
+
+@pytest.fixture
+def six(tmp_path) -> Problem:
+    (tmp_path / "six.toml").write_text(SIX)
+    return load(tmp_path / "six.toml")
+
+
+def without(folder, *names: str) -> Problem:
+    return load(folder / "six.toml", set=[f"task.constraints.{name}=false" for name in names])
+
+
+def test_an_optimum_keeps_the_limits_that_its_body_declares(six):
+    best = solve(six, starts=2, seed=0).best
+    assert best.status.ok
+    assert degrees(np.abs(best.table).max()) <= 50 * (1 + 1e-9)
+    assert worst_violation(best.table, path_limits(six)) <= 1e-9
+
+
+def test_a_limit_that_is_switched_off_no_longer_binds_the_optimum(six, tmp_path):
+    free = solve(without(tmp_path, "joint_limits", "joint_speed_limits"), starts=2, seed=0).best
+    assert free.status.ok
+    assert degrees(np.abs(free.table).max()) > 50
+
+
+def test_declared_and_demanded_limits_are_one_problem_and_switched_off_ones_another(six, tmp_path):
+    demanded = load(tmp_path / "six.toml", set=["task.constraints.joint_limits=true"])
+    assert demanded.hash == six.hash
+    assert len({six.hash, without(tmp_path, "joint_limits").hash, without(tmp_path, "joint_speed_limits").hash}) == 3
+
+
+def test_a_model_that_brings_its_own_body_leaves_the_limits_of_the_joints(six, tmp_path):
+    body = "[body]\nvertices = 8\nlength_m = 0.6\n"
+    (tmp_path / "model.toml").write_text(body + "[medium]\nanisotropy_ratio = 0.3\n")
+    model = load(tmp_path / "six.toml", model=tmp_path / "model.toml")
+    assert (model.joint_limit_deg, model.joint_speed_limit_rpm) == (50, 30)
+    assert model.body.length_m == 0.6
+
+
+def test_summary_says_whether_a_limit_holds_is_broken_or_is_switched_off(six, tmp_path):
+    words = ["simulate", tmp_path / "six.toml", "--no-figures", "--out", tmp_path / "out"]
+    done = serpenoid(*words, "--set", "gait.a=3")
+    assert "joint limit       50 degrees; joints reach" in done.stdout
+    done = serpenoid(*words, "--set", "gait.a=9")
+    assert "warning           joint_" in done.stdout
+    assert "its limit is 50" in done.stdout
+    done = serpenoid(*words, "--set", "gait.a=9", "--set", "task.constraints.joint_limits=false")
+    assert "50 degrees SWITCHED OFF by `joint_limits`" in done.stdout
+
+
+def stated(folder, held: bool) -> None:
+    """A results folder whose gait bends its joints by 34 degrees, of a body that allows 30."""
+    folder.mkdir()
+    write_table(folder / "joint_table.csv", gait(40, 0.6))
+    record = {"cycle_duration_s": 5.0, "body": {"joint_limit_deg": 30.0}, "limits_held": {"joint_limits": held}}
+    (folder / "solution.json").write_text(json.dumps(record))
+
+
+VERBS = {
+    "check": ["robot", "check", "{}", "--robot", ROBOT_FILE],
+    "play": ["play", "{}", "--robot", ROBOT_FILE, "--dry-run"],
+    "export": ["export", "{}", "--robot", ROBOT_FILE, "--format", "ticks", "--out", "{}/ticks"],
+    "export without a robot": ["export", "{}", "--format", "csv", "--out", "{}/csv"],
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_no_verb_passes_a_gait_beyond_the_limit_of_its_body_unless_told_to(tmp_path, verb):
+    stated(tmp_path / "held", held=True)
+    words = [str(word).format(tmp_path / "held") for word in VERBS[verb]]
+    done = serpenoid(*words)
+    assert done.returncode == 1
+    assert "angle 34.4 degrees; the body's limit is 30 degrees" in done.stderr
+    done = serpenoid(*words, "--no-joint-limits")
+    assert done.returncode == 0, done.stderr
+    assert "the limits of the results' body are not held" in done.stderr
+
+
+def test_a_limit_switched_off_in_the_problem_file_is_named_when_its_gait_is_checked(tmp_path):
+    stated(tmp_path / "off", held=False)
+    done = serpenoid("robot", "check", tmp_path / "off", "--robot", ROBOT_FILE)
+    assert done.returncode == 0
+    assert "joint limit of 30 degrees switched off in the problem file" in done.stderr
