@@ -31,7 +31,7 @@ VERBS: dict[str, str] = {
     "diagnose": "find out what the simulation gets wrong, and why",
     "show": "say what is in a results folder",
     "effects": "list the physical effects that a model can have and a diagnosis can name",
-    "schema": "print the schema of a problem file",
+    "schema": "print the JSON Schema of a file: problem, model, robot, protocol, campaign",
     "export": "write a gait for the robot: CSV, servo ticks, OpenRB-150 sketch, ROS 2",
     "play": "play a gait on the robot and record it",
     "robot": "find, check, rehearse and switch off the robot's servos",
