@@ -20,7 +20,6 @@ from serpenoid.model import Model
 from serpenoid.model_file import read_model_file, write_model_file
 
 ROOT = Path(__file__).parents[1]
-DATA = ROOT.parent / "shared" / "data"
 WATER = Medium(anisotropy_ratio=0.5, anisotropy_ratio_bounds=(0.5, 1.0))
 
 
@@ -48,7 +47,6 @@ def test_a_model_file_keeps_the_bounds(tmp_path: Path) -> None:
     assert Medium.model_validate(read_model_file(tmp_path / "model.toml")["medium"]) == WATER
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
 def test_a_fit_to_the_lamprey_stops_at_the_bound_and_says_so() -> None:
     campaign = load_campaign(ROOT / "problems" / "campaigns" / "lamprey.toml")
     found = calibrate(campaign, Model(campaign.body, WATER), ("anisotropy_ratio",))

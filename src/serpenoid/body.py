@@ -6,7 +6,7 @@ Vertices, edges and joints are numbered along the body from the tail (0) to the 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 class Body(Record):
     """A chain of N vertices. Lengths in metres (or any unit, if no hardware is meant), weights on any scale."""
 
+    kind: Literal["wheeled robot", "swimmer", "crawler"] | None = Field(
+        default=None, description="wheeled robot | swimmer | crawler: decides words, default weights, effects on offer"
+    )
     vertices: int = Field(ge=3, le=2000, description="N: head marker, joint axes, tail marker, counted together")
     length_m: Positive | None = Field(default=None, description="body length, for equal edges; default 1")
     edge_lengths: tuple[Positive, ...] | None = Field(default=None, description="N - 1 lengths [m], tail to head")
@@ -76,6 +79,11 @@ class Body(Record):
         around = np.concatenate([self.edges[:1], self.edges[1:] + self.edges[:-1], self.edges[-1:]])
         share = self.vertex_weights / around
         return np.asarray(self.edges * (share[1:] + share[:-1]))
+
+    @property
+    def is_animal(self) -> bool:
+        """Whether it has no wheels, servos or mounted weights."""
+        return self.kind in ("swimmer", "crawler")
 
     def uniform(self) -> Body:
         """The same body with its weight spread evenly along its length, half an edge's at either end of it."""

@@ -7,9 +7,10 @@ import pytest
 
 from rehearsal import EPS, serpenoid_table, snake
 from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood
+from serpenoid.compare.intervals import mean_intervals
 from serpenoid.compare.likelihood import Segment
 from serpenoid.compare.linearise import linearise, relative_poses
-from serpenoid.compare.parameters import changed, direction
+from serpenoid.compare.parameters import bounds, changed, direction
 from serpenoid.errors import InputError
 from serpenoid.measure.trial import build_motion
 from serpenoid.model import Model
@@ -19,13 +20,15 @@ MARKER_SD = 0.0002 / 0.836
 ONLY_EPS = ("anisotropy_ratio",)
 
 
-def recorded(model: Model, seed: int, frames: int = 241, hidden: float = 0.05, **gait: float) -> Segment:
+def recorded(
+    model: Model, seed: int, frames: int = 241, hidden: float = 0.05, sd: float = MARKER_SD, **gait: float
+) -> Segment:
     """One cycle seen by cameras with 0.2 mm noise and drop-outs, at `frames` frames a cycle."""
     rng = np.random.default_rng(seed)
     table = serpenoid_table(frames - 1, **gait)
     angles = np.concatenate([table, table[:1]])
     truth = simulate_joint_angles(model, angles, closed=False)
-    seen = truth.vertices + rng.normal(scale=MARKER_SD, size=truth.vertices.shape)
+    seen = truth.vertices + rng.normal(scale=sd, size=truth.vertices.shape)
     seen[rng.random(seen.shape[:2]) < hidden] = np.nan
     time = np.arange(frames) / 60
     motion, _, _ = build_motion(model.body, time, seen, None, ((), ()))
@@ -129,3 +132,27 @@ def test_a_wrong_model_is_noticed():
 def test_unknown_and_repeated_names_are_refused():
     with pytest.raises(InputError, match="cannot fit `eps`; one can fit anisotropy_ratio, end_weight"):
         estimate(snake(), (recorded(snake(), 0),), ("eps",))
+
+
+@pytest.mark.parametrize("eps", [0.02, 0.9, 1.0])
+def test_no_interval_of_eps_leaves_its_bounds(eps):
+    """Noise so large, or a body so nearly isotropic, that the plain interval would."""
+    model = snake(eps)
+    noisy = recorded(model, 5, frames=61, sd=30 * MARKER_SD)
+    found = estimate(snake(0.5), (noisy,), ONLY_EPS)
+    low, high = found.interval[0]
+    lows, highs = bounds(ONLY_EPS, model)
+    assert lows[0] <= low <= found.values[0] <= high <= highs[0]
+    assert low <= eps <= high  # one draw each: seeds are fixed, the truth lies inside 95 %
+    if eps == 1.0:
+        assert high == 1.0
+        assert any("bound" in warning for warning in found.warnings)
+
+
+def test_mean_over_trials_stays_within_bounds():
+    values = np.array([[0.001], [0.02], [0.15]])  # mean - Student's half width is below zero
+    ((low, high),) = mean_intervals(values, snake(), ONLY_EPS)
+    assert 0 < low < values.mean() < high < 1
+    alike = np.array([[0.20], [0.21], [0.22]])
+    plain = 0.21 + np.array([-1, 1]) * 4.302652729911275 * 0.01 / np.sqrt(3)  # Student's t for two degrees of freedom
+    np.testing.assert_allclose(mean_intervals(alike, snake(), ONLY_EPS)[0], plain, rtol=1e-9)

@@ -18,8 +18,6 @@ from serpenoid.diagnose.tracked import tracked_recordings
 from serpenoid.measure.load import load_campaign
 
 ROOT = Path(__file__).parents[2]
-DATA = ROOT.parent / "shared" / "data"
-needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
 
 
 def diagnosed(campaign: Path, folder: Path, *more: str) -> dict[str, Any]:
@@ -72,7 +70,6 @@ def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, tmp_p
     assert found["residual_pattern"]
 
 
-@needs_data
 def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_named(tmp_path: Path) -> None:
     found = concluded(
         ROOT / "problems" / "campaigns" / "lamprey.toml", ROOT / "problems" / "lamprey-water.toml", tmp_path
@@ -87,7 +84,6 @@ def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_nam
     assert (tmp_path / "report.html").is_file()
 
 
-@needs_data
 def test_what_the_prickleback_shows_is_not_forced_into_the_catalogue(tmp_path: Path) -> None:
     found = diagnosed(ROOT / "problems" / "campaigns" / "prickleback.toml", tmp_path / "out", "--no-figures")
     assert found["anisotropy_ratio"]["after"] == 0.5

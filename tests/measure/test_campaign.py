@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rehearsal import DATA, EPS, ROOT, serpenoid_table, snake
+from rehearsal import EPS, ROOT, serpenoid_table, snake
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.compare.rehearse import Laboratory, Rehearsal, write_campaign
 from serpenoid.compare.study import Study, compare_campaign
@@ -174,14 +174,14 @@ def test_a_folder_without_campaign_says_what_to_do(tmp_path):
         load_campaign(tmp_path)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
 @pytest.mark.parametrize("fish", ["lamprey", "prickleback"])
 def test_drag_with_k_2_predicts_about_an_eighth_of_a_fish_path(fish):
     campaign = load_campaign(ROOT / "problems" / "campaigns" / f"{fish}.toml")
     assert campaign.lengths_estimated
     study = compare_campaign(campaign, snake_of(campaign))
     share = float(study.displacement["Resim"][0] / study.displacement["Exp"][0])
-    assert 0.115 < share < 0.14  # 12 to 13 % is known from outside; ours fits rigid links to a bending fish
+    # 12 to 13 % is known from outside, for equal weights; a uniform body's end points weigh half: up to 2 % less
+    assert 0.10 < share < 0.14
 
 
 def snake_of(campaign: Campaign):

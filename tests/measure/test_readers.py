@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rehearsal import DATA
+from rehearsal import DATA, ROOT
 from serpenoid.errors import InputError
 from serpenoid.measure.logs import read_joint_table, read_power_log, read_servo_log
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 
+RECORDINGS = ROOT / "problems" / "recordings"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not beside the repository")
 LAMPREY = {"time": "t", "frame": "frame", "point": "point", "x": "mxmm", "y": "mymm"}
 
@@ -30,18 +31,16 @@ def test_real_motive_export_gives_measured_markers_and_no_solved_rigid_bodies():
     np.testing.assert_allclose(tracks.floor[0, row], [0.210209, 0.009910], atol=1e-12)
 
 
-@needs_data
 def test_real_lamprey_has_two_empty_frames_and_metres():
-    tracks = read_long(DATA / "fish/lamprey.csv", LAMPREY, "mm")
+    tracks = read_long(RECORDINGS / "lamprey.csv", LAMPREY, "mm")
     assert tracks.floor.shape == (80, 20, 2)
     assert not tracks.seen[:2].any()
     assert tracks.seen[2:].all()
     np.testing.assert_allclose(tracks.floor[2, 0], [0.415076869235609, 0.135858332240892], rtol=1e-12)
 
 
-@needs_data
 def test_real_sleap_export_is_in_pixels_with_y_up():
-    tracks = read_sleap(DATA / "fish/prickleback_sleap.csv", 60.0)
+    tracks = read_sleap(RECORDINGS / "prickleback_sleap.csv", 60.0)
     assert tracks.floor.shape == (711, 8, 2)
     assert not tracks.scale_known
     np.testing.assert_allclose(tracks.floor[0, 0], [1752.669189453125, -821.0576782226562])

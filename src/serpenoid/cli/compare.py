@@ -55,18 +55,18 @@ def _model(args: argparse.Namespace, campaign: Campaign) -> tuple[Model, str]:
     stated = campaigns.stated_model(args, campaign)
     if stated is not None:
         return stated, "as stated"
-    from serpenoid.compare.calibrate import estimate
+    from serpenoid.compare.calibrate import anisotropy, drag_ratio
     from serpenoid.compare.parameters import changed
-    from serpenoid.compare.segments import trial_segments
 
     start = campaigns.neutral_model(args, campaign)
-    usable = [trial for trial in campaign.trials if trial.passages]
-    segments = tuple(segment for trial in usable for segment in trial_segments(trial))
-    if not segments:
+    if not any(trial.passages for trial in campaign.trials):
         return start, "nothing to fit it to"
-    found = estimate(start, segments, ("anisotropy_ratio",))
-    how_sure = f"SD {found.sd[0]:.2g} by camera noise alone, {found.robust_sd[0]:.2g} robust"
-    return changed(start, found.names, found.values), f"fitted to all trials jointly, {how_sure}"
+    found = anisotropy(campaign, start)
+    ratio, low, high = drag_ratio(found)
+    how_sure = (
+        f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g}; K = {ratio:.4g}, {low:.4g} .. {high:.4g}"
+    )
+    return changed(start, found.names, found.values), f"fitted to all trials together, {how_sure}"
 
 
 def lines(study: Study, origin: str) -> list[str]:

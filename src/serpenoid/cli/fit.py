@@ -70,26 +70,31 @@ def run(args: argparse.Namespace) -> int:
 
 
 def lines(calibration: Calibration, model: Model) -> list[str]:
-    """The summary: joint, mean over trials, best RMS."""
-    joint, found = (
-        calibration.joint,
-        [f"dissipation at each {model.medium.dissipation}, {len(calibration.trials)} trial(s)"],
-    )
+    """The summary: all trials together, mean over trials, best RMS, and K = 1 / eps."""
+    from serpenoid.compare.calibrate import drag_ratio
+    from serpenoid.compare.parameters import bounds
+
+    together, lows, highs = calibration.joint, *bounds(calibration.names, model)
+    found = [f"dissipation at each {model.medium.dissipation}, {len(calibration.trials)} trial(s)"]
     for i, name in enumerate(calibration.names):
-        low, high = joint.interval[i]
+        value, (low, high) = together.values[i], together.interval[i]
+        robust = [min(max(value + z * together.robust_sd[i], lows[i]), highs[i]) for z in (-1.96, 1.96)]
         found += [
             f"{name}",
-            f"  joint           {joint.values[i]:.6g}   95 % {low:.6g} .. {high:.6g} (noise), "
-            f"+- {1.96 * joint.robust_sd[i]:.2g} (robust)",
+            f"  all together    {value:.6g}   95 % {low:.6g} .. {high:.6g} (noise), "
+            f"{robust[0]:.6g} .. {robust[1]:.6g} (robust)",
         ]
         if len(calibration.trials) > 1:
             low, high = calibration.mean_interval[i]
             text = f"95 % {low:.6g} .. {high:.6g}, SD {calibration.spread[i]:.2g}"
             found.append(f"  mean of trials  {calibration.mean[i]:.6g}   {text}")
     if "anisotropy_ratio" in calibration.names:
+        ratio, least, most = drag_ratio(together)
+        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (noise)")
         spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
-        found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread})")
-    return [*found, f"what is left      {joint.noise_scale:.2f} times the measurement noise"]
+        bound = ", at a bound" if any(fit.at_bound for fit in calibration.trials) else ""
+        found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})")
+    return [*found, f"what is left      {together.noise_scale:.2f} times the measurement noise"]
 
 
 def draw(folder: Path, campaign: Campaign, model: Model, calibration: Calibration) -> None:

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.stats import norm, t
 
 from serpenoid.body import Floats
+from serpenoid.compare.intervals import likelihood_intervals, mean_intervals
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.three import simulate_path
+from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import Trial
 from serpenoid.model import Model
@@ -86,8 +87,6 @@ def calibrate(
         segments += mine
         fits.append(_fit_trial(trial, mine, model, names))
     if not fits:
-        from serpenoid.errors import InputError
-
         raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
     if progress is not None:
         progress(len(usable), len(usable) + 1, "all trials jointly")
@@ -95,12 +94,27 @@ def calibrate(
     values = np.array([f.estimate.values for f in fits])
     rms = np.array([f.best_rms_eps for f in fits])
     mean, spread = values.mean(axis=0), _sd(values)
-    half = spread / np.sqrt(len(fits)) * (t.ppf(0.975, len(fits) - 1) if len(fits) > 1 else np.nan)
-    interval = np.stack([mean - half, mean + half], axis=1)
+    interval = mean_intervals(values, model, names)
     profile = profile_likelihood(model, tuple(segments), names, joint)
     return Calibration(
         names, tuple(fits), joint, mean, spread, interval, float(rms.mean()), float(_sd(rms[:, None])[0]), profile
     )
+
+
+def anisotropy(campaign: Campaign, model: Model) -> Estimate:
+    """eps of all trials together: the number that `fit`, `compare` and `diagnose` print, with K = 1 / eps."""
+    usable = [trial for trial in campaign.trials if trial.motion is not None and trial.passages]
+    segments = tuple(segment for trial in usable for segment in trial_segments(trial))
+    if not segments:
+        raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
+    return estimate(model, segments, ("anisotropy_ratio",))
+
+
+def drag_ratio(found: Estimate) -> tuple[float, float, float]:
+    """K = 1 / eps and its 95 % interval: at least 1, where eps reaches 1."""
+    i = found.names.index("anisotropy_ratio")
+    low, high = found.interval[i]
+    return 1 / float(found.values[i]), 1 / float(high), 1 / float(low)
 
 
 def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
@@ -108,12 +122,12 @@ def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
     sd = np.sqrt(np.diag(solution.covariance)) * scale
-    half = norm.ppf(0.975) * sd
+    interval = likelihood_intervals(model, segments, solution, sd)
     correlation = solution.covariance / np.outer(*(2 * [np.sqrt(np.diag(solution.covariance))]))
     return Estimate(
-        names, solution.values, sd, np.stack([solution.values - half, solution.values + half], axis=1),
+        names, solution.values, sd, interval,
         robust_sd(solution), correlation, solution.noise_scale, autocorrelation(solution.segments),
-        _complaints(solution, model, sd, correlation), solution,
+        _complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
 
 
@@ -192,7 +206,7 @@ def _fit_trial(trial: Trial, segments: tuple[Segment, ...], model: Model, names:
     return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names))
 
 
-def _complaints(solution: Solution, model: Model, sd: Floats, correlation: Floats) -> tuple[str, ...]:
+def _complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:
     found = []
     lows, highs = bounds(solution.names, model)
     if not solution.converged:
@@ -202,6 +216,8 @@ def _complaints(solution: Solution, model: Model, sd: Floats, correlation: Float
             found.append(f"these data do not determine `{name}`")
         if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
             found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")
+        elif interval[i, 0] <= lows[i] or interval[i, 1] >= highs[i]:
+            found.append(f"the interval of `{name}` reaches its bound: these data do not limit it there")
         for j in range(i):
             if abs(correlation[i, j]) > CORRELATED:
                 pair = f"`{solution.names[j]}` and `{name}`"

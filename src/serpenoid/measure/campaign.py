@@ -13,26 +13,37 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.logs import read_joint_table
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
+from serpenoid.measure.trackers import (
+    Timing,
+    read_array,
+    read_deeplabcut,
+    read_sleap_analysis,
+    read_tierpsy,
+    read_wcon,
+)
 from serpenoid.measure.tracks import LengthUnit, Tracks
 from serpenoid.medium import Medium
 from serpenoid.schema import Record, load
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-MotionFormat = Literal["motive", "c3d", "sleap", "tidy", "long"]
+MotionFormat = Literal["motive", "c3d", "deeplabcut", "sleap", "tierpsy", "wcon", "array", "tidy", "long"]
+FORMATS = "motive | c3d | deeplabcut | sleap | tierpsy | wcon | array | tidy | long"
+TRACKERS = {"deeplabcut": read_deeplabcut, "tierpsy": read_tierpsy, "wcon": read_wcon, "array": read_array}
 LONG_ROLES = {"time", "frame", "point", "x", "y"}
 
 
 class MotionKeys(Record):
     """How a motion file is to be read; every key may be overridden in a trial."""
 
-    format: MotionFormat | None = Field(default=None, description="motive | c3d | sleap | tidy | long")
+    format: MotionFormat | None = Field(default=None, description=FORMATS)
     length_unit: LengthUnit | None = Field(
-        default=None, description="m | cm | mm | px | bl, where the file does not say"
+        default=None, description="m | cm | mm | um | px | bl, where the file does not say"
     )
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
     markers: tuple[str, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
+    minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
     columns: dict[str, str] | None = Field(default=None, description="long: time, frame, point, x, y -> column names")
     first_point: Literal["tail", "head"] | None = Field(default=None, description="where point or column numbers start")
 
@@ -113,6 +124,17 @@ class CampaignFile(Record):
         """False: edge lengths are estimated from the recordings."""
         return self.body.edge_lengths is not None or self.body.length_m is not None
 
+    @property
+    def tracked_only(self) -> bool:
+        """Whether nothing says what was commanded or what servos read: points alone, as of an animal."""
+        return not any(trial.servo_log or trial.joint_table for trial in self.trial)
+
+    @property
+    def uniform(self) -> bool:
+        """Whether the body's weight goes with its length: an animal whose weights are not given."""
+        robot = self.body.kind == "wheeled robot"
+        return self.body.weights is None and not robot and (self.body.is_animal or self.tracked_only)
+
     def motion_of(self, trial: TrialEntry) -> MotionKeys:
         return trial.over(self.motion)
 
@@ -135,7 +157,7 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
         return None
     keys, path = file.motion_of(trial), folder / trial.motion
     if keys.format is None:
-        raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: motive, c3d, sleap, tidy or long.")
+        raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
     tracks = _reader(keys, path)
     if trial.from_s is not None or trial.to_s is not None:
         tracks = tracks.between(trial.from_s, trial.to_s)
@@ -147,10 +169,15 @@ def _reader(keys: MotionKeys, path: Path) -> Tracks:
         return read_motive(path, keys.up_axis or "y")
     if keys.format == "c3d":
         return read_c3d(path, keys.up_axis or "z")
+    timing = Timing(keys.frames_per_second, keys.length_unit, keys.minimum_score)
+    if keys.format in TRACKERS:
+        return TRACKERS[keys.format](path, timing)
     if keys.format == "sleap":
-        return read_sleap(path, keys.frames_per_second, keys.length_unit or "px")
+        if path.suffix.lower() in (".h5", ".hdf5"):
+            return read_sleap_analysis(path, timing)
+        return read_sleap(path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0)
     if keys.format == "tidy":
-        return read_tidy(path, keys.length_unit or "m")
+        return read_tidy(path, keys.length_unit or "m", keys.frames_per_second)
     if keys.columns is None or keys.length_unit is None:
         raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion].')
     return read_long(path, keys.columns, keys.length_unit, keys.frames_per_second)

@@ -9,6 +9,7 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.measure.animal import remarks
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
@@ -41,12 +42,12 @@ def load_campaign(path: str | Path, progress: Progress | None = None) -> Campaig
     """
     file, folder = load_campaign_file(path)
     body, read = read_files(file, folder, progress)
-    remarks = believe(file, folder, body, read)
+    said = believe(file, folder, body, read)
     trials, faults = [], []
     for files in read:
         try:
             trial = align_trial(file, files, body)
-            trials.append(replace(trial, notes=trial.notes + remarks.get(trial.name, ())))
+            trials.append(replace(trial, notes=trial.notes + said.get(trial.name, ())))
         except InputError as error:
             faults.append(f"trial `{files.entry.name}`: {error}")
     if faults:
@@ -78,6 +79,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body) -> Trial:
     if motion is not None:
         passages, complaints = cut_passages(motion, schedule if source != "none" else None)
         notes += complaints
+        notes += remarks(motion) if file.tracked_only else ()
     return Trial(
         entry.name, entry.gait or entry.name, body, metres, schedule, source, motion, servo, files.servo_log,
         files.power_log, passages, entry.dissipation_coefficient, tuple(notes),

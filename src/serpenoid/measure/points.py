@@ -13,20 +13,23 @@ from serpenoid.measure.cells import Floats, Rows, block, column_letter, increasi
 from serpenoid.measure.tracks import METRES, Tracks, floor_plane
 
 
-def read_tidy(path: str | Path, length_unit: str = "m") -> Tracks:
-    """`t_s,x_0,y_0,x_1,y_1,...`, vertex 0 = tail; an empty cell is a hidden marker."""
+def read_tidy(path: str | Path, length_unit: str = "m", frames_per_second: float | None = None) -> Tracks:
+    """`t_s,x_0,y_0,x_1,y_1,...`, or `frame` for `t_s`; vertex 0 = tail; an empty cell is a hidden marker."""
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
     count = (len(header) - 1) // 2
-    expected = ["t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
+    clock = "frame" if header[0] == "frame" else "t_s"
+    if clock == "frame" and not frames_per_second:
+        raise InputError(f"{path}: counts frames: give `frames_per_second` in [motion].")
+    expected = [clock] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
     for column, (got, want) in enumerate(zip(header, expected, strict=False)):
         if got != want:
             raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}.")
     if count < 1 or len(header) != len(expected):
         raise InputError(f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns.")
     data = block(rows, 1, range(len(header)), header, path)
-    times = increasing_times(data[:, 0], 1, 0, path, "t_s")
+    times = increasing_times(data[:, 0], 1, 0, path, clock) / (float(frames_per_second or 1) if clock == "frame" else 1)
     floor = data[:, 1:].reshape(len(data), count, 2)
     return _tracks(times, [f"vertex_{k}" for k in range(count)], floor, length_unit, path)
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from serpenoid.errors import InputError
 
 Floats = NDArray[np.float64]
-LengthUnit = Literal["m", "cm", "mm", "px", "bl"]
+LengthUnit = Literal["m", "cm", "mm", "um", "px", "bl"]
 
-METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "px": 1.0, "bl": 1.0}
+METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "px": 1.0, "bl": 1.0}
 
 
 @dataclass(frozen=True)

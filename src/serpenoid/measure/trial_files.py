@@ -53,7 +53,8 @@ def read_files(file: CampaignFile, folder: Path, progress: Progress | None = Non
             faults.append(f"trial `{entry.name}`: {error}")
     if faults:
         raise InputError("\n".join(faults))
-    return (file.body if file.lengths_given else _estimate_lengths(file, read)), tuple(read)
+    body = file.body if file.lengths_given else _estimate_lengths(file, read)
+    return (body.uniform() if file.uniform else body), tuple(read)
 
 
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:

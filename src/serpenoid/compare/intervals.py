@@ -1,0 +1,68 @@
+"""Intervals that stay where the number can be: a likelihood interval's ends are where it has lost 1.92, or its bound.
+
+    (chi2(x) - chi2(best)) / noise_scale^2 = 1.96^2,   the other numbers fitted again at every x
+
+Inside the bounds that is the usual best +- 1.96 standard errors to second order, and then that is what is given.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import norm, t
+
+from serpenoid.body import Floats
+from serpenoid.compare.likelihood import Segment, Solution, fit
+from serpenoid.compare.parameters import bounds, changed, start_values
+from serpenoid.model import Model
+
+Z95 = float(norm.ppf(0.975))
+
+
+def likelihood_intervals(model: Model, segments: tuple[Segment, ...], solution: Solution, sd: Floats) -> Floats:
+    """95 % intervals (P, 2) that do not leave the numbers' bounds; `sd` (P,) with the noise scale in it."""
+    lows, highs = bounds(solution.names, model)
+    found = np.stack([solution.values - Z95 * sd, solution.values + Z95 * sd], axis=1)
+    scale = max(1.0, solution.noise_scale)
+    for i, (low, high) in enumerate(zip(lows, highs, strict=True)):
+        if found[i, 0] < low:
+            found[i, 0] = _end(model, segments, solution, i, float(low), scale)
+        if found[i, 1] > high:
+            found[i, 1] = _end(model, segments, solution, i, float(high), scale)
+    return found
+
+
+def _end(model: Model, segments: tuple[Segment, ...], solution: Solution, i: int, bound: float, scale: float) -> float:
+    """Where the profile likelihood has lost 1.92 on the way to `bound`, or the bound."""
+    names = solution.names
+    noise = changed(model, names, solution.values)  # values of chi2 are comparable only under one noise
+    least = fit(noise, segments, (), np.empty(0)).chi2
+    others = names[:i] + names[i + 1 :]
+
+    def beyond(value: float) -> float:
+        fixed = changed(model, names[i : i + 1], np.array([value]))
+        start = start_values(others, fixed) if others else np.empty(0)
+        return (fit(fixed, segments, others, start, noise).chi2 - least) / scale**2 - Z95**2
+
+    best = float(solution.values[i])
+    if best == bound or beyond(bound) <= 0:
+        return bound
+    return float(brentq(beyond, best, bound, xtol=1e-4 * abs(best - bound)))
+
+
+def mean_intervals(values: Floats, model: Model, names: tuple[str, ...]) -> Floats:
+    """95 % Student intervals (P, 2) of the mean of (trials, P); by logits where plain ones leave a bound."""
+    count, columns = len(values), values.shape[1]
+    if count < 2:
+        return np.full((columns, 2), np.nan)
+    quantile, found = float(t.ppf(0.975, count - 1)), np.empty((columns, 2))
+    for i, (low, high) in enumerate(zip(*bounds(names, model), strict=True)):
+        column = values[:, i]
+        half = quantile * column.std(ddof=1) / np.sqrt(count)
+        found[i] = column.mean() - half, column.mean() + half
+        if found[i, 0] < low or found[i, 1] > high:
+            share = np.clip((column - low) / (high - low), 1e-6, 1 - 1e-6)
+            logit = np.log(share / (1 - share))
+            half = quantile * logit.std(ddof=1) / np.sqrt(count)
+            found[i] = low + (high - low) / (1 + np.exp(-(logit.mean() + np.array([-half, half]))))
+    return found

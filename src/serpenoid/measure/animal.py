@@ -1,0 +1,59 @@
+"""What is said of a recording of points alone before any work: which end leads, which way bends run, how long it lasts.
+
+run of the bends = sum (k_{j+1} k_j' - k_j k_{j+1}') / sum |.|        > 0: from head to tail, k: joint angles
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.trial import Motion
+
+SHORT = 2.0  # periods: under that, nothing shows what one beat has of its own
+LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
+
+
+def leading(motion: Motion) -> float:
+    """Share of the path that is travelled head first (0 .. 1), by the centroid along the mean heading."""
+    step, heading = np.diff(motion.smooth_poses[:, :2], axis=0), motion.smooth_poses[:-1, 2]
+    along = step[:, 0] * np.cos(heading) + step[:, 1] * np.sin(heading)
+    along = along[np.isfinite(along)]
+    total = np.abs(along).sum()
+    return float(along[along > 0].sum() / total) if total > 0 else 0.5
+
+
+def bends_run(motion: Motion) -> float:
+    """+1: every bend runs from head to tail, -1: from tail to head; near 0: they stand."""
+    angles, rate = motion.smooth_angles[:-1], np.diff(motion.smooth_angles, axis=0)
+    turning = angles[:, 1:] * rate[:, :-1] - angles[:, :-1] * rate[:, 1:]
+    turning = turning[np.isfinite(turning).all(axis=1)]
+    total = np.abs(turning).sum()
+    return float(turning.sum() / total) if total > 0 else 0.0
+
+
+def remarks(motion: Motion) -> tuple[str, ...]:
+    """Sentences on direction and length; what looks wrong comes with its cure."""
+    head_first, run = leading(motion), bends_run(motion)
+    which = "head first" if head_first > 0.5 else "tail first"
+    way = "from head to tail" if run > 0 else "from tail to head"
+    found = [f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
+    if head_first < 0.5 and run < 0:
+        found.append(
+            "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
+        )
+    return (*found, *_length(motion))
+
+
+def _length(motion: Motion) -> list[str]:
+    frames = sum(run.stop - run.start for run in motion.runs)
+    period = period_s(Signal(motion.time_s, motion.joint_angles))
+    seconds = sum(float(motion.time_s[run.stop - 1] - motion.time_s[run.start]) for run in motion.runs)
+    if period is None:
+        return [f"{seconds:.3g} s, and nothing repeats in it: a fit is possible, but says nothing about other beats"]
+    if seconds < SHORT * period:
+        return [f"too short: {seconds:.3g} s are {seconds / period:.2g} periods; intervals hold for this beat alone"]
+    if frames > LONG:
+        part = f"`from_s` and `to_s` with {20 * period:.3g} s (20 periods) tell nearly as much"
+        return [f"long: {frames} frames, {seconds / period:.0f} periods; {part}"]
+    return []

@@ -1,0 +1,261 @@
+"""Files of animal trackers: DeepLabCut (CSV, HDF5), SLEAP analysis and Tierpsy (HDF5), WCON (JSON), plain arrays (npz).
+
+All of them give points in the order of the file; image coordinates (pixels, y down) are turned up. HDF5 needs h5py
+(`pip install 'serpenoid[hdf5]'`). Points whose score is below `minimum_score` count as hidden.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import pickle
+import zipfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import Floats, block, read_rows
+from serpenoid.measure.tracks import METRES, Tracks
+
+DOWN = np.array([1.0, -1.0])  # image rows count downwards
+LIKELY = 0.6  # DeepLabCut's own default of what it shows
+UNITS_WCON = {
+    "m": "m", "metre": "m", "meter": "m", "cm": "cm", "centimetre": "cm", "centimeter": "cm", "mm": "mm",
+    "millimetre": "mm", "millimeter": "mm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
+    "micrometre": "um", "micrometer": "um", "px": "px", "pixel": "px", "pixels": "px",
+}  # fmt: skip
+SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "min": 60.0}
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What [motion] says beside the file: frames a second, length unit, least score; None: the format's default."""
+
+    frames_per_second: float | None = None
+    length_unit: str | None = None
+    minimum_score: float | None = None
+
+
+def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
+    """Rows `scorer`, (`individuals`), `bodyparts`, `coords`, then frames; or the same table in HDF5."""
+    path = Path(path)
+    if path.suffix.lower() in (".h5", ".hdf5"):
+        columns, frames, data = _pandas_table(path)
+    else:
+        columns, frames, data = _deeplabcut_csv(path)
+    individuals = list(dict.fromkeys(c[-3] for c in columns if len(c) == 4))
+    if len(individuals) > 1:
+        raise InputError(f"{path}: {len(individuals)} animals ({', '.join(individuals)}); export one file for each.")
+    names = list(dict.fromkeys(c[-2] for c in columns))
+    slot = {c[-2:]: i for i, c in enumerate(columns)}
+    missing = next((f"{n}, {part}" for n in names for part in ("x", "y") if (n, part) not in slot), None)
+    if missing is not None:
+        raise InputError(f"{path}: no column for {missing}: not a DeepLabCut table of points in the plane.")
+    floor = np.stack([data[:, [slot[n, "x"], slot[n, "y"]]] for n in names], axis=1)
+    if all((n, "likelihood") in slot for n in names):
+        score = np.stack([data[:, slot[n, "likelihood"]] for n in names], axis=1)
+        floor[~(score >= (LIKELY if timing.minimum_score is None else timing.minimum_score))] = np.nan
+    return _image(path, frames, names, floor, timing)
+
+
+def _deeplabcut_csv(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
+    rows = read_rows(path)
+    heads = next((i for i, row in enumerate(rows[:6]) if row and row[0].strip() == "coords"), None)
+    if heads is None or rows[0][0].strip() != "scorer":
+        raise InputError(f"{path}: row 1: a DeepLabCut CSV has rows `scorer`, `bodyparts`, `coords` first.")
+    width = len(rows[heads])
+    if any(len(row) != width for row in rows[:heads]):
+        raise InputError(f"{path}: its header rows differ in length. Was the file edited?")
+    columns = [tuple(rows[r][c].strip() for r in range(heads + 1)) for c in range(1, width)]
+    data = block(rows, heads + 1, range(width), ["frame", *(", ".join(c[-2:]) for c in columns)], path)
+    return columns, data[:, 0], data[:, 1:]
+
+
+def _pandas_table(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
+    """The table pandas wrote (`to_hdf(..., format="table")`): its column names are a pickled list in an attribute."""
+    with _hdf5(path) as file:
+        group = next((file[k] for k in file if "table" in getattr(file[k], "keys", dict)()), None)
+        if group is None:
+            raise InputError(f"{path}: holds no table as DeepLabCut writes it. Export it as CSV instead.")
+        table = group["table"][()]
+        columns = _plain_pickle(group.attrs["non_index_axes"], path)[0][1]
+        values = np.concatenate([table[n] for n in table.dtype.names if n.startswith("values_block")], axis=1)
+        return [tuple(map(str, c)) for c in columns], np.asarray(table["index"], float), np.asarray(values, float)
+
+
+class _Plain(pickle.Unpickler):
+    """Lists, tuples, strings and numbers; nothing that could run."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        raise pickle.UnpicklingError(f"{module}.{name}")
+
+
+def _plain_pickle(data: Any, path: Path) -> Any:
+    try:
+        return _Plain(io.BytesIO(bytes(data))).load()
+    except (pickle.UnpicklingError, EOFError, ValueError, IndexError, TypeError) as error:
+        raise InputError(f"{path}: its column names cannot be read ({error}). Export it as CSV instead.") from None
+
+
+def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
+    """`tracks` (instances, 2, nodes, frames), `node_names`, `point_scores`: SLEAP's analysis HDF5."""
+    path = Path(path)
+    with _hdf5(path) as file:
+        _require(file, path, "SLEAP analysis", "tracks", "node_names")
+        names = [n.decode() if isinstance(n, bytes) else str(n) for n in file["node_names"][()]]
+        tracks = np.asarray(file["tracks"][()], float)
+        scores = np.asarray(file["point_scores"][()], float) if "point_scores" in file else None
+    if tracks.ndim != 4 or tracks.shape[1:3] != (2, len(names)):
+        raise InputError(f"{path}: `tracks` must be (animals, 2, {len(names)}, frames), got {tracks.shape}.")
+    if len(tracks) != 1:
+        raise InputError(f"{path}: {len(tracks)} animals; export one file for each.")
+    floor = tracks[0].transpose(2, 1, 0).copy()
+    if scores is not None and timing.minimum_score is not None:
+        floor[timing.minimum_score > scores[0].T] = np.nan
+    return _image(path, np.arange(len(floor), dtype=float), names, floor, timing)
+
+
+def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
+    """`coordinates/skeletons` (F, points, 2) [um] of a features file, head first; one worm."""
+    path = Path(path)
+    with _hdf5(path) as file:
+        _require(file, path, "Tierpsy features", "coordinates/skeletons")
+        skeletons = np.asarray(file["coordinates/skeletons"][()], float)
+        frames = np.arange(len(skeletons), dtype=float)
+        rate = timing.frames_per_second
+        if "timeseries_data" in file and file["timeseries_data"].dtype.names:
+            table = file["timeseries_data"]
+            rate = rate or _number(table.attrs.get("fps"))
+            if "worm_index" in table.dtype.names and len(np.unique(table["worm_index"])) > 1:
+                raise InputError(f"{path}: {len(np.unique(table['worm_index']))} worms; export one file for each.")
+            if "timestamp" in table.dtype.names and len(table) == len(frames):
+                frames = np.asarray(table["timestamp"], float)
+    if skeletons.ndim != 3 or skeletons.shape[2] != 2:
+        raise InputError(f"{path}: `coordinates/skeletons` must be (frames, points, 2), got {skeletons.shape}.")
+    if not rate:
+        raise InputError(f"{path}: does not say how many frames a second: give `frames_per_second` in [motion].")
+    return _ordered(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
+
+
+def read_wcon(path: str | Path, timing: Timing) -> Tracks:
+    """Worm tracker Commons Object Notation: `units`, `data` with `t`, `x`, `y` (and `ox`, `oy`) of one animal."""
+    path = Path(path)
+    record = _json(path)
+    units, data = record.get("units"), record.get("data")
+    listed = data if isinstance(data, list) else [data]
+    entries = [e for e in listed if isinstance(e, dict) and {"t", "x", "y"} <= set(e)]
+    if not isinstance(units, dict) or len(entries) < len(listed):
+        raise InputError(f"{path}: a WCON file has `units`, and `data` with `t`, `x` and `y`.")
+    animals = {str(e.get("id")) for e in entries}
+    if len(animals) > 1:
+        raise InputError(f"{path}: {len(animals)} animals ({', '.join(sorted(animals)[:4])}); one file for each.")
+    length, second = UNITS_WCON.get(str(units.get("x"))), SECONDS.get(str(units.get("t")))
+    if length is None or units.get("x") != units.get("y") or second is None:
+        raise InputError(f"{path}: `units` of t, x, y must be a time and one length, got {units}.")
+    rows = [row for entry in entries for row in _wcon_rows(entry, path)]
+    count = len(rows[0][1]) if rows else 0
+    if not count or any(len(x) != count or len(y) != count for _, x, y in rows):
+        raise InputError(f"{path}: `x` and `y` must hold as many points at every time.")
+    rows.sort(key=lambda row: row[0])
+    floor = np.stack([np.column_stack([x, y]) for _, x, y in rows])
+    return _ordered(path, second * np.array([t for t, _, _ in rows]), floor, timing.length_unit or length)
+
+
+def _wcon_rows(entry: dict[str, Any], path: Path) -> Iterator[tuple[float, Floats, Floats]]:
+    several = isinstance(entry["t"], list)
+    times, xs, ys = ((entry[k] if several else [entry[k]]) for k in ("t", "x", "y"))
+    origins = [np.broadcast_to(np.asarray(entry.get(k, 0.0), float), len(times)) for k in ("ox", "oy")]
+    try:
+        for t, x, y, ox, oy in zip(times, xs, ys, *origins, strict=True):
+            yield float(t), np.atleast_1d(np.array(x, float)) + ox, np.atleast_1d(np.array(y, float)) + oy
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{path}: `t`, `x` and `y` must be numbers, one list of points at every time: {error}."
+        ) from None
+
+
+def read_array(path: str | Path, timing: Timing) -> Tracks:
+    """An .npz with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate."""
+    path = Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: np.asarray(file[name], float) for name in file.files}
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file.") from None
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: not a readable .npz of numbers: {error}.") from None
+    if "points" not in arrays and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:
+        arrays["points"] = np.stack([arrays["x"], arrays["y"]], axis=-1)
+    points = arrays.get("points")
+    if points is None or points.ndim != 3 or points.shape[2] != 2:
+        raise InputError(f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays)}.")
+    if "t_s" in arrays:
+        times = arrays["t_s"]
+    elif timing.frames_per_second:
+        times = arrays.get("frame", np.arange(len(points), dtype=float)) / timing.frames_per_second
+    else:
+        raise InputError(f"{path}: has no `t_s`: give `frames_per_second` in [motion].")
+    return _ordered(path, times, points, timing.length_unit or "m")
+
+
+def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
+    """Pixels and frame numbers as tracks."""
+    if not timing.frames_per_second:
+        raise InputError(f"{path}: carries no time: give `frames_per_second` in [motion].")
+    unit = timing.length_unit or "px"
+    return _tracks(path, frames / timing.frames_per_second, names, floor * DOWN, unit)
+
+
+def _ordered(path: Path, times: Floats, floor: Floats, unit: str) -> Tracks:
+    return _tracks(path, times, [f"point_{k}" for k in range(floor.shape[1])], floor, unit)
+
+
+def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit: str) -> Tracks:
+    if times.shape != (len(floor),) or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise InputError(f"{path}: times must increase, one for every frame.")
+    if np.isinf(floor).any():
+        raise InputError(f"{path}: positions must be finite or empty.")
+    floor = np.where(np.isfinite(floor).all(axis=2, keepdims=True), floor, np.nan)
+    return Tracks(times, tuple(names), floor * METRES[unit], str(path), (False,) * len(names), unit != "px")
+
+
+@contextmanager
+def _hdf5(path: Path) -> Iterator[Any]:
+    try:
+        import h5py
+    except ImportError:
+        raise InputError("reading HDF5 needs h5py: pip install 'serpenoid[hdf5]'.") from None
+    if not path.is_file():
+        raise InputError(f"{path}: no such file.")
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, KeyError, RuntimeError) as error:
+        raise InputError(f"{path}: not a readable HDF5 file: {error}") from None
+
+
+def _require(file: Any, path: Path, kind: str, *names: str) -> None:
+    missing = next((name for name in names if name not in file), None)
+    if missing is not None:
+        raise InputError(f"{path}: a {kind} file holds `{missing}`; this one has {', '.join(list(file)[:8])}.")
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        record = json.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file.") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not a JSON file: {str(error)[:100]}.") from None
+    if not isinstance(record, dict):
+        raise InputError(f"{path}: a WCON file is one JSON object.")
+    return record
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)

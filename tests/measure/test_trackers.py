@@ -1,0 +1,179 @@
+"""Files of animal trackers: the same swimmer in every format gives the same points; what is broken is named."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from serpenoid.errors import InputError
+from serpenoid.measure.animal import bends_run, leading, remarks
+from serpenoid.measure.load import load_campaign
+from serpenoid.measure.trackers import (
+    Timing,
+    read_array,
+    read_deeplabcut,
+    read_sleap_analysis,
+    read_tierpsy,
+    read_wcon,
+)
+
+RATE = 25.0
+NAMES = ["tail", "a", "b", "c", "d", "head"]
+DOWN = np.array([1.0, -1.0])
+
+
+def swimmer(seconds: float = 4.0) -> tuple[np.ndarray, np.ndarray]:
+    """Times (F,) and points (F, 6, 2), tail first; bends run from head to tail, and it moves head first along x."""
+    time, s = np.arange(round(seconds * RATE)) / RATE, (np.arange(5) + 0.5) / 5
+    angle = 0.5 * np.sin(2 * np.pi * (time[:, None] + s))
+    edge = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+    points = np.concatenate([np.zeros((len(time), 1, 2)), np.cumsum(edge, axis=1)], axis=1)
+    points[..., 0] += 0.5 * time[:, None]
+    return time, points
+
+
+def deeplabcut_csv(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    head = [["scorer"] + ["net"] * 18, ["bodyparts"] + [n for n in NAMES for _ in range(3)],
+            ["coords"] + ["x", "y", "likelihood"] * 6]  # fmt: skip
+    cells = np.concatenate([points * DOWN, np.full((*points.shape[:2], 1), 0.99)], axis=2).reshape(len(time), -1)
+    rows = [[str(f), *map(repr, row.tolist())] for f, row in enumerate(cells)]
+    path.write_text("\n".join(",".join(row) for row in head + rows) + "\n")
+
+
+def deeplabcut_hdf5(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    """As pandas writes it: a compound table, and the column names as a pickle of protocol 0."""
+    import pickle
+
+    cells = np.concatenate([points * DOWN, np.full((*points.shape[:2], 1), 0.99)], axis=2).reshape(len(time), -1)
+    table = np.zeros(len(time), dtype=[("index", "<i8"), ("values_block_0", "<f8", (18,))])
+    table["index"], table["values_block_0"] = np.arange(len(time)), cells
+    columns = [("net", name, part) for name in NAMES for part in ("x", "y", "likelihood")]
+    with h5py.File(path, "w") as file:
+        group = file.create_group("df_with_missing")
+        group.create_dataset("table", data=table)
+        group.attrs["non_index_axes"] = np.bytes_(pickle.dumps([(1, columns)], protocol=0))
+
+
+def sleap_hdf5(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    with h5py.File(path, "w") as file:
+        file["tracks"] = (points * DOWN).transpose(2, 1, 0)[None]
+        file["node_names"] = np.array(NAMES, dtype="S")
+
+
+def tierpsy(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    table = np.zeros(len(time), dtype=[("worm_index", "<i4"), ("timestamp", "<i4")])
+    table["timestamp"] = np.arange(len(time))
+    with h5py.File(path, "w") as file:
+        file["coordinates/skeletons"] = points * DOWN
+        file["timeseries_data"] = table
+        file["timeseries_data"].attrs["fps"] = RATE
+
+
+def wcon(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    worm = {"id": "1", "t": time.tolist(), "x": points[..., 0].tolist(), "y": points[..., 1].tolist()}
+    path.write_text(json.dumps({"units": {"t": "s", "x": "um", "y": "um"}, "data": [worm]}))
+
+
+def array(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    np.savez(path, t_s=time, points=points)
+
+
+Writer = Callable[[Path, np.ndarray, np.ndarray], None]
+FORMATS: dict[str, tuple[Writer, Callable, str, float]] = {
+    "deeplabcut.csv": (deeplabcut_csv, read_deeplabcut, "px", 1.0),
+    "deeplabcut.h5": (deeplabcut_hdf5, read_deeplabcut, "px", 1.0),
+    "sleap.h5": (sleap_hdf5, read_sleap_analysis, "px", 1.0),
+    "tierpsy.hdf5": (tierpsy, read_tierpsy, "um", 1e-6),
+    "worm.wcon": (wcon, read_wcon, "um", 1e-6),
+    "points.npz": (array, read_array, "m", 1.0),
+}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_format_gives_back_the_points(tmp_path, name):
+    time, points = swimmer()
+    points[3, 2] = np.nan
+    write, read, _, metres = FORMATS[name]
+    write(tmp_path / name, time, points)
+    found = read(tmp_path / name, Timing(RATE))
+    np.testing.assert_allclose(found.time_s, time, atol=1e-12)
+    np.testing.assert_allclose(found.floor, points * metres, rtol=1e-12, atol=1e-18)
+    assert found.scale_known == (FORMATS[name][2] != "px")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_rubbish_in_every_format_is_named_with_its_file(tmp_path, name):
+    read, path = FORMATS[name][1], tmp_path / name
+    for content in (b"", b"nothing of the kind", b"\x89HDF\r\n\x1a\n" + bytes(80), b'{"units": 3}', b"PK\x03\x04"):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=name):
+            read(path, Timing(RATE))
+    path.unlink()
+    with pytest.raises(InputError, match="no such file"):
+        read(path, Timing(RATE))
+
+
+def test_a_pickle_that_would_run_something_is_refused(tmp_path):
+    time, points = swimmer()
+    deeplabcut_hdf5(tmp_path / "a.h5", time, points)
+    with h5py.File(tmp_path / "a.h5", "a") as file:
+        file["df_with_missing"].attrs["non_index_axes"] = np.bytes_(b"cos\nsystem\n(S'true'\ntR.")
+    with pytest.raises(InputError, match=r"column names cannot be read \(os.system\)"):
+        read_deeplabcut(tmp_path / "a.h5", Timing(RATE))
+
+
+def test_points_the_tracker_is_unsure_of_are_hidden(tmp_path):
+    time, points = swimmer()
+    deeplabcut_csv(tmp_path / "a.csv", time, points)
+    text = (tmp_path / "a.csv").read_text().replace("0.99", "0.5")
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(InputError, match="no marker is seen"):
+        read_deeplabcut(tmp_path / "a.csv", Timing(RATE))
+    assert read_deeplabcut(tmp_path / "a.csv", Timing(RATE, None, 0.4)).seen.all()
+
+
+def campaign(folder: Path, keys: str) -> Path:
+    (folder / "campaign.toml").write_text(
+        'format = 1\nname = "w"\n[body]\nvertices = 6\nkind = "crawler"\n[motion]\n'
+        f'{keys}\n[[trial]]\nname = "one"\nmotion = "m.csv"\n'
+    )
+    return folder
+
+
+def tidy(folder: Path, seconds: float, clock: str = "t_s", reverse: bool = False) -> Path:
+    time, points = swimmer(seconds)
+    first = time if clock == "t_s" else np.arange(len(time))
+    header = f"{clock}," + ",".join(f"x_{k},y_{k}" for k in range(6))
+    table = np.column_stack([first, (points[:, ::-1] if reverse else points).reshape(len(time), -1)])
+    np.savetxt(folder / "m.csv", table, delimiter=",", header=header, comments="")
+    return campaign(folder, 'format = "tidy"\nlength_unit = "um"\nframes_per_second = 25.0')
+
+
+def test_frame_numbers_and_micrometres(tmp_path):
+    trial = load_campaign(tidy(tmp_path, 4.0, "frame")).trials[0]
+    np.testing.assert_allclose(np.diff(trial.motion.time_s), 1 / RATE, atol=1e-12)
+    assert trial.metres == pytest.approx(5e-6, rel=1e-3)  # five edges of 1 um
+    weights = trial.body.vertex_weights
+    np.testing.assert_allclose(weights, np.array([0.5, 1, 1, 1, 1, 0.5]) / 5, rtol=1e-3)  # in proportion to length
+
+
+def test_head_first_and_tail_first_are_found_out_and_said(tmp_path):
+    motion = load_campaign(tidy(tmp_path, 4.0)).trials[0].motion
+    assert leading(motion) > 0.9
+    assert bends_run(motion) > 0.9
+    assert remarks(motion)[0].startswith("moves head first")
+    reverse = tmp_path / "reverse"
+    reverse.mkdir()
+    notes = load_campaign(tidy(reverse, 4.0, reverse=True)).trials[0].notes
+    assert any("moves tail first" in note for note in notes)
+    assert any("set `first_point`" in note for note in notes)
+
+
+def test_a_recording_too_short_says_so(tmp_path):
+    notes = load_campaign(tidy(tmp_path, 1.6)).trials[0].notes
+    assert any("too short: 1.56 s are 1.6 periods" in note or "nothing repeats" in note for note in notes)
