@@ -183,11 +183,11 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
     """An .npz with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate."""
     path = Path(path)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {name: np.asarray(file[name], float) for name in file.files}
     except FileNotFoundError:
         raise InputError(f"{path}: no such file.") from None
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, TypeError, AttributeError, EOFError, KeyError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: not a readable .npz of numbers: {error}.") from None
     if "points" not in arrays and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:
         arrays["points"] = np.stack([arrays["x"], arrays["y"]], axis=-1)
