@@ -32,6 +32,7 @@ MAY_IMPORT = {
     "objectives": {"body", "schema"},
     "schema": {"errors"},
     "files": set(),
+    "store": {"files", "schema"},
     "errors": set(),
     "status": set(),
     "effects": {"body", "schema", "errors"},

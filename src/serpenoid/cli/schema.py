@@ -22,9 +22,7 @@ from serpenoid.json_schema import KINDS
 def configure(parser: argparse.ArgumentParser) -> None:
     """KIND and --write."""
     parser.add_argument("kind", nargs="?", choices=KINDS, default="problem", metavar="KIND", help=", ".join(KINDS))
-    parser.add_argument(
-        "--write", type=Path, metavar="DIR", help="write it into DIR; print the line that names it"
-    )
+    parser.add_argument("--write", type=Path, metavar="DIR", help="write it into DIR; print the line that names it")
 
 
 def run(args: argparse.Namespace) -> int:

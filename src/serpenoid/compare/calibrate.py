@@ -24,6 +24,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import Trial
 from serpenoid.model import Model
+from serpenoid.store import remember
 
 LOWEST, HIGHEST = 1e-3, 1.0
 CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
@@ -90,12 +91,13 @@ def calibrate(
         raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
     if progress is not None:
         progress(len(usable), len(usable) + 1, "all trials jointly")
-    joint = estimate(model, tuple(segments), names)
+    every = tuple(segments)
+    joint = estimate(model, every, names)
     values = np.array([f.estimate.values for f in fits])
     rms = np.array([f.best_rms_eps for f in fits])
     mean, spread = values.mean(axis=0), _sd(values)
     interval = mean_intervals(values, model, names)
-    profile = profile_likelihood(model, tuple(segments), names, joint)
+    profile = remember(lambda: profile_likelihood(model, every, names, joint), "profile", model, every, names)
     return Calibration(
         names, tuple(fits), joint, mean, spread, interval, float(rms.mean()), float(_sd(rms[:, None])[0]), profile
     )
@@ -118,7 +120,11 @@ def drag_ratio(found: Estimate) -> tuple[float, float, float]:
 
 
 def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
-    """Maximum likelihood with intervals and complaints."""
+    """Maximum likelihood with intervals and complaints; kept, as it takes long."""
+    return remember(lambda: _estimate(model, segments, names), "estimate", model, segments, names)
+
+
+def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
     sd = np.sqrt(np.diag(solution.covariance)) * scale
@@ -202,7 +208,7 @@ def best_rms(model: Model, segments: tuple[Segment, ...]) -> tuple[float, float,
 
 
 def _fit_trial(trial: Trial, segments: tuple[Segment, ...], model: Model, names: tuple[str, ...]) -> TrialFit:
-    eps, rms, bound = best_rms(model, segments)
+    eps, rms, bound = remember(lambda: best_rms(model, segments), "best RMS", model, segments)
     return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names))
 
 

@@ -20,6 +20,7 @@ from serpenoid.measure.trial import Motion, Passage, Trial
 from serpenoid.measure.usage import whole_pieces
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.store import remember
 
 DRAWS = 12  # shape-noise replicates: the standard deviation is then known to a fifth
 
@@ -83,7 +84,11 @@ class Comparison:
 
 
 def compare_passage(trial: Trial, passage: Passage, model: Model, seed: int = 0) -> Comparison | None:
-    """Simulate one passage three ways; None where no piece of it is whole."""
+    """Simulate one passage three ways; None where no piece of it is whole. Kept, as it takes long."""
+    return remember(lambda: _compare(trial, passage, model, seed), "passage", trial, passage, model, seed)
+
+
+def _compare(trial: Trial, passage: Passage, model: Model, seed: int) -> Comparison | None:
     motion = trial.motion
     if motion is None:
         return None

@@ -16,6 +16,7 @@ from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, schedule_start
 from serpenoid.measure.trial_files import Files, Progress, neighbour_ratio, read_files, read_trial
+from serpenoid.store import file_digest, remember
 
 
 @dataclass(frozen=True)
@@ -41,18 +42,33 @@ def load_campaign(path: str | Path, progress: Progress | None = None) -> Campaig
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
     """
     file, folder = load_campaign_file(path)
+    inputs = ("campaign", file, [(str(p), file_digest(p)) for p in _inputs(file, folder)])
+    body, trials = remember(lambda: _aligned(file, folder, progress), *inputs)
+    return Campaign(file, folder, body, not file.lengths_given, trials)
+
+
+def _inputs(file: CampaignFile, folder: Path) -> list[Path]:
+    """Every file that a campaign is made from, and the joint tables it is compared with."""
+    named = [n for t in file.trial for n in (t.joint_table, t.motion, t.servo_log, t.power_log) if n is not None]
+    tables = {(folder / t.joint_table).parent for t in file.trial if t.joint_table is not None}
+    beside = [path for place in sorted(tables) for path in sorted(place.glob("*.csv"))]
+    return [path.resolve() for path in dict.fromkeys([*(folder / n for n in named), *beside])]
+
+
+def _aligned(file: CampaignFile, folder: Path, progress: Progress | None) -> tuple[Body, tuple[Trial, ...]]:
+    """The body, and every trial aligned; each is kept as soon as it is done."""
     body, read = read_files(file, folder, progress)
     said = believe(file, folder, body, read)
     trials, faults = [], []
     for files in read:
         try:
-            trial = align_trial(file, files, body)
+            trial = remember(lambda: align_trial(file, files, body), "trial", file, files, body)  # noqa: B023
             trials.append(replace(trial, notes=trial.notes + said.get(trial.name, ())))
         except InputError as error:
             faults.append(f"trial `{files.entry.name}`: {error}")
     if faults:
         raise InputError("\n".join(faults))
-    return Campaign(file, folder, body, not file.lengths_given, tuple(trials))
+    return body, tuple(trials)
 
 
 def load_trial(file: CampaignFile, entry: TrialEntry, folder: Path, body: Body) -> Trial:
