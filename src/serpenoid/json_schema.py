@@ -5,6 +5,7 @@ Editors read the first line of a file: `#:schema PATH` (Even Better TOML, taplo)
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -81,8 +82,9 @@ def _effect() -> dict[str, Any]:
         if effect.place is not None:
             keys["place"] = {"type": "integer", "minimum": 0, "description": f"the {effect.place} it acts on"}
         for p in effect.parameters:
-            text = f"{p.unit}; from {p.lower:g} to {p.upper:g}"
-            keys[p.name] = {"type": "number", "minimum": p.lower, "maximum": p.upper, "description": text}
+            ends = {"minimum": p.lower, "maximum": p.upper}
+            finite = {end: value for end, value in ends.items() if math.isfinite(value)}
+            keys[p.name] = {"type": "number", "description": f"{p.meaning} [{p.unit}]", **finite}
         needed = ["name", *(p.name for p in effect.parameters), *(["place"] if effect.place is not None else [])]
         form = {"type": "object", "description": effect.looks_like, "properties": keys, "required": needed}
         forms.append(form | {"additionalProperties": False})

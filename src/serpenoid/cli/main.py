@@ -22,9 +22,11 @@ from serpenoid.errors import InputError, StopRequested
 
 # verb -> one line of help; the verb's module `serpenoid.cli.<verb>` has `configure(parser)` and `run(args) -> int`
 VERBS: dict[str, str] = {
+    "new": "write a commented file to begin with: problem, robot, protocol, campaign",
     "simulate": "simulate the gait of a problem file",
     "solve": "find the optimal gait of a problem file",
     "sweep": "solve the family of optimal gaits over the dissipation coefficient",
+    "campaign": "take a recorded trial into a campaign",
     "measure": "read a campaign of recordings: what is in it, what is missing, how good it is",
     "fit": "fit the anisotropy ratio to a campaign, with intervals",
     "compare": "lay measured, simulated and resimulated motion over each other",

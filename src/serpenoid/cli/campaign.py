@@ -1,0 +1,49 @@
+"""Take a recorded trial into a campaign folder.
+
+    serpenoid new campaign my-campaign --problem my-robot.toml
+    serpenoid play RESULTS --robot servos.toml --cycles 3 --pause 2 --log trials/gait01-1
+    serpenoid campaign add my-campaign trials/gait01-1 ~/Motive/take-17.csv
+    serpenoid measure my-campaign
+
+`add` copies what `play` recorded and the cameras' file into the campaign and appends a [[trial]] section; a trial with
+the joint table of an earlier one becomes its repeat. Nothing is changed where the motion file cannot be read.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from serpenoid.cli import options
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `campaign`."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    plain = argparse.RawDescriptionHelpFormatter
+    add = actions.add_parser(
+        "add", help="a log of `play` and a motion file", description=__doc__, formatter_class=plain
+    )
+    add.add_argument("campaign", type=Path, metavar="CAMPAIGN", help="campaign folder")
+    add.add_argument("log", type=Path, metavar="LOG", help="folder that `serpenoid play --log` wrote")
+    add.add_argument("motion", type=Path, metavar="MOTION", help="the cameras' file of that trial")
+    add.add_argument("--name", metavar="NAME", help="of the trial (default: the log folder's)")
+    add.add_argument(
+        "--gait", metavar="LABEL", help="default: that of a trial with the same joint table, else the name"
+    )
+    add.add_argument("--format", metavar="FORMAT", help="of this motion file, if not the campaign's")
+    add.add_argument("--from", dest="from_s", type=float, metavar="S", help="use the motion file from here")
+    add.add_argument("--to", dest="to_s", type=float, metavar="S", help="... to here")
+    add.add_argument("--anyway", action="store_true", help="also a trial that was not played as asked")
+    options.add_output(add)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Add, say what to do next."""
+    from serpenoid.scaffold.add import NewTrial, add_trial
+
+    keys = tuple((key, getattr(args, key)) for key in ("format", "from_s", "to_s") if getattr(args, key) is not None)
+    name = add_trial(args.campaign, NewTrial(args.log, args.motion, args.name, args.gait, keys, args.anyway))
+    text = f"trial `{name}` added to {args.campaign}. Next: serpenoid measure {args.campaign}"
+    options.report(args, {"campaign": str(args.campaign), "trial": name}, [text])
+    return 0

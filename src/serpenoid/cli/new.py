@@ -1,0 +1,73 @@
+"""Write a commented file to begin with: it runs as it is. On a terminal a few questions are asked; options answer them.
+
+    serpenoid new problem my-robot.toml
+    serpenoid new robot servos.toml --problem my-robot.toml
+    serpenoid new protocol protocol.toml --problem my-robot.toml      # for the virtual laboratory
+    serpenoid new campaign my-campaign --problem my-robot.toml        # then: serpenoid campaign add ...
+
+--yes asks nothing and takes the defaults. No file is overwritten.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from serpenoid.cli import options
+from serpenoid.errors import InputError
+
+if TYPE_CHECKING:
+    from serpenoid.scaffold import Question
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """KIND, FILE and an option per question."""
+    from serpenoid.scaffold import TEMPLATES
+
+    kinds = parser.add_subparsers(dest="kind", metavar="KIND", required=True)
+    for kind, template in TEMPLATES.items():
+        sub = kinds.add_parser(kind, help=f"a {kind} file", description=f"Write a {kind} file.")
+        sub.add_argument("path", nargs="?", type=Path, default=Path(template.default_path), metavar="FILE")
+        for question in template.questions:
+            default = f" (default {question.default})" if question.default else ""
+            sub.add_argument(f"--{question.name}", metavar="X", help=f"{question.text}{default}")
+        sub.add_argument("--yes", action="store_true", help="ask nothing: the defaults, where no option answers")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Ask, write, say what to try."""
+    from serpenoid.scaffold import TEMPLATES
+
+    template, path = TEMPLATES[args.kind], args.path
+    if args.kind == "campaign" and path.suffix != ".toml":
+        path = path / "campaign.toml"
+    if path.exists():
+        raise InputError(f"{path}: is there already. Name another file.")
+    options.check_writable(path.parent)
+    talks = not args.yes and sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    answers: dict[str, Any] = {}
+    for question in template.questions:
+        given = getattr(args, question.name.replace("-", "_"))
+        asked = talks and given is None
+        answers[question.name] = (
+            _ask(question) if asked else question.value(question.default if given is None else given)
+        )
+    first = template.write(path, answers)
+    sys.stdout.write(f"{path}\nBegin: {first}\n")
+    return 0
+
+
+def _ask(question: Question) -> Any:
+    """Until the answer can be read; Enter takes the default."""
+    while True:
+        sys.stderr.write(f"{question.text}{f' [{question.default}]' if question.default else ''}: ")
+        sys.stderr.flush()
+        line = sys.stdin.readline()
+        if not line:
+            raise InputError("the questions were not answered to the end. --yes takes the defaults.")
+        try:
+            return question.value(line.strip() or question.default)
+        except InputError as error:
+            options.complain(str(error))

@@ -1,0 +1,129 @@
+"""`serpenoid campaign add`: what `play` recorded and what the cameras saw become a trial of a campaign."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.files import write_text
+from serpenoid.gaits.table import read_table
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file, read_motion
+from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.scaffold.campaign import BEGIN, END
+from serpenoid.schema import read_toml, validate
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+FILES = {"servo_log": "servo.csv", "power_log": "power.csv", "joint_table": "joint_table.csv"}
+
+
+@dataclass(frozen=True)
+class NewTrial:
+    """What is added: `log` a folder that `play` wrote, `motion` the cameras' file; other keys as in `[[trial]]`."""
+
+    log: Path
+    motion: Path
+    name: str | None = None
+    gait: str | None = None
+    keys: tuple[tuple[str, Any], ...] = ()  # format, from_s, to_s, ... where given
+    anyway: bool = False
+
+
+def add_trial(campaign: Path, new: NewTrial) -> str:
+    """Copy the files into the campaign's folder and append the trial; returns its name. A fault changes nothing."""
+    file = campaign / "campaign.toml" if campaign.is_dir() else campaign
+    known, folder = load_campaign_file(campaign)
+    entry = _entry(known, folder, new)
+    target = folder / entry["name"]
+    place = {key: f"{entry['name']}/{source.name}" for key, source in _sources(new).items()}
+    text = _without_example(file.read_text(encoding="utf-8")).rstrip() + "\n\n" + _section(entry | place)
+    made = not target.exists()
+    if not made and target.resolve() != new.log.resolve():
+        raise InputError(f"{target}: is there already. Give another --name.")
+    target.mkdir(exist_ok=True)
+    try:
+        _copy(target, new)
+        _check(text, file, entry["name"], folder)
+        write_text(file, text)
+    except BaseException:
+        if made:
+            shutil.rmtree(target)
+        raise
+    return str(entry["name"])
+
+
+def _sources(new: NewTrial) -> dict[str, Path]:
+    there = {key: new.log / name for key, name in FILES.items() if (new.log / name).is_file()}
+    return there | {"motion": new.motion}
+
+
+def _copy(target: Path, new: NewTrial) -> None:
+    for source in (*_sources(new).values(), new.log / "play.json"):
+        if source.resolve() != (target / source.name).resolve():
+            shutil.copyfile(source, target / source.name)
+
+
+def _check(text: str, file: Path, name: str, folder: Path) -> None:
+    """The file with the new trial must be valid, and its motion readable."""
+    data = validate(CampaignFile, tomllib.loads(text), str(file))
+    read_motion(data, next(trial for trial in data.trial if trial.name == name), folder)
+
+
+def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
+    """The trial's schedule from what `play` wrote; raises InputError where it was not played as asked."""
+    played = _played(new)
+    name = new.name or new.log.resolve().name
+    if NAME.fullmatch(name) is None:
+        raise InputError(f"--name must be letters, digits, `_`, `.` and `-`, got {name!r}.")
+    if name in {trial.name for trial in known.trial}:
+        raise InputError(f"the campaign has a trial `{name}` already. Give another --name.")
+    if not new.motion.is_file():
+        raise InputError(f"{new.motion}: no such motion file.")
+    schedule = {key: played[key] for key in ("cycle_duration_s", "cycles", "pause_s")}
+    gait = new.gait or _same_gait(known, folder, new) or name
+    return {"name": name, "gait": gait, **schedule, **dict(new.keys)}
+
+
+def _played(new: NewTrial) -> dict[str, Any]:
+    path = new.log / "play.json"
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        trial = read_toml(new.log / "trial.toml")["trial"][0]
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file. Name a folder that `serpenoid play --log` wrote.") from None
+    except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
+        raise InputError(f"{new.log}: is no recording of `serpenoid play` ({error}).") from None
+    status = record.get("status") if isinstance(record, dict) else None
+    if status != "done" and not new.anyway:
+        reason = str(record.get("reason", "")) if isinstance(record, dict) else ""
+        remedy = "Play it again, or take it --anyway."
+        raise InputError(f"{path}: this trial was not played as asked ({status}: {reason}). {remedy}")
+    return dict(trial)
+
+
+def _same_gait(known: CampaignFile, folder: Path, new: NewTrial) -> str | None:
+    """The label of a trial with the same joint table, to the tick."""
+    mine = read_table(new.log / "joint_table.csv")
+    for trial in known.trial:
+        if trial.gait is not None and trial.joint_table is not None and trial.name != "example":
+            theirs = read_table(folder / trial.joint_table)
+            if theirs.shape == mine.shape and np.abs(theirs - mine).max() <= RADIANS_PER_TICK:
+                return trial.gait
+    return None
+
+
+def _without_example(text: str) -> str:
+    begin, end = text.find(BEGIN), text.find(END)
+    return text if begin < 0 or end < begin else text[:begin] + text[end + len(END) :].lstrip("\n")
+
+
+def _section(entry: dict[str, Any]) -> str:
+    lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in entry.items()]
+    return "\n".join(["[[trial]]", *lines]) + "\n"

@@ -1,0 +1,134 @@
+"""`serpenoid new campaign`: a campaign folder for a body, with one made-up trial so that it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.errors import InputError
+from serpenoid.files import examples, write_csv, write_text
+from serpenoid.gaits.table import write_table
+from serpenoid.json_schema import write_schema
+from serpenoid.scaffold.questions import Answers, Question, Template, existing, number
+
+EXAMPLE = "example"
+BEGIN = "# --- made up: `serpenoid campaign add` takes this trial out again ---"
+END = "# --- end of what is made up ---"
+CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
+NOISE_M = 2e-4  # of good cameras
+FORMATS = ("motive", "c3d", "sleap", "tidy", "long")
+
+
+def _format(text: str) -> str:
+    if text not in FORMATS:
+        raise ValueError(f"needs one of {', '.join(FORMATS)}")
+    return text
+
+
+QUESTIONS = (
+    Question("problem", "Problem file of the robot or animal (empty: the paper's snake)", "", existing),
+    Question("format", f"Format of the motion files: {', '.join(FORMATS)}", "motive", _format),
+    Question("frames-per-second", "Frames per second of the cameras", "120", number(0, 1e5)),
+)
+
+
+def write(path: Path, answers: Answers) -> str:
+    """Write campaign.toml (or the named file) with the example's files; returns a command to begin with."""
+    from serpenoid.problem import load
+    from serpenoid.simulation.problem import simulate
+
+    problem = load(answers["problem"] or examples() / "snake10.toml")
+    result = simulate(problem)
+    if not result.trajectory.status.ok:
+        raise InputError(f"{problem.name}: its gait cannot be simulated: {result.trajectory.status.value}.")
+    folder, duration = path.parent, problem.task.cycle_duration_s or 5.0
+    write_table(folder / EXAMPLE / "joint_table.csv", result.table)
+    steps = result.trajectory.steps_per_cycle
+    cycle = result.trajectory.vertices[: steps + 1] * problem.body.total_length_m
+    poses = result.trajectory.poses[[0, steps]]
+    _write_motion(folder / EXAMPLE / "motion.csv", cycle, poses, duration, problem.body.total_length_m)
+    hint = write_schema(folder, "campaign")
+    write_text(path, _text(hint, folder.resolve().name, problem.body, duration, answers))
+    return f"serpenoid measure {folder}"
+
+
+def _write_motion(path: Path, cycle: Floats, poses: Floats, duration: float, length: float) -> None:
+    """Vertices of a simulated cycle (T + 1, N, 2) [m], played with pauses, as a tidy CSV at the table's own rows."""
+    turn = poses[1, 2] - poses[0, 2]
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    begin, end = poses[:, :2] * length
+    times, places, moved = [0.0], [cycle[0]], cycle
+    for n in range(CYCLES):
+        start = LEAD_S + n * (duration + PAUSE_S)
+        times += list(start + np.arange(len(cycle)) * duration / (len(cycle) - 1))
+        places += list(moved)
+        moved = (moved - begin) @ rotation.T + end if n == 0 else moved
+    times.append(times[-1] + PAUSE_S)
+    places.append(places[-1])
+    grid = np.arange(0.0, times[-1], 0.02)
+    flat = np.reshape(places, (len(places), -1))
+    shown = np.stack([np.interp(grid, times, column) for column in flat.T], axis=1)
+    shown += np.random.default_rng(0).normal(0, NOISE_M, shown.shape)
+    header = ["t_s", *(f"{axis}_{vertex}" for vertex in range(cycle.shape[1]) for axis in "xy")]
+    write_csv(path, header, np.column_stack([grid, shown]).tolist())
+
+
+def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -> str:
+    """The commented file."""
+    mass = [] if body.mass_kg is None else [f"mass_kg = {body.mass_kg:g}"]
+    joints = [] if body.joints is None else [f"joints = {list(body.joints)}"]
+    lengths = ", ".join(f"{edge:.6g}" for edge in body.edges_m)
+    weights = ", ".join(f"{weight:.6g}" for weight in body.vertex_weights)
+    names = ", ".join(f'"Robot:{label}"' for label in _labels(body))
+    markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
+    by_name = answers["format"] in ("motive", "c3d", "sleap")
+    return "\n".join(
+        [
+            hint,
+            f"# {name}: recordings of one robot or animal (docs/campaign-format.md).",
+            "# Every key: serpenoid schema campaign",
+            "#   serpenoid play RESULTS --robot ROBOT.toml --cycles 3 --pause 2 --log trials/first",
+            f"#   serpenoid campaign add {name} trials/first MOTION-FILE",
+            f"#   serpenoid measure {name} ; serpenoid compare {name} ; serpenoid diagnose {name} --model PROBLEM.toml",
+            "format = 1",
+            f'name = "{name}"',
+            "",
+            "[body]",
+            f"vertices = {body.vertices}",
+            f"edge_lengths = [{lengths}]   # metres, tail to head: measure them",
+            f"weights = [{weights}]",
+            *joints,
+            *mass,
+            "",
+            "[motion]                     # how the motion files are to be read; a trial may override any key",
+            f'format = "{answers["format"]}"',
+            'length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl',
+            'up_axis = "y"                # motive: usually "y"',
+            f"frames_per_second = {answers['frames-per-second']:g}",
+            markers if by_name else f"# {markers}",
+            "",
+            BEGIN,
+            "[[trial]]",
+            f'name = "{EXAMPLE}"',
+            f'gait = "{EXAMPLE}"',
+            f'joint_table = "{EXAMPLE}/joint_table.csv"',
+            f"cycle_duration_s = {duration:g}",
+            f"cycles = {CYCLES}",
+            f"pause_s = {PAUSE_S:g}",
+            f'motion = "{EXAMPLE}/motion.csv"',
+            'format = "tidy"',
+            END,
+            "",
+        ]
+    )
+
+
+def _labels(body: Body) -> list[str]:
+    joints = {vertex: f"joint_{number}" for number, vertex in enumerate(body.joint_vertices, 1)}
+    inside = [joints.get(vertex, f"point_{vertex}") for vertex in range(1, body.vertices - 1)]
+    return ["tail", *inside, "head"]
+
+
+campaign = Template("campaign/campaign.toml", QUESTIONS, write)

@@ -1,0 +1,81 @@
+"""`serpenoid new problem`: a chain of equal links with half links at its ends, or of given edges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from serpenoid.errors import InputError
+from serpenoid.files import write_text
+from serpenoid.json_schema import write_schema
+from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, whole
+
+QUESTIONS = (
+    Question("joints", "How many joints?", "6", whole(1, 98)),
+    Question("edges", "Edge lengths in metres, tail to head (empty: equal links)", "", numbers),
+    Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000)),
+    Question("mass", "Mass in kilograms", "0.9", number(0, 1e4)),
+    Question("joint-limit", "How far may a joint bend, in degrees?", "60", number(0, 180)),
+    Question("cycle-duration", "Seconds per cycle", "5", number(0, 600)),
+    Question("anisotropy", "Drag lengthwise over sideways (wheels: 0.2, slender swimmers: 0.5)", "0.2", number(0, 1)),
+)
+
+
+def edges_of(answers: Answers) -> list[float]:
+    """N - 1 lengths [m]; raises InputError where given ones do not fit the joints."""
+    joints, given = answers["joints"], answers["edges"]
+    if given and len(given) != joints + 1:
+        raise InputError(f"--edges: {joints} joints need {joints + 1} edges, got {len(given)}.")
+    spacing = answers["length"] / joints
+    return list(given) or [spacing / 2, *[spacing] * (joints - 1), spacing / 2]
+
+
+def write(path: Path, answers: Answers) -> str:
+    """Write the file; returns a command to begin with."""
+    edges = edges_of(answers)
+    write_text(path, _text(write_schema(path.parent, "problem"), path.stem, answers, edges))
+    return f"serpenoid solve {path} --c 1.0"
+
+
+def _text(hint: str, name: str, answers: Answers, edges: list[float]) -> str:
+    listed = ", ".join(f"{edge:.6g}" for edge in edges)
+    return f"""{hint}
+# {name}: a chain of {answers["joints"]} joints. `serpenoid schema problem` lists every key.
+#   serpenoid simulate {name}.toml             the gait below
+#   serpenoid solve {name}.toml --c 1.0        the gait that carries it farthest for what it dissipates
+#   serpenoid new robot --problem {name}.toml  which servo moves which joint
+
+[about]
+question = "Which gait carries {name} farthest per cycle, at a given price of dissipation?"
+
+[body]
+vertices = {answers["joints"] + 2}             # tail marker, joints, head marker
+edge_lengths = [{listed}]   # metres, tail to head
+# weights = []               # what each vertex carries, on any scale; without it, equal
+mass_kg = {answers["mass"]:g}
+joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
+joint_speed_limit_rpm = 57.0  # XL430-W250-T at 11.1 V
+
+[medium]
+anisotropy_ratio = {answers["anisotropy"]:g}     # `serpenoid fit` finds it from recordings
+dissipation = "vertex"       # drag at wheels or feet; "edge" for a smooth body
+
+[gait]                       # where the optimiser begins, and what `simulate` plays
+sigma = 1.0
+a = 4.0
+xi = 1.0
+
+[task]
+steps = 50                   # rows of the joint table
+cycle_duration_s = {answers["cycle-duration"]:g}
+c = 0.0                      # price of the normalised dissipation: 0 .. 2.5
+
+[task.bounds]                # where the optimiser may look
+sigma = [0.0, 1.0]
+x_c = [-6.0, 6.0]
+y_c = [-6.0, 6.0]
+a = [0.0, 15.0]
+xi = [0.5, 2.5]
+"""
+
+
+problem = Template("my-robot.toml", QUESTIONS, write)

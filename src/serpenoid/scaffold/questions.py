@@ -1,0 +1,84 @@
+"""What is asked before a file is written, and how an answer is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from serpenoid.errors import InputError
+
+Answers = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Question:
+    """`name` is the option, `text` what is asked; `read` turns an answer into a value, or raises ValueError."""
+
+    name: str
+    text: str
+    default: str
+    read: Callable[[str], Any]
+
+    def value(self, answer: str) -> Any:
+        """The answer as a value; raises InputError that names the option."""
+        try:
+            return self.read(answer.strip())
+        except ValueError as error:
+            raise InputError(f"--{self.name}: {error}, got {answer!r}.") from None
+
+
+@dataclass(frozen=True)
+class Template:
+    """A kind of file: its questions, the path where none is given, and what writes it and all that belongs to it."""
+
+    default_path: str
+    questions: tuple[Question, ...]
+    write: Callable[[Path, Answers], str]  # returns what to try first
+
+
+def number(low: float, high: float) -> Callable[[str], float]:
+    """A number within limits."""
+
+    def read(text: str) -> float:
+        value = _float(text)
+        if not low < value <= high:
+            raise ValueError(f"needs a number above {low:g} and at most {high:g}")
+        return value
+
+    return read
+
+
+def whole(low: int, high: int) -> Callable[[str], int]:
+    """A whole number within limits."""
+
+    def read(text: str) -> int:
+        if not text.isascii() or not text.isdecimal() or not low <= int(text) <= high:
+            raise ValueError(f"needs a whole number from {low} to {high}")
+        return int(text)
+
+    return read
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Numbers above 0 with commas between; empty for none."""
+    values = tuple(_float(part) for part in text.split(",")) if text else ()
+    if not all(0 < value < 1e6 for value in values):
+        raise ValueError("needs numbers above 0, with commas between")
+    return values
+
+
+def existing(text: str) -> Path | None:
+    """A file that is there; empty for none."""
+    path = Path(text) if text else None
+    if path is not None and not path.is_file():
+        raise ValueError("needs a file that is there")
+    return path
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError("needs a number") from None

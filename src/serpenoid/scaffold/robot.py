@@ -1,0 +1,107 @@
+"""`serpenoid new robot`: which servo moves which joint, how far, how fast, over which bus."""
+
+from __future__ import annotations
+
+from math import radians
+from pathlib import Path
+
+from serpenoid.errors import InputError
+from serpenoid.files import write_text
+from serpenoid.json_schema import write_schema
+from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
+from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, whole
+
+CENTRE = TICKS_PER_TURN // 2
+
+
+def _ids(text: str) -> tuple[int, ...]:
+    ids = tuple(whole(0, 252)(part.strip()) for part in text.split(",")) if text else ()
+    if len(set(ids)) < len(ids):
+        raise ValueError("needs a different ID for every servo")
+    return ids
+
+
+def _baud_rate(text: str) -> int:
+    if not text.isdecimal() or int(text) not in BAUD_RATES.values():
+        raise ValueError(f"needs one of {', '.join(map(str, BAUD_RATES.values()))}")
+    return int(text)
+
+
+QUESTIONS = (
+    Question("problem", "Problem file of its body (empty: answer the next)", "", existing),
+    Question("joints", "How many joints (where no problem file is given)?", "6", whole(1, 60)),
+    Question("ids", "Servo IDs, tail to head, with commas (empty: 1, 2, 3 ...)", "", _ids),
+    Question("joint-limit", "How far may the mechanics bend a joint, in degrees?", "80", number(0, 175)),
+    Question("speed-limit", "How fast may a joint turn, in rpm?", "40", number(0, 61)),
+    Question("baud-rate", "Baud rate of the servos", "1000000", _baud_rate),
+)
+
+
+def write(path: Path, answers: Answers) -> str:
+    """Write the file; returns a command to begin with."""
+    joints = _joints(answers)
+    ids = answers["ids"] or tuple(range(1, joints + 1))
+    if len(ids) != joints:
+        raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
+    head = _head(write_schema(path.parent, "robot"), path.stem, answers)
+    reach = int(radians(answers["joint-limit"]) / RADIANS_PER_TICK)
+    servos = [_servo(number, servo_id, reach, answers) for number, servo_id in enumerate(ids, 1)]
+    write_text(path, "\n".join([head, *servos]))
+    return f"serpenoid robot emulate --robot {path}"
+
+
+def _joints(answers: Answers) -> int:
+    if answers["problem"] is None:
+        return int(answers["joints"])
+    from serpenoid.problem import load
+
+    return load(answers["problem"]).body.joint_count
+
+
+def _head(hint: str, name: str, answers: Answers) -> str:
+    return f"""{hint}
+# {name}: which servo moves which joint. joint_1 is next to the tail. `serpenoid schema robot` lists every key.
+#   serpenoid robot emulate --robot {name}.toml                        rehearse without a robot
+#   serpenoid robot scan                                               what is on the bus
+#   serpenoid play RESULTS --robot {name}.toml --log trials/first      play and record
+# Calibrate: straighten the robot by hand, copy the ticks that `robot scan` shows into `zero_ticks` and shift the limits
+# with them. Turn a joint counter-clockwise seen from above: if its ticks fall, its sign is -1.
+format = 1
+name = "{name}"
+model = "XL430-W250-T"
+
+[bus]
+baud_rate = {answers["baud-rate"]}          # servos leave the factory at 57600, all with ID 1
+
+[motion]
+cycle_duration_s = 5.0       # where the results do not say it
+approach_speed_rpm = 5.0     # slow way to the first row
+approach_limit_deg = 90.0    # no joint may be farther than this from the first row
+watchdog_s = 0.5             # a servo that hears nothing for so long stops by itself
+
+[voltage]                    # at the servos' input; three lithium cells
+minimum_V = 9.9
+maximum_V = 12.6
+nominal_V = 11.1
+
+[tracking]                   # how far a joint may stand from its command, lag apart
+limit_deg = 12.0
+lag_s = 0.3
+action = "stop"              # or "slow", "warn"
+"""
+
+
+def _servo(number: int, servo_id: int, reach: int, answers: Answers) -> str:
+    limit = answers["joint-limit"]
+    return f"""[[joint]]                    # joint_{number}
+id = {servo_id}
+sign = 1
+zero_ticks = {CENTRE}
+minimum_ticks = {CENTRE - reach}         # -{limit:g} degrees
+maximum_ticks = {CENTRE + reach}         # +{limit:g} degrees
+speed_limit_rpm = {answers["speed-limit"]:g}
+"""
+
+
+robot = Template("my-robot-servos.toml", QUESTIONS, write)

@@ -1,0 +1,220 @@
+"""Files that `serpenoid new` writes run as they are; `campaign add` takes a played trial in, or changes nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from serpenoid.cli.main import main
+from serpenoid.gaits.table import read_table, write_table
+from serpenoid.json_schema import schema_of
+from serpenoid.measure.load import load_campaign
+from serpenoid.problem import load
+from serpenoid.robot.checks import check_table
+from serpenoid.robot.description import Robot
+from serpenoid.schema import load as load_file
+from serpenoid.simulation.problem import simulate
+
+SIX = ["--joints", "6", "--edges", "0.05,0.1,0.12,0.1,0.08,0.1,0.05", "--mass", "0.95", "--joint-limit", "50"]
+
+
+def new(kind: str, path: Path, *words: str) -> Path:
+    assert main(["new", kind, str(path), "--yes", *words]) == 0
+    return path
+
+
+def satisfies(kind: str, path: Path) -> None:
+    """Valid for its own schema, which its first line names."""
+    directive, name = path.read_text().splitlines()[0].split()
+    assert directive == "#:schema"
+    schema = json.loads((path.parent / name).read_text())
+    assert schema == schema_of(kind)
+    jsonschema.validate(tomllib.loads(path.read_text()), schema)
+
+
+@pytest.mark.parametrize("words", [[], SIX, ["--joints", "1"], ["--joints", "16", "--length", "1.4", "--mass", "2"]])
+def test_a_new_problem_file_is_valid_and_its_gait_moves_within_its_limits(tmp_path: Path, words: list[str]) -> None:
+    path = new("problem", tmp_path / "mine.toml", *words)
+    satisfies("problem", path)
+    problem = load(path)
+    result = simulate(problem)
+    assert result.trajectory.status.ok
+    assert np.degrees(np.abs(result.table).max()) <= (problem.joint_limit_deg or 0) or problem.body.joint_count < 6
+
+
+def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -> None:
+    problem = load(new("problem", tmp_path / "mine.toml", *SIX))
+    path = new(
+        "robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"), "--ids", "11,12,13,14,15,16"
+    )
+    satisfies("robot", path)
+    robot = load_file(Robot, path)
+    assert robot.ids == [11, 12, 13, 14, 15, 16]
+    assert check_table(simulate(problem).table, robot, 5.0, robot.voltage.nominal_V) == []
+
+
+def test_a_new_protocol_is_played_in_the_arena_on_the_problems_own_body(tmp_path: Path) -> None:
+    problem = new("problem", tmp_path / "robots" / "mine.toml", *SIX)
+    words = ["--problem", str(problem), "--trials", "1", "--cycles", "1", "--cycle-duration", "3"]
+    path = new("protocol", tmp_path / "lab" / "protocol.toml", *words)
+    satisfies("protocol", path)
+    out = tmp_path / "out"
+    assert main(["arena", "run", str(path), "--out", str(out), "-j", "1", "--quiet"]) == 0
+    assert load_campaign(out).body.joint_count == 6
+
+
+def test_a_new_campaign_is_measured_with_its_made_up_trial(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    problem = new("problem", tmp_path / "mine.toml", *SIX)
+    new("campaign", tmp_path / "camp", "--problem", str(problem))
+    satisfies("campaign", tmp_path / "camp" / "campaign.toml")
+    assert main(["measure", str(tmp_path / "camp"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
+    (trial,) = load_campaign(tmp_path / "camp").trials
+    assert trial.name == "example"
+    capsys.readouterr()
+    assert main(["fit", str(tmp_path / "camp"), "--out", str(tmp_path / "fit"), "--no-figures", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["joint"]["values"]["anisotropy_ratio"]
+    # the trial is the drag model's own at 0.2; its frames lie on straight lines between the rows: half a percent
+    assert found == pytest.approx(0.2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["problem", "--joints", "0"], "--joints: needs a whole number from 1 to 98, got '0'"),
+        (["problem", "--edges", "1,2"], "--edges: 6 joints need 7 edges, got 2"),
+        (["problem", "--mass", "heavy"], "--mass: needs a number, got 'heavy'"),
+        (["problem", "--anisotropy", "1.5"], "--anisotropy: needs a number above 0 and at most 1, got '1.5'"),
+        (["robot", "--ids", "1,1,2,3,4,5"], "--ids: needs a different ID for every servo"),
+        (["robot", "--ids", "1,2"], "--ids: 6 joints need 6 IDs, got 2"),
+        (["robot", "--baud-rate", "12345"], "--baud-rate: needs one of 9600, 57600"),
+        (["robot", "--problem", "/no/such.toml"], "--problem: needs a file that is there"),
+        (["campaign", "--format", "vicon"], "--format: needs one of motive, c3d"),
+    ],
+)
+def test_an_answer_that_cannot_be_is_refused_and_nothing_is_written(
+    tmp_path: Path, words: list[str], complaint: str, capsys: pytest.CaptureFixture
+) -> None:
+    kind, *rest = words
+    assert main(["new", kind, str(tmp_path / "x.toml"), "--yes", *rest]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (tmp_path / "x.toml").exists()
+
+
+def test_no_file_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    path = new("problem", tmp_path / "mine.toml")
+    before = path.read_text()
+    assert main(["new", "problem", str(path), "--yes", "--joints", "3"]) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert path.read_text() == before
+
+
+def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(tmp_path: Path) -> None:
+    master, slave = pty.openpty()
+    words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
+    process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
+    os.close(slave)
+    os.write(master, b"many\n4\n\n0.5\n\n\n\n\n")
+    out, _ = process.communicate(timeout=60)
+    said = os.read(master, 65536).decode()
+    os.close(master)
+    assert process.returncode == 0
+    assert "How many joints? [6]" in said
+    assert "needs a whole number from 1 to 98, got 'many'" in said
+    assert "Begin: serpenoid solve" in out
+    assert load(tmp_path / "mine.toml").body.joint_count == 4
+
+
+@pytest.fixture
+def played(tmp_path: Path) -> Path:
+    """A campaign folder, and beside it the log and the motion file of a trial: those of the arena's next robot."""
+    problem = new("problem", tmp_path / "mine.toml", *SIX)
+    new("campaign", tmp_path / "camp", "--problem", str(problem))
+    example = tmp_path / "camp" / "example"
+    log = tmp_path / "trials" / "wave-1"
+    log.mkdir(parents=True)
+    table = read_table(example / "joint_table.csv")
+    write_table(log / "joint_table.csv", table)
+    times = np.arange(0.0, 13.0, 0.05)
+    names = ",".join(f"position_{j}" for j in range(1, 7))
+    step = np.floor(((times - 1.5) % 6.0) / 5.0 * 50).astype(int)
+    rows = np.where(((times >= 1.5) & (step < 50))[:, None], table[np.clip(step, 0, 49)], table[0])
+    np.savetxt(log / "servo.csv", np.column_stack([times, rows]), delimiter=",", header=f"t_s,{names}", comments="")
+    (log / "play.json").write_text(json.dumps({"status": "done", "reason": "played to the end"}))
+    trial = 'name = "wave-1"\ncycle_duration_s = 5.0\ncycles = 2\npause_s = 1.0\n'
+    (log / "trial.toml").write_text(f"[[trial]]\n{trial}")
+    shutil.copy(example / "motion.csv", tmp_path / "take.csv")
+    return tmp_path
+
+
+def add(folder: Path, *words: str) -> int:
+    parts = ["campaign", "add", str(folder / "camp"), str(folder / "trials" / "wave-1"), str(folder / "take.csv")]
+    return main([*parts, "--format", "tidy", *words])
+
+
+def test_a_played_trial_takes_the_place_of_the_made_up_one_and_is_measured(played: Path) -> None:
+    assert add(played) == 0
+    campaign = load_campaign(played / "camp")
+    assert [trial.name for trial in campaign.trials] == ["wave-1"]
+    assert {path.name for path in (played / "camp" / "wave-1").iterdir()} == {
+        "joint_table.csv",
+        "motion.csv",
+        "play.json",
+        "servo.csv",
+    } - {"motion.csv"} | {"take.csv"}
+    assert main(["measure", str(played / "camp"), "--out", str(played / "out"), "--no-figures", "--quiet"]) == 0
+
+
+def test_a_second_trial_with_the_same_table_is_a_repeat(played: Path) -> None:
+    assert add(played) == 0
+    assert add(played, "--name", "wave-2") == 0
+    assert list(load_campaign(played / "camp").gaits) == ["wave-1"]
+    assert len(load_campaign(played / "camp").gaits["wave-1"]) == 2
+
+
+def spoil_status(folder: Path) -> str:
+    (folder / "trials/wave-1/play.json").write_text(
+        json.dumps({"status": "strayed", "reason": "joint_2 did not follow"})
+    )
+    return "not played as asked (strayed: joint_2 did not follow)"
+
+
+def spoil_motion(folder: Path) -> str:
+    (folder / "take.csv").write_text("no,motion\n1,2\n")
+    return "take.csv"
+
+
+def spoil_log(folder: Path) -> str:
+    (folder / "trials/wave-1/play.json").unlink()
+    return "Name a folder that `serpenoid play --log` wrote"
+
+
+@pytest.mark.parametrize("spoil", [spoil_status, spoil_motion, spoil_log])
+def test_a_trial_that_cannot_be_taken_leaves_the_campaign_as_it_was(played: Path, spoil, capsys) -> None:
+    complaint = spoil(played)
+    before = (played / "camp" / "campaign.toml").read_text()
+    assert add(played) == 2
+    assert complaint in capsys.readouterr().err
+    assert (played / "camp" / "campaign.toml").read_text() == before
+    assert not (played / "camp" / "wave-1").exists()
+
+
+@pytest.mark.parametrize("name", ["../out", "a/b", "", ".hidden", "x\ny"])
+def test_a_name_never_leads_out_of_the_campaign(played: Path, name: str, capsys) -> None:
+    assert add(played, "--name", name) == (2 if name else 0)
+    assert not (played / "out").exists()
+
+
+def test_the_same_name_twice_is_refused(played: Path, capsys) -> None:
+    assert add(played) == 0
+    assert add(played) == 2
+    assert "has a trial `wave-1` already" in capsys.readouterr().err
