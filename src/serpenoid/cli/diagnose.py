@@ -43,6 +43,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "eps is calibrated",
     )
     parser.add_argument("--reference", metavar="CAMPAIGN", help="an earlier campaign: say what changed since then")
+    parser.add_argument(
+        "--without",
+        metavar="EFFECT",
+        action="append",
+        default=[],
+        help="leave an effect out of the catalogue, as often as you like: what would be named in its place?",
+    )
     options.add_workers(parser, "of one campaign: pieces of its work; of several: campaigns", os.cpu_count() or 1)
     options.add_output(parser, "results/<campaign>/diagnosis")
 

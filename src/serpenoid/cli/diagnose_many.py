@@ -75,7 +75,7 @@ def diagnose_one(settings: dict[str, Any]) -> dict[str, Any]:
 
 def fingerprint(args: argparse.Namespace) -> str:
     """Hash of all files of the campaign, model and reference, and of the options that change the answer."""
-    found = hashlib.sha256(f"{__version__} {args.no_figures}".encode())
+    found = hashlib.sha256(f"{__version__} {args.no_figures} {sorted(args.without)}".encode())
     for name in (args.campaign[0], args.model, args.reference):
         if name is not None:
             place = Path(name) if Path(name).is_dir() else Path(name).parent

@@ -50,10 +50,12 @@ def _diagnosed(
     from serpenoid.diagnose.recording import read_recordings
     from serpenoid.diagnose.start import baseline, check_body
     from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
+    from serpenoid.effects.catalogue import find
     from serpenoid.errors import InputError
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.measure.load import load_campaign
 
+    without = frozenset(find(name).name for name in args.without)
     file, _ = load_campaign_file(campaign)
 
     def reading(done: int, _total: int, name: str) -> None:
@@ -63,9 +65,10 @@ def _diagnosed(
         if args.reference:
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
         tracked = tracked_recordings(load_campaign(campaign, reading))
-        return file, diagnose_tracked(tracked, baseline(args.model, file, tracked[0].body), work.begin)
+        alone = Baseline(baseline(args.model, file, tracked[0].body), without=without)
+        return file, diagnose_tracked(tracked, alone, work.begin)
     check_body(args.model, file)
-    known = earlier or Baseline(baseline(args.model, file, file.body))
+    known = earlier or Baseline(baseline(args.model, file, file.body), without=without)
     known.check(file.body)
     found = diagnose(read_recordings(campaign, reading)[1], known, work.begin)
     work.campaign_done()

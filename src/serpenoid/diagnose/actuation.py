@@ -39,7 +39,7 @@ class Plays:
     """The servos' readings (R, m) [rad], trial numbers (R,), and set-points on meshes that meet every row.
 
     noise (m,) [rad]: of a reading. known: effects that are no news; habit (R, m) [rad]: what readings are known to
-    differ by from what these make of the set-points.
+    differ by from what these make of the set-points. without: effects that are no candidates.
     """
 
     recordings: tuple[Recording, ...]
@@ -51,6 +51,7 @@ class Plays:
     noise: Floats
     known: tuple[ActiveEffect, ...] = ()
     habit: Floats | float = 0.0
+    without: frozenset[str] = frozenset()
 
     @property
     def held(self) -> bool:
@@ -163,7 +164,11 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
     """Every actuation effect that readings show, at every joint, beside those in `base`."""
     found = []
     for kind in actuation_effects():
-        if not kind.shown or (kind.place is None and any(e.name == kind.name for e in base)):
+        if (
+            not kind.shown
+            or kind.name in data.without
+            or (kind.place is None and any(e.name == kind.name for e in base))
+        ):
             continue
         starts: tuple[float, ...] = STARTS.get(kind.name, (0.0,))
         if kind.name == "speed_saturation":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,9 +21,13 @@ ALIKE = 0.01
 
 @dataclass(frozen=True)
 class Baseline:
-    """model: where the calibration of eps begins; its effects are held. Nothing else is known beforehand."""
+    """model: where the calibration of eps begins; its effects are held. Nothing else is known beforehand.
+
+    without: effects that the catalogue shall not have.
+    """
 
     model: Model
+    without: frozenset[str] = field(default=frozenset(), kw_only=True)
 
     @property
     def known(self) -> tuple[ActiveEffect, ...]:
@@ -54,7 +58,7 @@ class Baseline:
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """The servos' readings, beside what is expected of them."""
-        return plays(recordings)
+        return replace(plays(recordings), without=self.without)
 
     def corrected(self, tracks: Sequence[Track]) -> tuple[Track, ...]:
         """Tracks without what the model is known to get wrong."""

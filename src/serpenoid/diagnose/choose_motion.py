@@ -20,7 +20,7 @@ from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import pattern
 from serpenoid.diagnose.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
 from serpenoid.diagnose.tracks import make_tracks
-from serpenoid.diagnose.untestable import beyond_bounds
+from serpenoid.diagnose.untestable import beyond_bounds, left_out
 from serpenoid.diagnose.windows import Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -68,7 +68,7 @@ def choose_on_tracks(
     untestable: effects that are no candidates, and why.
     """
     model = baseline.model
-    barred = {**beyond_bounds(model), **(untestable or {})}
+    barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred), baseline.ratio)
         model = fit_eps(motion, model).model

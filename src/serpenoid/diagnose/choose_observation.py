@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import numpy as np
 
@@ -29,12 +29,17 @@ def all_keys(body: Body) -> list[Key]:
     return [*unread, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
 
 
-def choose_observation(recordings: Sequence[Recording], now: Observation) -> tuple[Rung, Observation]:
-    """What is new beside the observation model `now`, and the model to be taken out of the data (faint effects too)."""
+def choose_observation(
+    recordings: Sequence[Recording], now: Observation, without: Set[str] = frozenset()
+) -> tuple[Rung, Observation]:
+    """What is new beside the observation model `now`, and the model to be taken out of the data (faint effects too).
+
+    without: effects that are no candidates.
+    """
     data = sample(recordings)
     chosen: list[Key] = []
     for _ in range(AT_MOST):
-        found = _next(data, now, chosen)
+        found = _next(data, now, chosen, without)
         if found is None:
             break
         chosen, now = found
@@ -44,18 +49,18 @@ def choose_observation(recordings: Sequence[Recording], now: Observation) -> tup
         named = _named(data, now, chosen, key)
         (shown if named.strength >= VISIBLE else faint).append(named)
     left = misfit(data, now) / data.count
-    clock = _clock(recordings, data)
+    clock = None if "clock_offset" in without else _clock(recordings, data)
     if clock is not None:
         (shown if clock.strength >= VISIBLE else faint).append(clock)
     words = (
         () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
     )
     visible = [k for k in chosen if k in {n.effect.key for n in shown}]
-    rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k))
+    rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k, without))
     return Rung("observation", tuple(shown), rivals, tuple(faint), left, words), now
 
 
-def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key], Observation] | None:
+def _next(data: Sample, now: Observation, chosen: list[Key], without: Set[str]) -> tuple[list[Key], Observation] | None:
     """One more effect, or None: of those that do as well, the one with fewest numbers."""
     body = data.body
     own = [c for k in chosen for c in columns_of(body, *k)]
@@ -63,7 +68,7 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
     before = sums.held_out(own)
     gains = []
     for key in all_keys(body):
-        if key in chosen:
+        if key in chosen or key[0] in without:
             continue
         columns = columns_of(body, *key)
         gains.append((before - sums.held_out([*own, *columns]), key))
@@ -82,7 +87,9 @@ def _next(data: Sample, now: Observation, chosen: list[Key]) -> tuple[list[Key],
     return [*chosen, key], fitted
 
 
-def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -> list[Rival]:
+def rivals_of(
+    data: Sample, now: Observation, chosen: Sequence[Key], key: Key, without: Set[str] = frozenset()
+) -> list[Rival]:
     """What else could stand in the place of one chosen effect, the others kept: scored linearly, then fitted."""
     body = data.body
     kept = [k for k in chosen if k != key]
@@ -93,7 +100,7 @@ def rivals_of(data: Sample, now: Observation, chosen: Sequence[Key], key: Key) -
     found = []
     for other in all_keys(body):
         columns = [c for k in (*kept, other) for c in columns_of(body, *k)]
-        if other in chosen or excludable(sums.chi2(columns), least, count, slack):
+        if other in chosen or other[0] in without or excludable(sums.chi2(columns), least, count, slack):
             continue
         fitted = solved(data, base, [*kept, other])
         effect = ActiveEffect.neutral(*other).with_coordinates(values_of(body, fitted, other))
@@ -152,7 +159,8 @@ def _named(data: Sample, now: Observation, chosen: list[Key], key: Key) -> Named
     return Named(effect, ends, float(signature(data, only(data.body, now, key)).max()))
 
 
-SYSTEMATIC = {"offset": 5e-5, "width": 2e-4, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep, smoothing
+QUARTER_TICK = 2 * np.pi / 4096 / 4  # rad: jitter that smoothed readings keep, and that crosses this much of a gap
+SYSTEMATIC = {"offset": 5e-5, "width": QUARTER_TICK, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep
 
 
 def _clock(recordings: Sequence[Recording], data: Sample) -> Named | None:

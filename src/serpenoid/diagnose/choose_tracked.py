@@ -14,16 +14,17 @@ from serpenoid.diagnose.choose_motion import MotionFinding, causes, choose_on_tr
 from serpenoid.diagnose.held_out import Rule, fitted_again
 from serpenoid.diagnose.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.untestable import fixed_to_the_room
-from serpenoid.model import Model
 
 RULE = Rule(fitted_again, worth=0.2, strict=True)
 MAJOR = 0.5  # of the error of the path: all of them together
 
 
-def choose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> MotionFinding:
+def choose_tracked(
+    recordings: Sequence[TrackedRecording], baseline: Baseline, say: Callable[[str], None]
+) -> MotionFinding:
     """Calibrate eps, select effects, name them if they are worth it, say what is left."""
     track = tracker(recordings)
-    tracks = track(model)
+    tracks = track(baseline.model)
     labels = tuple(range(len(tracks)))
-    found = choose_on_tracks(track, labels, Baseline(model), say, fixed_to_the_room(tracks), RULE)
+    found = choose_on_tracks(track, labels, baseline, say, fixed_to_the_room(tracks), RULE)
     return causes(found, MAJOR, RULE.leave_out)

@@ -82,19 +82,21 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     say("shape against markers")
     observation, seen = Rung("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
     if all(r.by_servos for r in recordings):
-        observation, seen = choose_observation(recordings, seen)
+        observation, seen = choose_observation(recordings, seen, baseline.without)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say)
     rungs = (actuation, observation, motion.rung)
     return concluded(baseline, seen, rungs, motion, climb(servos, recordings, rungs, seen, motion), say)
 
 
-def diagnose_tracked(recordings: Sequence[TrackedRecording], model: Model, say: Callable[[str], None]) -> Diagnosis:
+def diagnose_tracked(
+    recordings: Sequence[TrackedRecording], baseline: Baseline, say: Callable[[str], None]
+) -> Diagnosis:
     """The same where there are tracked points alone: the rung of motion, and why the others are skipped."""
     actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Rung("observation", left=np.nan, skipped=NO_LOG)
     say("shape against motion")
-    motion, baseline = choose_tracked(recordings, model, say), Baseline(model)
+    motion = choose_tracked(recordings, baseline, say)
     rungs = (actuation, observation, motion.rung)
     return concluded(baseline, baseline.observation(), rungs, motion, (motion_step(motion),), say, fitted_again)
 

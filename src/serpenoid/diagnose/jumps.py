@@ -35,7 +35,7 @@ def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.n
 def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float) -> Named | None:
     """The effect `position_jumps`, if the gaps show it."""
     lengths, noises = gap_lengths(motion, predictions)
-    if len(lengths) < 3:
+    if len(lengths) < 3 or "position_jumps" in motion.untestable:
         return None
 
     def log_likelihood(size: float) -> float:

@@ -1,37 +1,32 @@
 """One trial as the diagnosis needs it: what was commanded, what servos read, what cameras saw; SI, from t0 on.
 
-Shapes come from the servos, smoothed by local parabolas within each stretch of playing or pause: unsmoothed ticks in
-the joint rates would be rectified by every law with a sign in it, and look like friction. Without a servo log they are
-what the markers show, and so are the readings: `by_servos` is False.
+Shapes come from the servos (shape_in_time.py). Without a servo log they are what the markers show, and so are the
+readings: `by_servos` is False.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import savgol_filter
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.clocks import ALIKE, Clock, align, start_on_log
 from serpenoid.diagnose.geometry import LEAST_MARKERS, register, shapes
-from serpenoid.diagnose.shapes_from_points import angles_shown, smoothed_angles
+from serpenoid.diagnose.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
+from serpenoid.diagnose.shapes_from_points import angles_shown
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file, read_motion, read_table
+from serpenoid.measure.chain import marker_angles
 from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.trial_files import label_markers
 
-SMOOTHED_S = 0.175  # local parabolas over this time,
-DEGREE = 2
-TICK = 2 * np.pi / 4096
-MISSED_TICKS = 0.5  # between two rows of a log: straight lines are then as good as its ticks, and quieter than cubics
+READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
 UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
-SMOOTHED_CYCLE = 0.08  # at most this part of a cycle: a wave then keeps all but 4e-5 of its amplitude
 
 
 @dataclass(frozen=True)
@@ -76,20 +71,38 @@ class Recording:
         return np.where(time < 0, -1, 2 * cycle + pause).astype(int)
 
     @cached_property
+    def shape(self) -> ShapeInTime:
+        """Joint angles in time, as servos read them; with what the markers show where the log is slow."""
+        schedule, log_s = self.schedule, self.log_time / (1 + self.clock.rate)
+        begun = schedule.period_s * np.arange(schedule.cycles + 1)
+        corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
+        apart, sources = spacing(schedule.cycle_duration_s), [self._read(log_s)]
+        slow = float(np.median(np.diff(log_s)))
+        if self.by_servos and apart < PER_KNOT * slow:
+            read = fitted(sources, corners, max(apart, slow))
+            shown = self._shown(read)
+            if not shown:
+                return read
+            sources += shown
+        return fitted(sources, corners, apart, choose=not self.by_servos)
+
+    def _read(self, time: Floats) -> Source:
+        return Source(time, self.position, np.full(self.position.shape[1], READING_SD))
+
+    def _shown(self, read: ShapeInTime) -> list[Source]:
+        """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
+        shown = marker_angles(self.body, self.markers)
+        miss = shown - read.at(self.time)
+        if not np.isfinite(miss).sum(axis=0).all():
+            return []
+        zero = np.nanmedian(miss, axis=0)
+        sd = 1.4826 * np.nanmedian(np.abs(miss - zero), axis=0)
+        return [Source(self.time, shown - zero, np.maximum(sd, READING_SD))]
+
+    @cached_property
     def angles(self) -> Floats:
         """Servo readings (F, m) on the camera frames, smoothed."""
-        at = np.clip((1 + self.clock.rate) * self.time, self.log_time[0], self.log_time[-1])
-        known = self.position if self.by_servos else smoothed_angles(self.log_time, self.position)
-        raw = _between(self.log_time, known, at)
-        if not self.by_servos:
-            return np.asarray(raw)
-        window = 2 * int(min(SMOOTHED_S, SMOOTHED_CYCLE * self.schedule.cycle_duration_s) / self.frame_s / 2) + 1
-        smooth, label = raw.copy(), self.stretch(self.time)
-        for one in np.unique(label):
-            mine = label == one
-            if mine.sum() > window > DEGREE:
-                smooth[mine] = savgol_filter(raw[mine], window, DEGREE, axis=0)
-        return smooth
+        return self.shape.at(self.time)
 
     @cached_property
     def marker_noise(self) -> float:
@@ -109,15 +122,7 @@ class Recording:
 
     def angles_at(self, time: Floats) -> Floats:
         """Smoothed joint angles (R, m) at other times."""
-        return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
-
-
-def _between(time: Floats, values: Floats, at: Floats) -> Floats:
-    """Columns (R, m) at other times: on straight lines, or, where these would miss what bends, on cubics."""
-    missed = np.sqrt((np.diff(values, 2, axis=0) ** 2).mean()) / 8
-    if missed > MISSED_TICKS * TICK:
-        return np.asarray(CubicSpline(time, values)(at))
-    return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+        return self.shape.at(time)
 
 
 Progress = Callable[[int, int, str], None]
@@ -140,7 +145,23 @@ def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple
             faults.append(f"trial `{entry.name}`: {error}")
     if faults:
         raise InputError("\n".join(faults))
-    return file, tuple(found)
+    return file, with_one_rate(found)
+
+
+def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """The rate between two devices' clocks is one in all trials; noisy markers tell little of it in each."""
+    if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings):
+        return tuple(recordings)
+    weight = np.array([1 / r.clock.rate_sd**2 for r in recordings])
+    rate = float(weight @ [r.clock.rate for r in recordings] / weight.sum())
+    return tuple(_at_rate(r, rate) for r in recordings)
+
+
+def _at_rate(r: Recording, rate: float) -> Recording:
+    """The clock turned about the middle of the film, where it is known best; t0 is the servos'."""
+    middle = float(r.time.mean())
+    shift = (r.clock.rate - rate) / (1 + rate) * middle
+    return replace(r, time=r.time + shift, clock=replace(r.clock, rate=rate))
 
 
 def read_recording(file: CampaignFile, entry: TrialEntry, folder: Path) -> Recording:

@@ -116,7 +116,13 @@ class Reference(Baseline):
                     habit[mine] = np.stack([np.interp(at, known, c) for c in left[theirs].T], axis=1)
                     matched |= mine
         share = np.sqrt(np.where(matched, READ**2, 1.0).mean())
-        return replace(now, known=then.known, habit=habit, noise=np.hypot(np.sqrt(2) * now.noise, share * spread))
+        return replace(
+            now,
+            without=self.without,
+            known=then.known,
+            habit=habit,
+            noise=np.hypot(np.sqrt(2) * now.noise, share * spread),
+        )
 
 
 def reference_of(d: Diagnosis) -> Reference:
@@ -130,7 +136,7 @@ def reference_of(d: Diagnosis) -> Reference:
     servos = replace(plays([t.recording for t in motion.tracks if isinstance(t.recording, Recording)]), known=shown)
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
-    return Reference(model, d.seen, _habits(motion, errors), usual, largest, servos, others)
+    return Reference(model, d.seen, _habits(motion, errors), usual, largest, servos, others, without=d.baseline.without)
 
 
 def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:

@@ -88,11 +88,6 @@ def angles_shown(body: Body, markers: Floats) -> tuple[NDArray[np.bool_], Floats
     return chain.determined, chain.joint_angles[chain.determined]
 
 
-def smoothed_angles(time: Floats, angles: Floats) -> Floats:
-    """Joint angles (R, m) without what cross-validation takes for noise."""
-    return _smoothed(time, angles, np.ones(angles.shape[1]))[0]
-
-
 def _smoothed(time: Floats, values: Floats, scale: Floats) -> tuple[Floats, Floats, tuple[Floats, np.ndarray]]:
     """Smooth columns (F, c), noise (F, c) and the weights of the best window; scale (c,): what counts as much."""
     count, best = len(time), None

@@ -6,7 +6,7 @@ an animal swims one way all the time, a push of the room cannot be told from a t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -16,6 +16,11 @@ from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
 
 ONE_WAY = 0.9  # mean resultant length of all headings: an SD of 26 degrees
+
+
+def left_out(names: Collection[str]) -> dict[str, str]:
+    """Names that were asked to be left out."""
+    return dict.fromkeys(sorted(names), "it was left out of the catalogue (--without)")
 
 
 def beyond_bounds(model: Model) -> dict[str, str]:
