@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         simulate_vertices,
     )
     from serpenoid.simulation.problem import simulate
+    from serpenoid.studies import compare, diagnose, fit, measure
 
 # public name -> module: imported on first use, so that `import serpenoid` and `--help` stay quick
 _PUBLIC = {
@@ -39,6 +40,10 @@ _PUBLIC = {
     "Criteria": "serpenoid.objectives",
     "gait_nlp": "serpenoid.optimise.nlp",
     "sweep": "serpenoid.family",
+    "measure": "serpenoid.studies",
+    "fit": "serpenoid.studies",
+    "compare": "serpenoid.studies",
+    "diagnose": "serpenoid.studies",
     "write_simulation": "serpenoid.results",
     "write_solution": "serpenoid.results",
 }
@@ -46,9 +51,13 @@ _PUBLIC = {
 __all__ = [
     "Criteria",
     "Problem",
+    "compare",
+    "diagnose",
+    "fit",
     "gait_nlp",
     "improve",
     "load",
+    "measure",
     "simulate",
     "simulate_batch",
     "simulate_in_space",

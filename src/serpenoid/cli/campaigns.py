@@ -11,7 +11,6 @@ from serpenoid.cli import options
 
 if TYPE_CHECKING:
     from serpenoid.measure.load import Campaign
-    from serpenoid.model import Model
 
 
 def add_campaign(parser: argparse.ArgumentParser) -> None:
@@ -37,31 +36,6 @@ def read(args: argparse.Namespace) -> Campaign:
         campaign = load_campaign(args.campaign, lambda done, total, name: advance(done, name))
         advance(len(file.trial))
     return campaign
-
-
-def stated_model(args: argparse.Namespace, campaign: Campaign) -> Model | None:
-    """The model that the command line or the campaign states; None where neither gives an anisotropy ratio."""
-    from serpenoid.medium import Medium
-    from serpenoid.model import Model
-    from serpenoid.schema import validate
-
-    medium = campaign.file.medium
-    eps = args.anisotropy_ratio
-    if eps is None and medium is None:
-        return None
-    data = medium.model_dump() if medium is not None else {}
-    data |= {} if eps is None else {"anisotropy_ratio": eps}
-    data |= {} if args.dissipation is None else {"dissipation": args.dissipation}
-    return Model(campaign.body, validate(Medium, data, "--anisotropy-ratio" if eps is not None else "campaign"))
-
-
-def neutral_model(args: argparse.Namespace, campaign: Campaign) -> Model:
-    """Where a fit begins: eps as stated, else 0.2."""
-    from serpenoid.medium import Medium
-    from serpenoid.model import Model
-
-    stated = stated_model(args, campaign)
-    return stated or Model(campaign.body, Medium(anisotropy_ratio=0.2, dissipation=args.dissipation or "vertex"))
 
 
 def folder(args: argparse.Namespace, campaign: Campaign, verb: str, *extra: Any) -> Path:

@@ -18,8 +18,6 @@ from serpenoid.cli import campaigns, options
 
 if TYPE_CHECKING:
     from serpenoid.compare.study import Study
-    from serpenoid.measure.load import Campaign
-    from serpenoid.model import Model
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,12 +29,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, write, report."""
+    from serpenoid.compare.start import compared_model
     from serpenoid.compare.study import compare_campaign
     from serpenoid.compare.write import study_record, write_study
     from serpenoid.errors import InputError
 
     campaign = campaigns.read(args)
-    model, origin = _model(args, campaign)
+    model, origin = compared_model(campaign, args.anisotropy_ratio, args.dissipation)
     with options.progress_bar(args, "comparing", len(campaign.trials)) as advance:
         study = compare_campaign(campaign, model, lambda done, total, name: advance(done, name))
         advance(len(campaign.trials))
@@ -49,24 +48,6 @@ def run(args: argparse.Namespace) -> int:
         advance(len(study.comparisons))
     options.report(args, record, [*lines(study, origin), f"written to        {folder}"], folder)
     return 0
-
-
-def _model(args: argparse.Namespace, campaign: Campaign) -> tuple[Model, str]:
-    stated = campaigns.stated_model(args, campaign)
-    if stated is not None:
-        return stated, "as stated"
-    from serpenoid.compare.calibrate import anisotropy, drag_ratio
-    from serpenoid.compare.parameters import changed
-
-    start = campaigns.neutral_model(args, campaign)
-    if not any(trial.passages for trial in campaign.trials):
-        return start, "nothing to fit it to"
-    found = anisotropy(campaign, start)
-    ratio, low, high = drag_ratio(found)
-    how_sure = (
-        f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g}; K = {ratio:.4g}, {low:.4g} .. {high:.4g}"
-    )
-    return changed(start, found.names, found.values), f"fitted to all trials together, {how_sure}"
 
 
 def lines(study: Study, origin: str) -> list[str]:

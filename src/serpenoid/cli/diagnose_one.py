@@ -44,35 +44,15 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
 def _diagnosed(
     args: argparse.Namespace, campaign: str, earlier: Baseline | None, work: Work
 ) -> tuple[CampaignFile, Diagnosis]:
-    """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all."""
-    from serpenoid.diagnose.baseline import Baseline
-    from serpenoid.diagnose.diagnose import diagnose, diagnose_tracked
-    from serpenoid.diagnose.recording import read_recordings
-    from serpenoid.diagnose.start import baseline, check_body
-    from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
+    from serpenoid.diagnose.campaign import diagnose_campaign
     from serpenoid.effects.catalogue import find
-    from serpenoid.errors import InputError
-    from serpenoid.measure.campaign import load_campaign_file
-    from serpenoid.measure.load import load_campaign
 
     without = frozenset(find(name).name for name in args.without)
-    file, _ = load_campaign_file(campaign)
-
-    def reading(done: int, _total: int, name: str) -> None:
-        work.read(done, name)
-
-    if is_tracked_only(file):
-        if args.reference:
-            raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
-        tracked = tracked_recordings(load_campaign(campaign, reading))
-        alone = Baseline(baseline(args.model, file, tracked[0].body), without=without)
-        return file, diagnose_tracked(tracked, alone, work.begin)
-    check_body(args.model, file)
-    known = earlier or Baseline(baseline(args.model, file, file.body), without=without)
-    known.check(file.body)
-    found = diagnose(read_recordings(campaign, reading)[1], known, work.begin)
+    found = diagnose_campaign(
+        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), work.begin
+    )
     work.campaign_done()
-    return file, found
+    return found
 
 
 def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:

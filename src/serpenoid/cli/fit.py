@@ -38,12 +38,13 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.compare.calibrate import calibrate
     from serpenoid.compare.parameters import start_values
     from serpenoid.compare.records import calibration_record
+    from serpenoid.compare.start import neutral_model
     from serpenoid.files import provenance, write_json
     from serpenoid.measure.usage import total, usage
 
     names = tuple(args.parameter or ("anisotropy_ratio",))
     campaign = campaigns.read(args)
-    model = campaigns.neutral_model(args, campaign)
+    model = neutral_model(campaign, args.anisotropy_ratio, args.dissipation)
     start_values(names, model)
     with options.progress_bar(args, "fitting", len(campaign.trials) + 1) as advance:
         calibration = calibrate(campaign, model, names, lambda done, total, name: advance(done, name))

@@ -4,3 +4,7 @@ Three rungs, top to bottom: commanded against realised shape (actuation), what m
 realised shape against realised motion (medium). Effects found on the upper rungs are taken out of the data before the
 lower one is judged.
 """
+
+from serpenoid.callable_room import make_callable
+
+make_callable(__name__)

@@ -4,3 +4,7 @@ Read in this order: `campaign` (what the folder promises), `cells`, `motive`, `p
 `relabel` (which marker is which vertex), `chain` (shape and pose with uncertainty), `clock`, `schedule`, `quality`,
 `trial` (all of it put together).
 """
+
+from serpenoid.callable_room import make_callable
+
+make_callable(__name__)

@@ -1,0 +1,46 @@
+"""The model that a campaign is compared with, and where a fit begins."""
+
+from __future__ import annotations
+
+from serpenoid.measure.load import Campaign
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.schema import validate
+
+FIRST_GUESS = 0.2
+
+
+def stated_model(campaign: Campaign, eps: float | None = None, dissipation: str | None = None) -> Model | None:
+    """The recorded body in the medium that the caller or the campaign states; None where neither gives eps."""
+    medium = campaign.file.medium
+    if eps is None and medium is None:
+        return None
+    data = medium.model_dump() if medium is not None else {}
+    data |= {} if eps is None else {"anisotropy_ratio": eps}
+    data |= {} if dissipation is None else {"dissipation": dissipation}
+    return Model(campaign.body, validate(Medium, data, "anisotropy ratio" if eps is not None else "campaign"))
+
+
+def neutral_model(campaign: Campaign, eps: float | None = None, dissipation: str | None = None) -> Model:
+    """Where a fit begins: as stated, else at a first guess of eps."""
+    guess = {"anisotropy_ratio": FIRST_GUESS} | ({"dissipation": dissipation} if dissipation else {})
+    return stated_model(campaign, eps, dissipation) or Model(campaign.body, validate(Medium, guess, "medium"))
+
+
+def compared_model(campaign: Campaign, eps: float | None = None, dissipation: str | None = None) -> tuple[Model, str]:
+    """The stated model, else eps fitted to all trials together; and where it comes from."""
+    stated = stated_model(campaign, eps, dissipation)
+    if stated is not None:
+        return stated, "as stated"
+    from serpenoid.compare.calibrate import anisotropy, drag_ratio
+    from serpenoid.compare.parameters import changed
+
+    start = neutral_model(campaign, eps, dissipation)
+    if not any(trial.passages for trial in campaign.trials):
+        return start, "nothing to fit it to"
+    found = anisotropy(campaign, start)
+    ratio, low, high = drag_ratio(found)
+    how_sure = (
+        f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g}; K = {ratio:.4g}, {low:.4g} .. {high:.4g}"
+    )
+    return changed(start, found.names, found.values), f"fitted to all trials together, {how_sure}"

@@ -1,0 +1,41 @@
+"""A campaign's folder, diagnosed: read as a robot's or as an animal's, beside a baseline or an earlier campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
+from serpenoid.diagnose.recording import read_recordings
+from serpenoid.diagnose.start import baseline, check_body
+from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
+from serpenoid.errors import InputError
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
+from serpenoid.measure.load import load_campaign
+
+Reading = Callable[[int, int, str], None]  # trials read, of how many, name of the next
+
+
+def diagnose_campaign(
+    campaign: str | Path,
+    model: str | Path | None = None,
+    earlier: Baseline | None = None,
+    without: frozenset[str] = frozenset(),
+    reading: Reading = lambda done, total, name: None,
+    say: Callable[[str], None] = lambda stage: None,
+) -> tuple[CampaignFile, Diagnosis]:
+    """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
+
+    without: names of effects that are not looked for.
+    """
+    file, _ = load_campaign_file(campaign)
+    if is_tracked_only(file):
+        if earlier is not None:
+            raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
+        tracked = tracked_recordings(load_campaign(campaign, reading))
+        return file, diagnose_tracked(tracked, Baseline(baseline(model, file, tracked[0].body), without=without), say)
+    check_body(model, file)
+    known = earlier or Baseline(baseline(model, file, file.body), without=without)
+    known.check(file.body)
+    return file, diagnose(read_recordings(campaign, reading)[1], known, say)

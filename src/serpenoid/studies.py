@@ -1,0 +1,142 @@
+"""Recordings from Python: `measure`, `fit`, `compare` and `diagnose` a campaign, as the commands of these names do.
+
+Each returns what was found, typed, short to print, with a picture in Jupyter; nothing is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from serpenoid.compare.calibrate import Calibration, calibrate
+from serpenoid.compare.start import compared_model, neutral_model
+from serpenoid.compare.study import Study, compare_campaign
+from serpenoid.diagnose.campaign import diagnose_campaign
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.reference import reference_of
+from serpenoid.errors import InputError
+from serpenoid.measure.campaign import CampaignFile
+from serpenoid.measure.load import Campaign, load_campaign
+from serpenoid.model import Model
+from serpenoid.shown import Shown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Place = str | Path
+
+
+@dataclass(frozen=True, repr=False)
+class Measured(Shown):
+    """A campaign as it was recorded: `campaign.trials` with markers, shapes, poses, commands, aligned in time."""
+
+    campaign: Campaign
+
+    def summary(self) -> str:
+        """Trials and vertices."""
+        campaign = self.campaign
+        return f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"
+
+    def figure(self) -> Figure | None:
+        """The first trial that has motion."""
+        from serpenoid.plot.recording import trial_figure
+
+        return next((trial_figure(t) for t in self.campaign.trials if t.motion is not None), None)
+
+
+@dataclass(frozen=True, repr=False)
+class Fitted(Shown):
+    """Numbers fitted to a campaign: `calibration.joint` to all trials together, `calibration.trials` one by one."""
+
+    campaign: Campaign
+    model: Model
+    calibration: Calibration
+
+    def summary(self) -> str:
+        """Every number with its 95 % interval."""
+        best = self.calibration.joint
+        numbers = zip(best.names, best.values, best.interval, strict=True)
+        return ", ".join(f"{name} {value:.4g} (95 %: {ends[0]:.4g} .. {ends[1]:.4g})" for name, value, ends in numbers)
+
+    def figure(self) -> Figure | None:
+        """Trial by trial, and how sure."""
+        from serpenoid.plot.calibration import calibration_figure
+
+        return calibration_figure(self.calibration)
+
+
+@dataclass(frozen=True, repr=False)
+class Compared(Shown):
+    """Measured, simulated and resimulated motion: `study.comparisons`, `study.ratios`; where its eps comes from."""
+
+    campaign: Campaign
+    study: Study
+    origin: str
+
+    def summary(self) -> str:
+        """How far resimulated gaits go, of measured ones."""
+        shares = self.study.displacement["Resim"] / self.study.displacement["Exp"]
+        eps = self.study.model.medium.anisotropy_ratio
+        said = f"{len(shares)} gait(s), Resim / Exp {shares.min():.3f} .. {shares.max():.3f}"
+        return f"{said}, anisotropy ratio {eps:.4g} ({self.origin})"
+
+    def figure(self) -> Figure | None:
+        """The first passage."""
+        from serpenoid.plot.comparison import comparison_figure
+
+        return comparison_figure(self.study.comparisons[0])
+
+
+@dataclass(frozen=True, repr=False)
+class Diagnosed(Shown):
+    """What the model gets wrong: `diagnosis.verdict`, `diagnosis.named`, `diagnosis.model` (extended)."""
+
+    file: CampaignFile
+    diagnosis: Diagnosis
+
+    def summary(self) -> str:
+        """Verdict, causes, and the error on gaits that were not fitted."""
+        d = self.diagnosis
+        found = ", ".join(n.effect.name + ("" if n.effect.place is None else f" at {n.effect.place}") for n in d.named)
+        return f"{self.file.name}: {d.verdict}" + (f" ({found})" if found else "")
+
+    def figure(self) -> Figure | None:
+        """Paths of gaits that were not fitted, before and after."""
+        from serpenoid.plot.diagnosis import paths_figure
+
+        return paths_figure(self.diagnosis)
+
+
+def measure(campaign: Place) -> Measured:
+    """Read a campaign (a folder, or its TOML file); InputError names the file, row and column that is wrong."""
+    return Measured(load_campaign(campaign))
+
+
+def fit(
+    campaign: Place,
+    parameters: Sequence[str] = ("anisotropy_ratio",),
+    anisotropy_ratio: float | None = None,
+    dissipation: str | None = None,
+) -> Fitted:
+    """Fit `parameters`, beginning at `anisotropy_ratio` (default: the campaign's, else a guess)."""
+    read = load_campaign(campaign)
+    model = neutral_model(read, anisotropy_ratio, dissipation)
+    return Fitted(read, model, calibrate(read, model, tuple(parameters)))
+
+
+def compare(campaign: Place, anisotropy_ratio: float | None = None, dissipation: str | None = None) -> Compared:
+    """Exp, Sim and Resim of every cycle; without an anisotropy ratio, it is fitted to all trials together first."""
+    read = load_campaign(campaign)
+    model, origin = compared_model(read, anisotropy_ratio, dissipation)
+    study = compare_campaign(read, model)
+    if not study.comparisons:
+        raise InputError("no trial has a motion file with a whole cycle in it. " + " ".join(study.notes))
+    return Compared(read, study, origin)
+
+
+def diagnose(campaign: Place, model: Place | None = None, reference: Place | None = None) -> Diagnosed:
+    """Find out what `model` (a problem or model file) gets wrong, or what changed since the campaign `reference`."""
+    earlier = None if reference is None else reference_of(diagnose_campaign(reference, model)[1])
+    return Diagnosed(*diagnose_campaign(campaign, model, earlier))
