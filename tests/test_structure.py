@@ -23,7 +23,7 @@ ALLOWED = {
     "mujoco": ("arena/",),
 }
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
-LEFT_OF_MODELS = {"errors", "schema", "files", "status", "body", "medium", "group", "gaits", "objectives"}
+LEFT_OF_MODELS = {"errors", "schema", "files", "status", "shown", "body", "medium", "group", "gaits", "objectives"}
 MAY_IMPORT = {
     "body": {"schema"},
     "medium": {"schema"},

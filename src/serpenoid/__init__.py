@@ -9,8 +9,10 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from serpenoid.family import sweep
+    from serpenoid.mechanics.opened import step_functions
     from serpenoid.objectives import Criteria
     from serpenoid.optimise.nlp import gait_nlp
+    from serpenoid.optimise.own import certify_table
     from serpenoid.optimise.solve import improve, solve, solve_from
     from serpenoid.problem import Problem, load
     from serpenoid.results import write_simulation, write_solution
@@ -39,6 +41,8 @@ _PUBLIC = {
     "improve": "serpenoid.optimise.solve",
     "Criteria": "serpenoid.objectives",
     "gait_nlp": "serpenoid.optimise.nlp",
+    "certify_table": "serpenoid.optimise.own",
+    "step_functions": "serpenoid.mechanics.opened",
     "sweep": "serpenoid.family",
     "measure": "serpenoid.studies",
     "fit": "serpenoid.studies",
@@ -51,6 +55,7 @@ _PUBLIC = {
 __all__ = [
     "Criteria",
     "Problem",
+    "certify_table",
     "compare",
     "diagnose",
     "fit",
@@ -66,6 +71,7 @@ __all__ = [
     "simulate_vertices",
     "solve",
     "solve_from",
+    "step_functions",
     "sweep",
     "write_simulation",
     "write_solution",

@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
+import importlib
 import io
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 DPI = 110
 
 
 class Shown:
-    """A class says `summary()`, and `figure()` where there is something to draw."""
+    """A class says `summary()`; `plot.previews` may have a picture of it."""
 
     def summary(self) -> str:
         """One line about what was found."""
         raise NotImplementedError
 
-    def figure(self) -> Figure | None:
-        """A picture of it."""
-        return None
-
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.summary()}>"
 
     def _repr_png_(self) -> bytes | None:
-        """What Jupyter shows."""
-        figure = self.figure()
+        """What Jupyter shows; pictures are looked up by name, so that results know nothing of drawing."""
+        figure = importlib.import_module("serpenoid.plot.previews").preview(self)
         if figure is None:
             return None
         stream = io.BytesIO()

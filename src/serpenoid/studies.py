@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from serpenoid.compare.calibrate import Calibration, calibrate
 from serpenoid.compare.start import compared_model, neutral_model
@@ -21,9 +20,6 @@ from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign, load_campaign
 from serpenoid.model import Model
 from serpenoid.shown import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Place = str | Path
 
@@ -39,12 +35,6 @@ class Measured(Shown):
         campaign = self.campaign
         return f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"
 
-    def figure(self) -> Figure | None:
-        """The first trial that has motion."""
-        from serpenoid.plot.recording import trial_figure
-
-        return next((trial_figure(t) for t in self.campaign.trials if t.motion is not None), None)
-
 
 @dataclass(frozen=True, repr=False)
 class Fitted(Shown):
@@ -59,12 +49,6 @@ class Fitted(Shown):
         best = self.calibration.joint
         numbers = zip(best.names, best.values, best.interval, strict=True)
         return ", ".join(f"{name} {value:.4g} (95 %: {ends[0]:.4g} .. {ends[1]:.4g})" for name, value, ends in numbers)
-
-    def figure(self) -> Figure | None:
-        """Trial by trial, and how sure."""
-        from serpenoid.plot.calibration import calibration_figure
-
-        return calibration_figure(self.calibration)
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,12 +66,6 @@ class Compared(Shown):
         said = f"{len(shares)} gait(s), Resim / Exp {shares.min():.3f} .. {shares.max():.3f}"
         return f"{said}, anisotropy ratio {eps:.4g} ({self.origin})"
 
-    def figure(self) -> Figure | None:
-        """The first passage."""
-        from serpenoid.plot.comparison import comparison_figure
-
-        return comparison_figure(self.study.comparisons[0])
-
 
 @dataclass(frozen=True, repr=False)
 class Diagnosed(Shown):
@@ -101,12 +79,6 @@ class Diagnosed(Shown):
         d = self.diagnosis
         found = ", ".join(n.effect.name + ("" if n.effect.place is None else f" at {n.effect.place}") for n in d.named)
         return f"{self.file.name}: {d.verdict}" + (f" ({found})" if found else "")
-
-    def figure(self) -> Figure | None:
-        """Paths of gaits that were not fitted, before and after."""
-        from serpenoid.plot.diagnosis import paths_figure
-
-        return paths_figure(self.diagnosis)
 
 
 def measure(campaign: Place) -> Measured:

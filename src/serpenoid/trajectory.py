@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.shown import Shown
 from serpenoid.status import Status
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, repr=False)
+class Trajectory(Shown):
     """Motion of the body frame (weighted centroid, mean edge angle) and of every vertex.
 
     poses (R, 3): x, y [body lengths], heading [rad]; vertices (R, N, 2) [body lengths]; step_energy (R - 1,), raw;
@@ -27,6 +28,10 @@ class Trajectory:
     step_energy: Floats
     residual: float
     steps_per_cycle: int
+
+    def summary(self) -> str:
+        """How it ended, how far it went."""
+        return f"{self.status.name.lower()}, {len(self.poses)} poses, {self.displacement:.6f} body lengths"
 
     @property
     def net_motion(self) -> Floats:

@@ -14,6 +14,7 @@ from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.mesh import study_mesh
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
+from serpenoid.shown import Shown
 from serpenoid.status import Status
 
 SAME_COST = 1e-6  # optima whose objectives differ by less are one: mirror images and half turns of theta are equal
@@ -28,12 +29,16 @@ class Optimum:
     count: int
 
 
-@dataclass(frozen=True)
-class MultiStart:
+@dataclass(frozen=True, repr=False)
+class MultiStart(Shown):
     """All solutions in the order of their starts; `optima` distinct and certified, best first."""
 
     solutions: tuple[Solution, ...]
     optima: tuple[Optimum, ...]
+
+    def summary(self) -> str:
+        """How many starts, how many optima, and the best."""
+        return f"{len(self.solutions)} start(s), {len(self.optima)} optimum(s); best {self.best.summary()}"
 
     @property
     def best(self) -> Solution:

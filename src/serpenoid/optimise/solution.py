@@ -9,12 +9,13 @@ from serpenoid.gaits import Gait
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.problem import Problem
+from serpenoid.shown import Shown
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
 
-@dataclass(frozen=True)
-class Solution:
+@dataclass(frozen=True, repr=False)
+class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
@@ -39,3 +40,8 @@ class Solution:
     iterations: int
     seconds: float
     timing: dict[str, float]
+
+    def summary(self) -> str:
+        """How it ended, and how far the gait goes for what."""
+        went = f"{self.trajectory.displacement:.6f} body lengths, cost {self.cost:.6f} at c = {self.c:g}"
+        return f"{self.problem.name}: {self.status.name.lower()}, {went}"

@@ -10,17 +10,22 @@ from serpenoid.gaits import GaitFamily, TableGait
 from serpenoid.gaits.table import read_table
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
+from serpenoid.shown import Shown
 from serpenoid.simulation.rollout import simulate_joint_angles
 from serpenoid.trajectory import Trajectory
 
 
-@dataclass(frozen=True)
-class Simulation:
+@dataclass(frozen=True, repr=False)
+class Simulation(Shown):
     """A problem's gait as joint table (T, m) [rad] and its motion over `task.cycles` cycles."""
 
     problem: Problem
     table: Floats
     trajectory: Trajectory
+
+    def summary(self) -> str:
+        """The problem, and how far it went."""
+        return f"{self.problem.name}: {self.trajectory.summary()}"
 
 
 def gait_table(problem: Problem) -> Floats:

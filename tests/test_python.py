@@ -1,0 +1,89 @@
+"""From Python: recordings as functions with typed results, certificates of one's own gait, open step functions."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import serpenoid as sp
+from blind.campaign import make
+from blind.folder import write
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
+from serpenoid.status import Status
+
+PROBLEMS = Path(__file__).parents[1] / "problems"
+REFERENCE = PROBLEMS / "reference.toml"
+PNG = b"\x89PNG"
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two gaits, nothing hidden."""
+    folder = tmp_path_factory.mktemp("python") / "healthy"
+    c = make(2026, [], "healthy")
+    write(dataclasses.replace(c, trials=[t for t in c.trials if t.name.endswith("-a-1")][:2]), folder)
+    return folder
+
+
+def test_recordings_are_read_fitted_and_compared_with_short_results_and_pictures(campaign: Path) -> None:
+    measured = sp.measure(campaign)
+    assert len(measured.campaign.trials) == 2
+    compared = sp.compare(campaign, anisotropy_ratio=0.1865)
+    assert compared.origin == "as stated"
+    assert compared.study.displacement["Exp"].shape == compared.study.displacement["Resim"].shape
+    for result in (measured, compared):
+        assert len(repr(result)) < 200
+        picture = result._repr_png_()
+        assert picture is not None
+        assert picture.startswith(PNG)
+
+
+def test_a_fit_from_python_finds_the_hidden_ratio(campaign: Path) -> None:
+    fitted = sp.fit(campaign)
+    assert fitted.calibration.names == ("anisotropy_ratio",)
+    assert repr(fitted).startswith("<Fitted anisotropy_ratio 0.")
+
+
+def test_the_verbs_rooms_are_modules_and_functions_at_once() -> None:
+    import serpenoid.diagnose
+    import serpenoid.measure.campaign
+
+    assert callable(sp.diagnose)
+    assert sp.measure.campaign.load_campaign_file is serpenoid.measure.campaign.load_campaign_file
+    with pytest.raises(InputError, match="no-such"):
+        sp.diagnose("no-such-campaign")
+
+
+def test_results_of_the_optimiser_print_in_a_line() -> None:
+    simulated = sp.simulate(sp.load(REFERENCE))
+    assert repr(simulated) == "<Simulation reference: solved, 51 poses, 0.452306 body lengths>"
+
+
+def test_ones_own_gait_is_certified_by_the_same_checks_as_an_optimum() -> None:
+    problem = sp.load(REFERENCE)
+    simulated = sp.simulate(problem)
+    table, poses = simulated.table, simulated.trajectory.poses
+    found = sp.certify_table(problem, table, poses[1:])
+    assert found.status is Status.SOLVED
+    assert found.resimulation_error == 0.0  # the same root finder on the same table
+    assert sp.certify_table(problem, table).resimulation_error is None
+    astray = poses + np.linspace(0, 1e-6, len(poses))[:, None]
+    assert sp.certify_table(problem, table, astray).status is Status.RESIMULATION_DISAGREES
+    limited = sp.load(REFERENCE, set=["body.joint_limit_deg=10"])
+    assert sp.certify_table(limited, table).status is Status.INFEASIBLE
+    assert sp.certify_table(problem, table[::12]).status is Status.MESH_TOO_COARSE
+    with pytest.raises(InputError, match="Transposed"):
+        sp.certify_table(problem, table.T)
+
+
+def test_step_functions_of_an_extended_model_are_refused_not_the_baselines() -> None:
+    model = sp.load(REFERENCE).model
+    found = sp.step_functions(model)
+    assert set(found) == {"shape", "step_energy", "step_momentum", "step"}
+    worn = dataclasses.replace(model, effects=(ActiveEffect(name="worn_wheel", place=3, seizure=0.5),))
+    with pytest.raises(InputError, match="worn_wheel"):
+        sp.step_functions(worn)
