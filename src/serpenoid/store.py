@@ -3,8 +3,8 @@
 An entry is a file named by the SHA-256 of its inputs, options and the package's own source; it begins with the SHA-256
 of what follows and is verified before it is read (a damaged one is made again). Values are frozen records of this
 package, arrays and plain values, written as JSON and arrays: nothing in an entry can run. Entries are renamed into
-place when they are whole; the folder (`SERPENOID_CACHE`, else the user's cache) stays below `MOST_BYTES`, the longest unused
-leaving first.
+place when they are whole; the folder (`SERPENOID_CACHE`, else the user's cache) stays below `MOST_BYTES`, the longest
+unused leaving first.
 """
 
 from __future__ import annotations
