@@ -17,7 +17,10 @@ FILES = sorted(SOURCE.rglob("*.py"))
 
 # rooms that may import each heavy package; a name ending in / is a folder
 ALLOWED = {
-    "casadi": ("gaits/", "objectives/", "mechanics/", "effects/", "simulation/", "optimise/", "compare/", "diagnose/"),
+    "casadi": (
+        *("gaits/", "objectives/", "media/", "mechanics/", "effects/"),
+        *("simulation/", "optimise/", "compare/", "diagnose/"),
+    ),
     "matplotlib": ("plot/",),
     "dynamixel_sdk": ("robot/bus/",),
     "mujoco": ("arena/",),
@@ -35,14 +38,15 @@ MAY_IMPORT = {
     "store": {"files", "schema"},
     "errors": set(),
     "status": set(),
-    "effects": {"body", "schema", "errors"},
-    "model": LEFT_OF_MODELS | {"effects"},
+    "media": set(),
+    "effects": {"body", "schema", "errors", "media"},
+    "model": LEFT_OF_MODELS | {"effects", "media"},
     "trajectory": LEFT_OF_MODELS,
     "problem": LEFT_OF_MODELS | {"model", "effects", "model_file"},
     "model_file": LEFT_OF_MODELS | {"effects"},
-    "mechanics": LEFT_OF_MODELS | {"model", "effects"},
-    "simulation": LEFT_OF_MODELS | {"model", "effects", "trajectory", "problem", "mechanics"},
-    "optimise": LEFT_OF_MODELS | {"model", "effects", "trajectory", "problem", "mechanics", "simulation"},
+    "mechanics": LEFT_OF_MODELS | {"model", "effects", "media"},
+    "simulation": LEFT_OF_MODELS | {"model", "effects", "media", "trajectory", "problem", "mechanics"},
+    "optimise": LEFT_OF_MODELS | {"model", "media", "effects", "trajectory", "problem", "mechanics", "simulation"},
 }
 
 

@@ -10,7 +10,10 @@ from serpenoid.schema import Record
 
 
 class Medium(Record):
-    """Anisotropic local dissipation, D = w (I + (eps - 1) T T^t), at the vertices (the paper's) or at edge midpoints.
+    """Anisotropic local dissipation at the vertices (the paper's) or at edge midpoints; `law`: see serpenoid.media.
+
+    viscous: D = w (I + (eps - 1) T T^t), eps the ratio of drag coefficients. coulomb: a friction ellipse, eps the ratio
+    of friction coefficients.
 
     A fitted `anisotropy_ratio` holds for one of the two only. `anisotropy_ratio_bounds` is what physics allows: a
     slender body in water has a drag ratio K = 1/eps of at most 2, so [0.5, 1]. Fits and diagnoses stay inside.
@@ -18,6 +21,11 @@ class Medium(Record):
 
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
     dissipation: Literal["vertex", "edge"] = Field(default="vertex", description="where the dissipation elements sit")
+    law: Literal["viscous", "coulomb"] = Field(default="viscous", description="linear drag, or dry friction")
+    softening: Annotated[float, Field(gt=0)] = Field(
+        default=0.01,
+        description="coulomb: slip below which friction gives way, over the element's way in the body frame",
+    )
     anisotropy_ratio_bounds: tuple[float, float] | None = Field(
         default=None, description="[lower, upper] of what physics allows, for fits; in water [0.5, 1]"
     )

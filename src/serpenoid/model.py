@@ -14,6 +14,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.effects.active import ActiveEffect, check
 from serpenoid.effects.base import ActuationEffect, MediumEffect, ObservationEffect
 from serpenoid.errors import InputError
+from serpenoid.media import LAWS, Law
 from serpenoid.medium import Medium
 
 UNEVEN = 1.2  # times as heavy per length: more than the spread of a well-made robot's modules
@@ -26,6 +27,8 @@ class Structure:
     vertices: int
     joints: tuple[int, ...]
     dissipation: str
+    law: str = "viscous"
+    softening: float = 0.0
 
     @property
     def elements(self) -> int:
@@ -59,6 +62,11 @@ class Model:
             object.__setattr__(self, "body", self.body.uniform())
         check(present, self.body)
         at_vertices = self.medium.dissipation == "vertex"
+        strangers = [e.name for e in self.medium_effects if self.medium.law not in e.effect.laws]
+        if strangers:
+            raise InputError(
+                f"[medium] law: `{strangers[0]}` does not act in a {self.medium.law} medium; leave it out."
+            )
         if not at_vertices and any(isinstance(e.effect, MediumEffect) for e in present):
             raise InputError('[medium] dissipation: effects of the medium sit at vertices; set it to "vertex".')
 
@@ -91,12 +99,22 @@ class Model:
         """Effects from motion to data."""
         return tuple(e for e in self.effects if isinstance(e.effect, ObservationEffect))
 
+    @property
+    def law(self) -> Law:
+        """The medium's dissipation law."""
+        return LAWS[self.medium.law]
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the planar step is the viscous one without effects, which has a function of its own."""
+        return self.medium.law == "viscous" and not self.medium_effects
+
     def knows(self, what: str) -> bool:
         """Whether an effect of the medium depends on `speed`, `clock`, `place` or `history`."""
         return any(isinstance(e.effect, MediumEffect) and what in e.effect.knows for e in self.effects)
 
     def step_duration(self, steps: int) -> float:
-        """Seconds per step of a joint table with `steps` rows; one second where nobody knows and no effect asks.
+        """Seconds per step of a table with `steps` rows; one second a cycle where nobody knows and no effect asks.
 
         Raises InputError where an effect asks.
         """
@@ -104,12 +122,14 @@ class Model:
         needy = [k for k in kinds if isinstance(k, MediumEffect | ActuationEffect) and k.needs_seconds]
         if self.cycle_duration_s is None and needy:
             raise InputError(f"[task] cycle_duration_s: `{needy[0].name}` knows speed; give the seconds per cycle.")
-        return 1.0 if self.cycle_duration_s is None else self.cycle_duration_s / steps
+        return (1.0 if self.cycle_duration_s is None else self.cycle_duration_s) / steps
 
     @cached_property
     def structure(self) -> Structure:
         """The part of the model that compiled functions depend on."""
-        return Structure(self.body.vertices, self.body.joint_vertices, self.medium.dissipation)
+        medium = self.medium
+        softening = medium.softening if medium.law == "coulomb" else 0.0
+        return Structure(self.body.vertices, self.body.joint_vertices, medium.dissipation, medium.law, softening)
 
     @cached_property
     def parameters(self) -> Floats:

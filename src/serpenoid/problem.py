@@ -157,8 +157,11 @@ class Problem(Record):
     def hash(self) -> str:
         """Changes with any number in the problem."""
         data = self.model_dump(mode="json", exclude=None if self.effects else {"effects"})
+        medium = data["medium"]
         if self.medium.anisotropy_ratio_bounds is None:
-            del data["medium"]["anisotropy_ratio_bounds"]
+            del medium["anisotropy_ratio_bounds"]
+        if self.medium.law == "viscous":
+            del medium["law"], medium["softening"]
         holds = {"joint_limits": self.joint_limit_deg, "joint_speed_limits": self.joint_speed_limit_rpm}
         data["task"]["constraints"] |= {name: limit is not None for name, limit in holds.items()}
         return short_hash(data)

@@ -19,7 +19,8 @@ class Trajectory(Shown):
     """Motion of the body frame (weighted centroid, mean edge angle) and of every vertex.
 
     poses (R, 3): x, y [body lengths], heading [rad]; vertices (R, N, 2) [body lengths]; step_energy (R - 1,), raw;
-    residual: largest |dE/d turn| of any step (weights sum to one, lengths in body lengths).
+    residual: largest |dE/d turn| of any step (weights sum to one, lengths in body lengths);
+    degree: of the step energy in the displacement (2: linear drag, 1: Coulomb friction).
     """
 
     status: Status
@@ -28,6 +29,7 @@ class Trajectory(Shown):
     step_energy: Floats
     residual: float
     steps_per_cycle: int
+    degree: int = 2
 
     def summary(self) -> str:
         """How it ended, how far it went."""
@@ -59,10 +61,10 @@ class Trajectory(Shown):
 
     @property
     def energy_raw(self) -> float:
-        """Sum of the step energies; it falls as 1 / T for a fixed gait."""
+        """Sum of the step energies; with linear drag it falls as 1 / T for a fixed gait."""
         return float(self.step_energy.sum())
 
     @property
     def dissipation(self) -> float:
-        """T times E: normalised dissipation, converges as T grows."""
-        return self.steps_per_cycle * self.energy_raw
+        """T^(degree - 1) times E: normalised dissipation, converges as T grows."""
+        return self.steps_per_cycle ** (self.degree - 1) * self.energy_raw

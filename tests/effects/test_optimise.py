@@ -29,8 +29,8 @@ def start(problem: Problem) -> EllipseGait:
 
 
 def wanted(problem: Problem, *effects: ActiveEffect) -> Problem:
-    """Joint limits, some price of dissipation, 20 steps: quick."""
-    task = problem.task.model_copy(update={"c": 0.5, "steps": 20})
+    """Joint limits, some price of dissipation, 30 steps: quick."""
+    task = problem.task.model_copy(update={"c": 0.5, "steps": 30})
     return problem.model_copy(update={"task": task, "effects": effects})
 
 
@@ -45,7 +45,7 @@ def test_optimum_with_an_effect_is_certified_and_no_worse_than_the_baselines(
     assert solution.polishing_gain is not None
     assert solution.polishing_gain < 1e-6
     if name != "speed_saturation":  # there the baseline's gait is forbidden
-        table = joint_table(changed.model, start.parameters, 20)
+        table = joint_table(changed.model, start.parameters, 30)
         old = sp.simulate_joint_angles(changed.model, table)
         assert solution.cost <= -old.displacement + 0.5 * old.dissipation + 1e-9
 

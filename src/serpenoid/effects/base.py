@@ -111,11 +111,13 @@ class MediumEffect(Effect):
 
     knows: what the contribution depends on beyond the shapes: `speed` (seconds per step), `clock` (seconds since the
     start), `place` (pose on the floor), `history` (momentum of the steps before). scales_ratio: whether it multiplies
-    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow.
+    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow. laws: the media's laws that
+    it can change; dry friction is none on top of Coulomb's.
     """
 
     knows: frozenset[str] = frozenset()
     scales_ratio: bool = False
+    laws: frozenset[str] = frozenset({"viscous", "coulomb"})
 
     @property
     def site(self) -> Site:

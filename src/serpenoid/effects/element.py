@@ -93,6 +93,13 @@ class Element:
         """Velocity of the contact point [m/s]."""
         return (self.contacts[1] - self.contacts[0]) / self.duration
 
+    def squared_slip(self, ratio: ca.SX) -> ca.SX:
+        """q [m^2/s^2] of the medium's law (see serpenoid.media), the mean of both ends; `ratio` weighs what rolls."""
+        along = (1 - self.locked) * ratio + self.locked
+        velocity = self.contact_velocity
+        ends = [along * ca.dot(w, velocity) ** 2 + ca.dot(left(w), velocity) ** 2 for w in self.wheels]
+        return (ends[0] + ends[1]) / 2 + self.axle * self.turning**2
+
     @property
     def turning(self) -> ca.SX:
         """Turning rate of the wheels [rad/s]."""
@@ -120,12 +127,12 @@ class Drag:
     normal: ca.SX
 
     @classmethod
-    def baseline(cls, element: Element, wheel: ca.SX) -> Drag:
-        """The linear law."""
+    def baseline(cls, element: Element, wheel: ca.SX, magnitude: ca.SX) -> Drag:
+        """The medium's own law; `magnitude` is its multiplier for this step."""
         velocity, scrub, one = element.contact_velocity, element.axle * element.turning**2, ca.SX(1)
         speed = ca.sqrt(ca.dot(velocity, velocity) + scrub + CREEP**2)
         forward, sideways = ca.dot(wheel, velocity), ca.dot(left(wheel), velocity)
-        return cls(forward, sideways, scrub, element.locked, speed, one, ca.SX(0), one, one, one)
+        return cls(forward, sideways, scrub, element.locked, speed, magnitude, ca.SX(0), one, one, one)
 
     def resistance(self, wheel: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
         """The force per weight, against the drag (2,) [m/s]."""

@@ -3,27 +3,49 @@
 E(g) = 1/2 sum_k <D_k^(t,t+1) dp_k, dp_k>,  D^(t,t+1) = (D^t + D^{t+1}) / 2,  D_k = w_k (I + (eps - 1) T_k T_k^t)
 mu(g) = d/d delta E(exp(delta) g) at delta = 0     (Even et al., Eqs. 3-6; the paper's mu is -1/2 (2 rot, tran) of it)
 
-The step is written in the body frame of time t, so that g is the relative pose. `element_energy` is one summand: the
-only place that knows the dissipation law.
+The step is written in the body frame of time t, so that g is the relative pose. The dissipation law is the medium's: a
+potential of the squared slip (serpenoid.media); the formulas above are those of linear drag.
 """
 
 from __future__ import annotations
 
 import casadi as ca
 
+from serpenoid.media import VISCOUS, Law
+from serpenoid.media.coulomb import LEAST
 
-def element_energy(before: ca.SX, after: ca.SX, weight: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
+NONE = ca.SX(0)
+
+
+def element_energy(
+    before: ca.SX, after: ca.SX, weight: ca.SX, anisotropy_ratio: ca.SX, law: Law = VISCOUS, softening: ca.SX = NONE
+) -> ca.SX:
     """Energy of one element moving from `before` to `after`, each (position, tangent), shape (2 d,), in one frame."""
     d = before.numel() // 2
     dp = after[:d] - before[:d]
     slide, slide_after = ca.dot(dp, before[d:]), ca.dot(dp, after[d:])
-    return weight / 2 * (ca.dot(dp, dp) + (anisotropy_ratio - 1) / 2 * (slide**2 + slide_after**2))
+    slip = ca.dot(dp, dp) + (law.form_ratio(anisotropy_ratio) - 1) / 2 * (slide**2 + slide_after**2)
+    return weight * law.potential(slip, softening)
 
 
-def step_energy(before: ca.SX, after: ca.SX, weights: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
+def step_energy(
+    before: ca.SX,
+    after: ca.SX,
+    weights: ca.SX,
+    anisotropy_ratio: ca.SX,
+    law: Law = VISCOUS,
+    softening: ca.SX = NONE,
+) -> ca.SX:
     """Sum of the element energies; elements (2 d, M) in one frame, weights (M)."""
     pairs = zip(ca.horzsplit(before), ca.horzsplit(after), ca.vertsplit(weights), strict=True)
-    return sum((element_energy(a, b, w, anisotropy_ratio) for a, b, w in pairs), ca.SX(0))
+    soft = ca.horzsplit(softening) if softening.numel() > 1 else [softening] * before.size2()
+    return sum((element_energy(*e, anisotropy_ratio, law, s) for e, s in zip(pairs, soft, strict=True)), NONE)
+
+
+def softening_length(before: ca.SX, after: ca.SX, share: float | ca.SX) -> ca.SX:
+    """`share` of how far each element (2 d, M) moves in the body frame, shape (1, M) [body lengths]."""
+    d = before.size1() // 2
+    return ca.sqrt(share**2 * ca.sum1((after[:d, :] - before[:d, :]) ** 2) + LEAST**2)
 
 
 def planar_rotation(angle: ca.SX) -> ca.SX:

@@ -23,11 +23,12 @@ from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.effects.element import Drag, Element, cross
 from serpenoid.mechanics.compile import compiled
-from serpenoid.mechanics.energy import move, planar_rotation
+from serpenoid.mechanics.energy import move, planar_rotation, softening_length
 from serpenoid.mechanics.functions import CSE
 from serpenoid.mechanics.kinematics import unit_edges
+from serpenoid.media import LAWS, Law
 
-SETTING = 5  # body length [m], duration of the step [s], its middle [s since the start], origin of the poses (x, y)
+SETTING = 6  # body length [m], duration [s] of the step, its middle [s since the start], origin (x, y), softening
 Kinds = tuple[MediumEffect, ...]
 
 
@@ -37,11 +38,12 @@ def coordinate_count(kinds: Kinds) -> int:
 
 
 def wrench(
-    kinds: Kinds, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX, theta: ca.SX
+    kinds: Kinds, law: Law, before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX, theta: ca.SX
 ) -> ca.SX:
     """Drag (3), momentum (3) and energy of one vertex; elements (6, `with_links`) in their body frames.
 
-    medium = (weight, eps).
+    medium = (weight, eps). Forces are in units of the drag level: that of a slip of 1 m/s, or (Coulomb) of any slip.
+    The energy is half the work of linear drag, the work of dry friction: the potential, but for its softening.
     """
     length, duration = setting[0], setting[1]
     element = _element(before, after, poses, medium, setting)
@@ -49,16 +51,19 @@ def wrench(
     symbols = [kind.symbols(part) for kind, part in zip(kinds, ca.vertsplit(theta, offsets), strict=True)]
     for kind, p in zip(kinds, symbols, strict=True):
         element = kind.on_element(element, p)
+    ratio = law.form_ratio(element.anisotropy_ratio)
+    soft = softening_length(before[:4], after[:4], setting[5]) * length / duration
+    magnitude = law.multiplier(element.squared_slip(ratio), soft)
     force, moment, axle = ca.SX.zeros(2), ca.SX(0), ca.SX(0)
     for wheel, arm in zip(element.wheels, reversed(element.contacts), strict=True):
-        drag = Drag.baseline(element, wheel)
+        drag = Drag.baseline(element, wheel, magnitude)
         for kind, p in zip(kinds, symbols, strict=True):
             drag = kind.on_drag(drag, p)
-        resistance = element.grip * drag.resistance(wheel, element.anisotropy_ratio) / 2
+        resistance = element.grip * drag.resistance(wheel, ratio) / 2
         scrub = element.grip * drag.scrubbing / 2 * element.axle * element.turning
         force, moment, axle = force + resistance, moment + cross(arm, resistance), axle + scrub
     power = ca.dot(force, element.contact_velocity) + axle * element.turning
-    energy = power / 2 * (duration / length) ** 2
+    energy = power / law.degree * (duration / length) ** law.degree
     moment += axle
     force, moment = force - element.push, moment - cross(element.middle, element.push)
     resisted = ca.vertcat(force, moment / length) * duration / length
@@ -79,7 +84,7 @@ def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: 
         links=links,
         contacts=points,
         wheels=tangents,
-        origin=length * setting[3:],
+        origin=length * setting[3:5],
         weight=weight,
         grip=weight,
         anisotropy_ratio=eps,
@@ -102,7 +107,7 @@ def with_links(elements: ca.SX) -> ca.SX:
 class StepFunctions:
     """Compiled functions of one step with all medium effects, sums over the vertices.
 
-    All take (before (4, M), after (4, M), poses (6), setting (5), medium (2, M), theta (P, M)).
+    All take (before (4, M), after (4, M), poses (6), setting (6), medium (2, M), theta (P, M)).
     balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)
     coupled:     -> the same, derivatives by both poses (6, 6)
     sensitivity: -> derivatives of drag and momentum by eps and by the parameters of effects without a place
@@ -125,11 +130,11 @@ def parameter_rows(kinds: Kinds, placed: bool) -> list[tuple[str, str, int]]:
 
 
 @lru_cache(maxsize=8)
-def step_functions(elements: int) -> StepFunctions:
-    """The functions for bodies with `elements` vertices."""
+def step_functions(elements: int, law: str = "viscous") -> StepFunctions:
+    """The functions for bodies with `elements` vertices in a medium of this law."""
     kinds = medium_effects()
     inputs = _symbols(coordinate_count(kinds))
-    value = wrench(kinds, *inputs)
+    value = wrench(kinds, LAWS[law], *inputs)
     poses, eps, theta = inputs[2], inputs[3][1], inputs[5]
 
     def slope(by: ca.SX) -> ca.SX:

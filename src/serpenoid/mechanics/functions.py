@@ -22,6 +22,7 @@ import casadi as ca
 from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import energy, kinematics, planar
 from serpenoid.mechanics.momentum import momentum
+from serpenoid.media import LAWS, Law
 from serpenoid.model import Structure
 
 CSE = {"cse": True}
@@ -86,7 +87,7 @@ def step_energy(structure: Structure, dimension: int = 2) -> ca.Function:
     """Energy of one step at a given relative pose."""
     before, after, pose, parameters = _step_symbols(structure, dimension)
     moved = energy.move(pose, after)
-    value = energy.step_energy(before, moved, *_medium(parameters, structure))
+    value = energy.step_energy(before, moved, *_medium(parameters, structure), *_law(before, after, structure))
     return ca.Function("step_energy", [before, after, pose, parameters], [value], STEP_INPUTS, ["energy"], CSE)
 
 
@@ -94,7 +95,8 @@ def step_energy(structure: Structure, dimension: int = 2) -> ca.Function:
 def step_momentum(structure: Structure, dimension: int = 2) -> ca.Function:
     """Geometric momentum of one step at a given relative pose: (rotation, translation)."""
     before, after, pose, parameters = _step_symbols(structure, dimension)
-    value = momentum(before, after, pose, *_medium(parameters, structure))
+    medium = _medium(parameters, structure)
+    value = momentum(before, after, pose, *medium, *_law(before, after, structure))
     return ca.Function("step_momentum", [before, after, pose, parameters], [value], STEP_INPUTS, ["momentum"], CSE)
 
 
@@ -152,6 +154,11 @@ def _step_symbols(structure: Structure, dimension: int) -> tuple[ca.SX, ca.SX, c
     size = (2 * dimension, structure.elements)
     pose = ca.SX.sym("pose", 3 if dimension == 2 else 6)
     return ca.SX.sym("before", *size), ca.SX.sym("after", *size), pose, _parameters(structure)
+
+
+def _law(before: ca.SX, after: ca.SX, structure: Structure) -> tuple[Law, ca.SX]:
+    """The medium's law and its softening lengths in this step."""
+    return LAWS[structure.law], energy.softening_length(before, after, structure.softening)
 
 
 def _medium(parameters: ca.SX, structure: Structure) -> tuple[ca.SX, ca.SX]:

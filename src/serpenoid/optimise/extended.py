@@ -23,13 +23,15 @@ from serpenoid.mechanics.extended import SETTING, wrench
 from serpenoid.mechanics.functions import element_parameters
 from serpenoid.model import Model
 from serpenoid.optimise import joint_blocks
+from serpenoid.optimise.blocks import StepBlocks
+from serpenoid.optimise.growing_blocks import GrowingBlocks
 from serpenoid.optimise.joint_blocks import JointBlocks, step_functions, with_directions
 from serpenoid.simulation.chain import difference_weights
 from serpenoid.simulation.law import Law, coordinates
 from serpenoid.simulation.servos import coordinates as servo_coordinates
 
 
-def extended_blocks(model: Model, portable: bool = False) -> JointBlocks:
+def extended_blocks(model: Model, steps: int, portable: bool = False) -> StepBlocks:
     """Step blocks with the effects of the medium that are present: drag (3) and momentum (3) of each step.
 
     In CasADi's virtual machine: every selection of effects would be another library.
@@ -38,18 +40,23 @@ def extended_blocks(model: Model, portable: bool = False) -> JointBlocks:
     kinds = tuple(kind for kind in medium_effects() if kind.name in present)
     frame, before, after = ca.SX.sym("frame", joint_blocks.FRAME), ca.SX.sym("before", 4), ca.SX.sym("after", 4)
     weight, eps, setting = ca.SX.sym("weight"), ca.SX.sym("eps"), ca.SX.sym("setting", SETTING)
-    numbers = coordinates(model, kinds=kinds)
+    numbers = coordinates(model, kinds=kinds)[:, : model.structure.elements]
     theta = ca.SX.sym("theta", len(numbers))
     ends = with_directions(before), with_directions(after)
-    share = wrench(kinds, *ends, frame, ca.vertcat(weight, eps), setting, theta)
-    more, shared = (weight, eps, theta, setting), (False, True, False, True)
-    law = joint_blocks.Law(frame, before, after, more, shared, share[:6], share[6])
+    share = wrench(kinds, model.law, *ends, frame, ca.vertcat(weight, eps), setting, theta)
+    own, fixed = ((theta,), (False,)) if len(numbers) else ((), ())
+    more, shared = (weight, eps, *own, setting), (False, True, *fixed, True)
+    energy = share[6] * steps ** (model.law.degree - 2)  # the NLP takes T times their sum
+    law = joint_blocks.Law(frame, before, after, more, shared, share[:6], energy)
     structure = model.structure
-    return JointBlocks(structure, step_functions(structure, law, element_parameters(structure), ca.DM(numbers)), 6)
+    functions = step_functions(structure, law, element_parameters(structure), ca.DM(numbers))
+    blocks = JointBlocks(structure, functions, 6)
+    bounded = model.law.degree == 1 and not model.knows("history")  # inertia grows with the step
+    return GrowingBlocks(blocks, steps) if bounded else blocks
 
 
 def settings(model: Model, steps: int) -> ca.MX:
-    """Settings (5, T) of the steps."""
+    """Settings (6, T) of the steps."""
     times = _times(model, steps)
     return ca.MX(ca.DM(Law.of(model).settings(np.column_stack([times[:-1], times[1:]]))))
 

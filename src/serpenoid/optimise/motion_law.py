@@ -42,14 +42,14 @@ class MotionLaw:
 def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> MotionLaw:
     """The law of a model for gaits of a family."""
     steps, structure = family.rows - (not family.closed), model.structure
-    if not model.medium_effects and not model.actuation_effects and family.coordinates == "serpenoid":
+    if model.is_plain and not model.actuation_effects and family.coordinates == "serpenoid":
         blocks: StepBlocks = SerpenoidBlocks(structure, portable)
         return MotionLaw(structure, family, steps, 3, blocks, _coordinates(family, structure, portable))
     shapes = _angles(model, family, steps, portable)
     m = len(structure.joints)
-    if not model.medium_effects:
+    if model.is_plain:
         return MotionLaw(structure, family, steps, m, baseline_blocks(structure, portable), shapes)
-    blocks = extended_blocks(model, portable)
+    blocks = extended_blocks(model, steps, portable)
     return MotionLaw(structure, family, steps, m, blocks, shapes, combination(model, steps), settings(model, steps))
 
 

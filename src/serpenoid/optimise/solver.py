@@ -18,6 +18,7 @@ from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, violations
 from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.softening import ITERATIONS, softer
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch, simulate_joint_angles
@@ -55,6 +56,8 @@ class GaitSolver:
         self.steps = self.family.rows - (not self.family.closed)
         self.asked = asked(problem.task, self.family, customise)
         self.limits = path_limits(problem)
+        soft = softer(problem)
+        self._softer = None if soft is None else GaitSolver(soft, customise, gait)
         self._prepared: dict[tuple[int, bool], tuple[GaitNLP, Ipopt]] = {}
 
     def gait_bounds(self) -> GaitBounds:
@@ -97,6 +100,8 @@ class GaitSolver:
         """Compile what solving from gait q calls: done before Ctrl-C is caught, so that it ends a compile at once."""
         self.start(q)
         self.prepared(len(self._first_rows()))
+        if self._softer is not None:
+            self._softer.prepare(q)
 
     def _first_rows(self) -> list[int]:
         """Rows that carry limits: a few, exchanged later; of a sparse family all, where something is left to limit."""
@@ -130,6 +135,10 @@ class GaitSolver:
         watch: Callable[[float], None] | None = None,
     ) -> Answer:
         """Optimise from gait parameters (n,) or warm from a Point whose constraints had `rows`."""
+        if self._softer is not None and not isinstance(start, Point):
+            price = c if self._softer.model.law.degree == self.model.law.degree else 0.0  # drag has another scale
+            soft = self._softer.solve(start, price, gait_bounds, (), flag)
+            start = soft.q if soft.outcome.status.ok else start
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
         chosen = list(rows) or self._first_rows()
         iterations, seconds, recoveries = 0, 0.0, RECOVERIES
@@ -177,7 +186,8 @@ class GaitSolver:
             limited = np.tile(self._limited, path_rows)
             motion, _, added = nlp.constraint_counts
             kept = np.concatenate([np.full(motion, True), limited, np.full(added, True)])
-            self._prepared[key] = nlp, Ipopt(nlp, np.flatnonzero(kept))
+            options = None if self._softer is None else {"ipopt.max_iter": ITERATIONS}
+            self._prepared[key] = nlp, Ipopt(nlp, np.flatnonzero(kept), options)
         return self._prepared[key]
 
     def parameters(self, c: float, rows: list[int]) -> Floats:

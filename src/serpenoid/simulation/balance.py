@@ -77,7 +77,7 @@ def _newton(
     law, m = Law.of(model, strength), model.structure.elements
     home, count = starts * [1, 1, 0], len(ends)
     settings, carried = law.settings(times), about(coast.carried, home)
-    settings[3:] = home[:, :2].T
+    settings[3:5] = home[:, :2].T
     residual, energy = np.full(count, np.inf), np.full(count, np.nan)
     slopes = np.zeros((count, 3, 3))
     damping, step = np.ones(count), np.zeros((count, 3))

@@ -146,7 +146,7 @@ def evaluate_window(
     pairs = np.hstack([poses[:-1], poses[1:]]).T
     before, after = chain.before[:, part].reshape(4, -1), chain.after[:, part].reshape(4, -1)
     settings = chain.settings[:, part].copy()
-    settings[3:] = 0.0 if origin is None else origin[:, None]
+    settings[3:5] = 0.0 if origin is None else origin[:, None]
     value, energy, slope = evaluate("coupled", chain.law, before, after, pairs, settings)
     c0, c1, c2 = (chain.rates[part, i, None] for i in range(3))
     momenta = np.vstack([carried, value[:, 3:]])

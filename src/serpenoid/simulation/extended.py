@@ -18,7 +18,7 @@ from serpenoid.simulation.steps import Steps, solve_steps
 def solve_independent(model: Model, before: Floats, after: Floats, times: Floats) -> Steps:
     """Relative poses of steps that need no others: elements (4, M S), times (B, R) [s] of B sequences, R - 1 steps."""
     plain = solve_steps(model, before, after)
-    if not model.medium_effects:
+    if model.is_plain:
         return plain
     guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
     spans = np.column_stack([times[:, :-1].ravel(), times[:, 1:].ravel()])

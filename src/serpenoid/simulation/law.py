@@ -20,29 +20,40 @@ from serpenoid.mechanics.evaluate import evaluate as run
 from serpenoid.mechanics.extended import step_functions
 from serpenoid.model import Model
 
+SOFTER = 3  # power of the strength: at a tenth, friction gives way at a thousand times the slip (at most at all of it)
+
 
 @dataclass(frozen=True)
 class Law:
-    """medium (2, M): weights above anisotropy ratios; theta (P, M): coordinates, vertex by vertex; length [m]."""
+    """medium (2, M): weights above anisotropy ratios; theta (P, M): coordinates, element by element; length [m].
+
+    kind: the medium's law; softening: share of the change of shape (Coulomb).
+    """
 
     medium: Floats
     theta: Floats
     length_m: float
+    kind: str = "viscous"
+    softening: float = 0.0
 
     @classmethod
     def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> Law:
-        """A model's numbers; `strength` between 0 and 1 scales the effects' coordinates (1 = as they are).
+        """A model's numbers; `strength` between 0 and 1 scales the effects' coordinates (1 = as they are), and makes
+        friction softer.
 
         Candidates are effects at neutral values that lend their other values (where a patch lies).
         """
-        weights = model.body.vertex_weights
+        at_edges = model.medium.dissipation == "edge"
+        weights = model.body.edge_weights if at_edges else model.body.vertex_weights
         medium = np.vstack([weights, np.full(weights.size, model.medium.anisotropy_ratio)])
-        return cls(medium, coordinates(model, strength, candidates=candidates), model.body.total_length_m)
+        theta = coordinates(model, strength, candidates=candidates)[:, : weights.size]
+        softening = min(model.structure.softening / strength**SOFTER, max(1.0, model.structure.softening))
+        return cls(medium, theta, model.body.total_length_m, model.medium.law, softening)
 
     def settings(self, times: Floats) -> Floats:
-        """Settings (5, S) of steps that begin and end at `times` (S, 2) [s]: length, duration, middle, origin 0."""
-        length, zero = np.full(len(times), self.length_m), np.zeros(len(times))
-        return np.vstack([length, times[:, 1] - times[:, 0], times.mean(1), zero, zero])
+        """Settings (6, S) of steps between `times` (S, 2) [s]: length, duration, middle, origin 0, softening."""
+        length, zero, soft = (np.full(len(times), x) for x in (self.length_m, 0.0, self.softening))
+        return np.vstack([length, times[:, 1] - times[:, 0], times.mean(1), zero, zero, soft])
 
 
 def coordinates(
@@ -80,7 +91,7 @@ def evaluate(
 ) -> tuple[Floats, Floats, Floats]:
     """`balance` or `coupled` of S steps: drag and momentum (S, 6), energy (S,), derivatives (S, 6, 3 or 6)."""
     count = poses.shape[1]
-    function = _mapped(which, law.medium.shape[1], count)
+    function = _mapped(which, law.medium.shape[1], law.kind, count)
     value, energy, slope = run(function, before.T, after.T, poses.T, settings.T, law.medium.T, law.theta.T)
     return value.T, energy[0], slope.T.reshape(count, -1, 6).transpose(0, 2, 1)
 
@@ -88,13 +99,13 @@ def evaluate(
 def sensitivities(law: Law, before: Floats, after: Floats, poses: Floats, settings: Floats) -> tuple[Floats, Floats]:
     """Derivatives of drag and momentum by (eps, unplaced parameters): (S, 6, 1 + G); by placed ones: (S, 6, M, L)."""
     count, m = poses.shape[1], law.medium.shape[1]
-    function = _mapped("sensitivity", m, count)
+    function = _mapped("sensitivity", m, law.kind, count)
     everywhere, somewhere = run(function, before.T, after.T, poses.T, settings.T, law.medium.T, law.theta.T)
     first = everywhere.T.reshape(count, -1, 6).transpose(0, 2, 1)
     return first, somewhere.T.reshape(count, m, -1, 6).transpose(0, 3, 1, 2)
 
 
 @lru_cache(maxsize=128)
-def _mapped(which: str, elements: int, count: int) -> ca.Function:
-    function: ca.Function = getattr(step_functions(elements), which)
+def _mapped(which: str, elements: int, kind: str, count: int) -> ca.Function:
+    function: ca.Function = getattr(step_functions(elements, kind), which)
     return function.map(f"map{count}_{which}", "serial", count, [4, 5], [])

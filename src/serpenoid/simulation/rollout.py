@@ -39,7 +39,7 @@ def simulate_joint_angles(
     the table into the periodic motion on which the servos settle (not closed: beginning at rest on the first row).
     """
     table = np.asarray(table, float)
-    if model.effects and np.isfinite(table).all():
+    if not _baseline(model) and np.isfinite(table).all():
         return _simulate_extended(model, table, cycles, start, closed)
     rows = np.concatenate([table, table[:1]]) if closed else table
     if not np.isfinite(rows).all():
@@ -98,7 +98,7 @@ def simulate_batch(model: Model, tables: Floats, closed: bool = True) -> Batch:
     b, t, _ = tables.shape
     if not closed:
         return _one_by_one(model, tables, closed)
-    if model.effects:
+    if not _baseline(model):
         return _extended_batch(model, tables)
     steps = solve_cycles(model, tables)
     relative = steps.relative.reshape(b, t, 3)
@@ -111,6 +111,10 @@ def simulate_batch(model: Model, tables: Floats, closed: bool = True) -> Batch:
         poses[i], dissipation[i], residual[i] = single.poses, single.dissipation, single.residual
         sound[i] = single.status.ok
     return Batch(poses, dissipation, residual, sound)
+
+
+def _baseline(model: Model) -> bool:
+    return model.is_plain and not model.effects
 
 
 def _one_by_one(model: Model, tables: Floats, closed: bool) -> Batch:
@@ -135,7 +139,7 @@ def _extended_batch(model: Model, tables: Floats) -> Batch:
     steps = solve_independent(model, before, after, times)
     energy, residual = steps.energy.reshape(b, t).sum(1), steps.residual.reshape(b, t).max(1)
     poses = group.accumulate(steps.relative.reshape(b, t, 3))
-    return Batch(poses, t * energy, residual, np.asarray(steps.sound.reshape(b, t).all(1)))
+    return Batch(poses, t ** (model.law.degree - 1) * energy, residual, np.asarray(steps.sound.reshape(b, t).all(1)))
 
 
 def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats | None, closed: bool) -> Trajectory:
@@ -154,7 +158,7 @@ def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats |
 def _solve_rows(model: Model, elements: Floats, times: Floats | None, start: Floats | None) -> Steps:
     """Steps of consecutive rows, elements (4, M R): the baseline's, or with effects."""
     m = model.structure.elements
-    if model.medium_effects:
+    if not model.is_plain:
         return solve_extended(model, elements, _checked_times(model, times, elements.shape[1] // m), start)
     return solve_steps(model, elements[:, :-m], elements[:, m:])
 
@@ -180,7 +184,7 @@ def _assemble(model: Model, shapes: Floats, steps: Steps, cycles: int, start: Fl
     status = Status.SOLVED if steps.sound.all() else Status.STEP_UNSOLVED
     residual = float(np.max(steps.residual, initial=0.0))
     energy = np.tile(steps.energy, cycles)
-    return Trajectory(status, poses, group.place(poses, rows), energy, residual, per_cycle)
+    return Trajectory(status, poses, group.place(poses, rows), energy, residual, per_cycle, model.law.degree)
 
 
 def _failed(status: Status, rows: int, model: Model) -> Trajectory:

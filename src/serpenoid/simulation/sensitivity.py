@@ -168,7 +168,7 @@ class Recorded:
     def predict(self) -> tuple[Floats, np.ndarray]:
         """Relative poses (S, 3) and whether they are sound."""
         plain = solve_steps(self.model, self.before, self.after)
-        if not self.model.medium_effects:
+        if self.model.is_plain:
             return plain.relative, plain.sound
         guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
         spans = np.column_stack([self.times[:-1], self.times[1:]])

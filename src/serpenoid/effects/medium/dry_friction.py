@@ -24,4 +24,5 @@ EFFECT = DryFriction(
     what_to_do="expect it with rubber on a hard floor; compare two cycle durations to be sure",
     rank=31,
     knows=frozenset({"speed"}),
+    laws=frozenset({"viscous"}),
 )

@@ -26,4 +26,5 @@ EFFECT = PowerLawDrag(
     what_to_do="no fault: the material of floor or skin; keep the exponent in the model",
     rank=30,
     knows=frozenset({"speed"}),
+    laws=frozenset({"viscous"}),
 )

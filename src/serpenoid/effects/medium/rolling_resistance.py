@@ -26,4 +26,5 @@ EFFECT = RollingResistance(
     what_to_do="clean and oil the axles; expect it with ball bearings and soft tyres",
     rank=31,
     knows=frozenset({"speed"}),
+    laws=frozenset({"viscous"}),
 )

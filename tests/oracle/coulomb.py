@@ -1,0 +1,56 @@
+"""Anisotropic Coulomb friction by plain minimisation: NumPy and SciPy, no shared code.
+
+    E(g) = sum_k w_k sqrt(|dp|^2 + (eps^2 - 1)/2 (<dp, T>^2 + <dp, T'>^2))  ->  min over the second pose g
+
+Not softened: a step's minimum is found by BFGS on the kinked energy with its gradient by hand, from several starts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import minimize
+
+from oracle.chain import Floats, place, shape_vertices, vertex_tangents
+from oracle.integrator import Run, cross
+
+STARTS = (1.0, 0.7, 1.3)
+
+
+def friction(g: Floats, p0: Floats, shape: Floats, w: Floats, eps: float) -> tuple[float, Floats]:
+    """Energy of a step that ends at pose g, and its gradient by g."""
+    p1 = place(g, shape)
+    t0, t1 = vertex_tangents(p0), vertex_tangents(p1)
+    dp = p1 - p0
+    a0, a1 = np.sum(dp * t0, axis=1), np.sum(dp * t1, axis=1)
+    q = np.sum(dp * dp, axis=1) + (eps**2 - 1) / 2 * (a0**2 + a1**2)
+    root = np.sqrt(np.maximum(q, 1e-300))
+    d0, d1 = dp + (eps**2 - 1) * a0[:, None] * t0, dp + (eps**2 - 1) * a1[:, None] * t1
+    share = (w / root)[:, None]
+    pull = np.sum(share * (d0 + d1) / 2, axis=0)
+    turn = np.sum(share[:, 0] * (cross(p1, d0) + cross(p0, d1))) / 2  # about the world's origin
+    return float(w @ root), np.array([*pull, turn - (g[0] * pull[1] - g[1] * pull[0])])
+
+
+def simulate(table: ArrayLike, edges: ArrayLike, weights: ArrayLike, eps: float) -> Run:
+    """Lay the shapes of a closed joint table (T, m) one after another; vertex dissipation."""
+    lengths = np.asarray(edges, float) / np.sum(edges)
+    w = np.asarray(weights, float) / np.sum(weights)
+    rows = np.concatenate([np.asarray(table, float), np.asarray(table, float)[:1]])
+    shapes = shape_vertices(rows, lengths, w, None)
+    pose, move = np.zeros(3), np.zeros(3)
+    poses, placed, energies = [pose], [shapes[0]], []
+    for shape in shapes[1:]:
+        here = placed[-1] - pose[:2]
+
+        def cost(x: Floats, here=here, shape=shape, heading=pose[2]):  # type: ignore[no-untyped-def]
+            return friction(np.array([x[0], x[1], heading + x[2]]), here, shape, w, eps)
+
+        found = [minimize(cost, f * move, jac=True, method="BFGS", options={"gtol": 1e-10}) for f in STARTS]
+        best = min(found, key=lambda r: r.fun)
+        move = best.x
+        pose = pose + move
+        poses.append(pose)
+        placed.append(place(pose, shape))
+        energies.append(best.fun)
+    return Run(np.array(poses), np.array(placed), np.array(energies))
