@@ -62,12 +62,13 @@ class Model:
             object.__setattr__(self, "body", self.body.uniform())
         check(present, self.body)
         at_vertices = self.medium.dissipation == "vertex"
-        strangers = [e.name for e in self.medium_effects if self.medium.law not in e.effect.laws]
+        kinds = [e.effect for e in present if isinstance(e.effect, MediumEffect)]
+        strangers = [kind.name for kind in kinds if self.medium.law not in kind.laws]
         if strangers:
             raise InputError(
                 f"[medium] law: `{strangers[0]}` does not act in a {self.medium.law} medium; leave it out."
             )
-        if not at_vertices and any(isinstance(e.effect, MediumEffect) for e in present):
+        if not at_vertices and kinds:
             raise InputError('[medium] dissipation: effects of the medium sit at vertices; set it to "vertex".')
 
     @property

@@ -77,7 +77,7 @@ def test_observation_changes_what_is_seen_and_not_the_motion(name: str, problem:
 def test_speed_is_asked_for_where_it_matters(name: str, problem: Problem) -> None:
     effect = find(name)
     if not effect.needs_seconds:  # type: ignore[attr-defined]
-        assert extended(problem, typical(name), duration=None).step_duration(50) == 1.0
+        assert extended(problem, typical(name), duration=None).step_duration(50) == 1 / 50  # one second a cycle
         return
     with pytest.raises(InputError, match=f"cycle_duration_s: `{name}` knows speed"):
         extended(problem, typical(name), duration=None).step_duration(50)

@@ -75,7 +75,7 @@ def test_speed_without_a_clock_is_refused_at_once(tmp_path: Path) -> None:
 def test_an_extended_model_is_a_model_for_every_verb(
     verb: list[str], model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    arguments = [str(PROBLEM), "--model", str(model_file), "--set", "task.steps=12", "--no-figures"]
+    arguments = [str(PROBLEM), "--model", str(model_file), "--set", "task.steps=30", "--no-figures"]
     out = tmp_path / "out"
     assert main([*verb, *arguments, "--out", str(out), "--quiet"]) == 0
     name = "sweep.json" if verb[0] == "sweep" else "solution.json"
