@@ -19,7 +19,7 @@ import casadi as ca
 class Cycle:
     """What the blocks are evaluated at: poses (3, T + 1), shape coordinates (s, R), settings of the steps, parameters.
 
-    `closed`: the row after the last is the first. settings (5, T) are for models with effects only.
+    `closed`: the row after the last is the first. settings (6, T) are for models with effects only.
     """
 
     poses: ca.MX
