@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rehearsal import serpenoid_table, snake
+from rehearsal import ROOT, serpenoid_table, snake
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv
@@ -228,7 +228,7 @@ def test_one_joint_cannot_tell_a_half_cycle_from_a_flipped_sign():
     assert check([Claim("t", "sine", schedule, cameras=signal)], {"sine": rows}).contradictions == ()
 
 
-@pytest.mark.parametrize("pause", [0.0, 0.8])
+@pytest.mark.parametrize("pause", [0.0, 0.8, 4.0])
 def test_the_period_of_a_signal_includes_its_pause(pause):
     schedule = Schedule(serpenoid_table(40), 1.7, 4, pause)
     time = np.arange(0, schedule.end_s, 1 / 60)
@@ -258,3 +258,9 @@ def test_an_animal_without_lengths_shows_which_points_are_exchanged(count):
 def test_a_body_of_three_points_says_nothing_about_its_order():
     points = tracked(3)[:, [1, 0, 2]]
     assert all(f.gain < ODDS for f in marker_faults(layout(points, None), list("abc"), None))
+
+
+def test_the_lampreys_beat_is_found_in_spite_of_bad_frames():
+    motion = load_campaign(ROOT / "problems/campaigns/lamprey.toml").trials[0].motion
+    found = period_s(Signal(motion.time_s, motion.joint_angles))
+    assert found == pytest.approx(1 / 3.8, abs=0.02)  # 3.8 Hz is known from outside; a frame

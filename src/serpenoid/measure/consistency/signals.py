@@ -74,10 +74,22 @@ def sample(signal: Signal, step_s: float, begin_s: float | None = None, end_s: f
     return Sampled(float(begin), float(step), grid * weight[:, None], weight, signal.noise_variance)
 
 
+def _without_outliers(values: Floats) -> Floats:
+    """Columns about their medians, cut at four robust standard deviations: bad frames do not repeat.
+
+    Where most rows rest in a pause there is none; twice what nine rows in ten stay within, then.
+    """
+    away = values - np.median(values, axis=0)
+    robust, wide = 4 * 1.4826 * np.median(np.abs(away), axis=0), 2 * np.quantile(np.abs(away), 0.9, axis=0)
+    limit = np.where(robust > wide / 4, robust, wide)
+    clipped = np.clip(away, -limit, limit)
+    return np.asarray(clipped - clipped.mean(axis=0))
+
+
 def period_s(signal: Signal) -> float | None:
     """After what time the motion repeats: the first delay at which it agrees with itself nearly best; None: never."""
     whole = sample(signal, float(np.median(np.diff(signal.time_s))))
-    centred = (whole.values - (whole.weight @ whole.values) / whole.weight.sum()) * whole.weight[:, None]
+    centred = _without_outliers(whole.values) * whole.weight[:, None]
     size = 2 * len(centred)
     power = np.abs(np.fft.rfft(centred, size, axis=0)) ** 2
     both = np.abs(np.fft.rfft(whole.weight, size)) ** 2
