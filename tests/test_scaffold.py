@@ -110,6 +110,14 @@ def test_an_answer_that_cannot_be_is_refused_and_nothing_is_written(
     assert not (tmp_path / "x.toml").exists()
 
 
+@pytest.mark.parametrize("name", ['a"b', "a\nb = 1", "a#\x00b", "<script>"])
+def test_a_name_that_would_end_a_string_or_a_comment_is_refused(tmp_path: Path, name: str, capsys) -> None:
+    for kind in ("problem", "robot", "campaign"):
+        path = tmp_path / name / "campaign.toml" if kind == "campaign" else tmp_path / f"{name}.toml"
+        assert main(["new", kind, str(path), "--yes"]) == 2
+        assert "a name is made of letters" in capsys.readouterr().err
+
+
 def test_no_file_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     path = new("problem", tmp_path / "mine.toml")
     before = path.read_text()

@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,6 +44,7 @@ def run(args: argparse.Namespace) -> int:
     template, path = TEMPLATES[args.kind], args.path
     if args.kind == "campaign" and path.suffix != ".toml":
         path = path / "campaign.toml"
+    _check_name(path.absolute().parent.name if args.kind == "campaign" else path.stem)
     if path.exists():
         raise InputError(f"{path}: is there already. Name another file.")
     options.check_writable(path.parent)
@@ -57,6 +59,12 @@ def run(args: argparse.Namespace) -> int:
     first = template.write(path, answers)
     sys.stdout.write(f"{path}\nBegin: {first}\n")
     return 0
+
+
+def _check_name(name: str) -> None:
+    """It stands in the file: nothing may end a string or a comment there."""
+    if re.fullmatch(r"[\w .+-]+", name) is None or "\n" in name:
+        raise InputError(f"FILE: a name is made of letters, digits, spaces and `_ . + -`, got {name!r}.")
 
 
 def _ask(question: Question) -> Any:

@@ -50,7 +50,7 @@ def write(path: Path, answers: Answers) -> str:
     poses = result.trajectory.poses[[0, steps]]
     _write_motion(folder / EXAMPLE / "motion.csv", cycle, poses, duration, problem.body.total_length_m)
     hint = write_schema(folder, "campaign")
-    write_text(path, _text(hint, folder.resolve().name, problem.body, duration, answers))
+    write_text(path, _text(hint, folder.absolute().name, problem.body, duration, answers))
     return f"serpenoid measure {folder}"
 
 

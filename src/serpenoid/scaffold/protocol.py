@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -29,7 +30,7 @@ def write(path: Path, answers: Answers) -> str:
     problem = load(source)
     if problem.body.mass_kg is None:
         raise InputError(f"{source}: [body] mass_kg: the arena needs the robot's mass.")
-    named = "" if answers["problem"] is None else f'problem = "{_relative(source, path.parent)}"'
+    named = "" if answers["problem"] is None else f"problem = {json.dumps(_relative(source, path.parent))}"
     write_table(path.parent / "gaits" / f"{path.stem}.csv", gait_table(problem))
     write_text(path, _text(write_schema(path.parent, "protocol"), path.stem, named, answers))
     return f"serpenoid arena run {path}"
