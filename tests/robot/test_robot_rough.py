@@ -94,7 +94,7 @@ def test_a_healthy_gait_says_how_well_it_was_followed(tmp_path):
 
 
 def tracked(**rule) -> Tracking:
-    return Tracking(robot().model_copy(update={"tracking": TrackingRule(**rule)}))
+    return Tracking(robot().model_copy(update={"tracking": TrackingRule(**rule)}), 100.0)
 
 
 def ticks(degrees: float) -> np.ndarray:
@@ -120,6 +120,26 @@ def test_a_joint_that_is_off_for_a_moment_is_not_stuck():
         tracking.read(6.0 + 0.1 * k, ticks(20.0))
     with pytest.raises(RobotFault, match=r"joint_1 \(ID 1\) is 20\.0 degrees off its command"):
         tracking.read(7.0, ticks(20.0))
+
+
+@pytest.mark.parametrize(("amplitude", "seen"), [(17.0, True), (8.0, True), (4.0, False)])
+def test_a_shaft_that_stands_still_for_a_whole_cycle_is_seen_however_short_the_cycle(amplitude, seen):
+    # 0.3 s of lag are most of a cycle of 0.4 s: some command of that time is always near the middle
+    tracking = Tracking(robot().model_copy(update={"tracking": TrackingRule(action="warn")}), 0.4)
+    for k in range(60):
+        tracking.sent(0.02 * k, ticks(amplitude * np.sin(2 * np.pi * k / 20)))
+        tracking.read(0.02 * k, ticks(0.0))
+    assert bool(tracking.strayed) is seen
+    assert tracking.worst.max() < 12
+
+
+def test_a_shaft_that_moves_a_little_is_not_blocked():
+    tracking = Tracking(robot().model_copy(update={"tracking": TrackingRule()}), 0.4)
+    for k in range(60):
+        command = np.sin(2 * np.pi * k / 20)
+        tracking.sent(0.02 * k, ticks(10.0 * command))
+        tracking.read(0.02 * k, ticks(4.0 * command))
+    assert tracking.strayed == []
 
 
 def test_rows_stay_in_order_when_the_clock_is_slowed_down():

@@ -51,7 +51,7 @@ class Player:
         self._gave_up = False
         self.given_up_readings = 0
         self.switched_on = False  # from just before the first torque_enable = 1; all watchdogs are armed by then
-        self.tracking = Tracking(plan.robot)
+        self.tracking = Tracking(plan.robot, plan.cycle_duration_s)
         self.notes: list[str] = []
         self.timing = RowTiming(MISSED_SHARE * plan.row_period_s)
 

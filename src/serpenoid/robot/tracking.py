@@ -4,7 +4,9 @@ A servo that follows within `lag_s` stands, at any moment, where some command of
 
     error_j = distance of position_j from the interval that command_j ran through in that time
 
-So a fast gait is not blamed for its lag, and what remains is what torque could not do.  m: joints.
+So a fast gait is not blamed for its lag, and what remains is what torque could not do. Where a cycle is so short that
+`lag_s` covers much of it, travel tells: over a whole cycle a joint must move if its command moves by `limit_deg`.
+m: joints.
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.ticks import RADIANS_PER_TICK
 
+STILL_TICKS = 3  # over a whole cycle: the shaft did not move
+WHOLE = 0.9  # of a cycle between the first and the last of its readings
 READINGS = 3  # running: a joint that catches on the floor for a moment is not stuck
 SLOWER = 1.5  # each time the gait is slowed down
 SLOWEST = 4.0  # times its duration; a joint that is still too far off is not slow but stuck
@@ -28,8 +32,9 @@ Ticks = NDArray[np.int64]
 class Tracking:
     """Told of every row sent and every position read; raises RobotFault where the robot file says `stop`."""
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
+    def __init__(self, robot: Robot, cycle_s: float) -> None:
+        self._robot, self._cycle_s = robot, cycle_s
+        self._cycle: deque[tuple[float, Ticks, Ticks]] = deque()  # moment, command, position
         self._sent: deque[tuple[float, Ticks]] = deque()
         self._running = 0
         self.worst = np.zeros(len(robot.joint))  # [degrees]
@@ -43,11 +48,13 @@ class Tracking:
     def read(self, moment: float, positions: Ticks) -> None:
         """Positions (m,) [ticks] at monotonic time `moment` [s]."""
         error = self._error(moment, positions)
+        blocked = self._blocked(moment, positions)
         self.worst = np.maximum(self.worst, error)
         self._running = self._running + 1 if error.max() > self._robot.tracking.limit_deg else 0
         if self._running == READINGS:
-            self._running = 0
-            self._act(int(error.argmax()), float(error.max()))
+            self._act(int(error.argmax()), f"is {error.max():.1f} degrees off its command")
+        elif blocked.max() > 0:
+            self._act(int(blocked.argmax()), f"did not move in a whole cycle of {blocked.max():.1f} degrees")
 
     def _error(self, moment: float, positions: Ticks) -> NDArray[np.float64]:
         begin = moment - self._robot.tracking.lag_s
@@ -57,9 +64,23 @@ class Tracking:
         off = np.maximum(commands.min(axis=0) - positions, positions - commands.max(axis=0))
         return np.degrees(np.maximum(off, 0) * RADIANS_PER_TICK)
 
-    def _act(self, joint: int, error: float) -> None:
+    def _blocked(self, moment: float, positions: Ticks) -> NDArray[np.float64]:
+        """Commanded travel over the last cycle [degrees] of joints that stood still in it, else 0, shape (m,)."""
+        self._cycle.append((moment, self._sent[-1][1], positions))
+        while moment - self._cycle[0][0] > self._cycle_s * self.stretch:
+            self._cycle.popleft()
+        moments, commands, places = zip(*self._cycle, strict=True)
+        if moments[-1] - moments[0] < WHOLE * self._cycle_s * self.stretch:
+            return np.zeros(len(positions))
+        travel = np.degrees(np.ptp(commands, axis=0) * RADIANS_PER_TICK)
+        still = np.ptp(places, axis=0) <= STILL_TICKS
+        return np.where(still & (travel > self._robot.tracking.limit_deg), travel, 0.0)
+
+    def _act(self, joint: int, fault: str) -> None:
+        self._running = 0
+        self._cycle.clear()
         label, rule = self._robot.joint_label(joint), self._robot.tracking
-        what = f"{label} is {error:.1f} degrees off its command, `limit_deg` in [tracking] is {rule.limit_deg:g}"
+        what = f"{label} {fault}, `limit_deg` in [tracking] is {rule.limit_deg:g}"
         if rule.action == "stop" or (rule.action == "slow" and self.stretch * SLOWER > SLOWEST):
             slowed = f", though the gait was slowed down {self.stretch:.2g} times" if self.stretch > 1 else ""
             raise RobotFault(f"{what}{slowed}. Is it blocked, overloaded, or its horn loose?")
