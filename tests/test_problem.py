@@ -12,7 +12,6 @@ from serpenoid.body import Floats
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
-from serpenoid.gaits.table import write_table
 from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
@@ -20,6 +19,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
 from serpenoid.problem import Problem, load
 from serpenoid.simulation.problem import simulate
+from serpenoid.table_file import write_table
 from specimens import PROBLEMS, problem
 
 NAMES = sorted(path.stem for path in PROBLEMS.glob("*.toml"))

@@ -26,14 +26,19 @@ ALLOWED = {
     "mujoco": ("arena/",),
 }
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
-LEFT_OF_MODELS = {"errors", "schema", "files", "status", "shown", "body", "medium", "group", "gaits", "objectives"}
+LEFT_OF_MODELS = {
+    "errors", "inputs", "table_file", "schema", "files", "status", "shown", "body", "medium", "group", "gaits",
+    "objectives",
+}  # fmt: skip
 MAY_IMPORT = {
     "body": {"schema"},
     "medium": {"schema"},
     "group": {"body"},
     "gaits": {"body", "schema", "errors", "files"},
     "objectives": {"body", "schema"},
-    "schema": {"errors"},
+    "schema": {"errors", "inputs"},
+    "inputs": {"errors"},
+    "table_file": {"body", "errors", "files", "inputs"},
     "files": set(),
     "store": {"files", "schema"},
     "errors": set(),

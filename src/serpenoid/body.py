@@ -16,6 +16,9 @@ from serpenoid.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
+Length = Annotated[float, Field(ge=1e-9, le=1e6)]  # metres, or any unit: sums and ratios stay finite
+Weight = Annotated[float, Field(ge=1e-9, le=1e9)]
+MOST_VERTICES = 300  # compiling takes a minute or more beyond
 
 
 class Body(Record):
@@ -24,10 +27,12 @@ class Body(Record):
     kind: Literal["wheeled robot", "swimmer", "crawler"] | None = Field(
         default=None, description="wheeled robot | swimmer | crawler: decides words, default weights, effects on offer"
     )
-    vertices: int = Field(ge=3, le=2000, description="N: head marker, joint axes, tail marker, counted together")
-    length_m: Positive | None = Field(default=None, description="body length, for equal edges; default 1")
-    edge_lengths: tuple[Positive, ...] | None = Field(default=None, description="N - 1 lengths [m], tail to head")
-    weights: tuple[Positive, ...] | None = Field(
+    vertices: int = Field(
+        ge=3, le=MOST_VERTICES, description="N: head marker, joint axes, tail marker, counted together"
+    )
+    length_m: Length | None = Field(default=None, description="body length, for equal edges; default 1")
+    edge_lengths: tuple[Length, ...] | None = Field(default=None, description="N - 1 lengths [m], tail to head")
+    weights: tuple[Weight, ...] | None = Field(
         default=None, description="N dissipation weights; default equal, with `edge` dissipation uniform per length"
     )
     joints: tuple[int, ...] | None = Field(default=None, description="vertices that bend; default all interior ones")

@@ -56,6 +56,11 @@ def examples() -> Path:
     return packaged if packaged.is_dir() else Path(__file__).parents[2] / "problems"
 
 
+def toml_string(text: str) -> str:
+    """A basic string of TOML: JSON's escapes, and no other character that TOML forbids."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
 def short_hash(*parts: Any) -> str:
     """Eight hexadecimal digits that change with any of `parts` (made of JSON values)."""
     text = json.dumps(parts, sort_keys=True, default=str)

@@ -19,9 +19,9 @@ from serpenoid.arena.protocol import PlayedGait, Protocol
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
-from serpenoid.gaits.table import write_table
 from serpenoid.parallel import Workers
 from serpenoid.problem import Problem, load
+from serpenoid.table_file import write_table
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.recording import Recording

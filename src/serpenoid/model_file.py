@@ -21,7 +21,7 @@ from pydantic import Field
 from serpenoid import schema
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.files import write_text
+from serpenoid.files import toml_string, write_text
 from serpenoid.medium import Medium
 from serpenoid.schema import Record
 
@@ -61,7 +61,7 @@ def _assignments(values: dict[str, Any]) -> list[str]:
 
 def _toml(value: Any) -> str:
     if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+        return toml_string(value)
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     return repr(value)

@@ -23,6 +23,7 @@ from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
 from serpenoid.schema import Record
 
+MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:
     AnyGait: TypeAlias = Gait
     AnyBounds: TypeAlias = GaitBounds
@@ -65,11 +66,13 @@ class Task(Record):
     """What to compute."""
 
     steps: int = Field(default=50, ge=3, le=100_000, description="T: steps per cycle, rows of the joint table")
-    cycles: int = Field(default=1, ge=1, description="cycles to simulate and draw")
+    cycles: int = Field(default=1, ge=1, le=100_000, description="cycles to simulate and draw")
     cycle_duration_s: Annotated[float, Field(gt=0)] | None = Field(default=None, description="seconds per cycle")
     objectives: tuple[AnyTerm, ...] = Field(default=(Displacement(),), description="terms; default: displacement")
     demands: tuple[AnyDemand, ...] = Field(default=(), description="requirements beside limits")
-    c: float = Field(default=0.0, ge=0, description="weight of the normalised dissipation T * E beside the objectives")
+    c: float = Field(
+        default=0.0, ge=0, le=1e6, description="weight of the normalised dissipation T * E beside the objectives"
+    )
     bounds: AnyBounds = Field(default=EllipseBounds(), description="where the optimiser may look; by family")
     constraints: Constraints = Constraints()
 
@@ -116,6 +119,13 @@ class Problem(Record):
             raise ValueError("task.constraints.joint_speed_limits needs `joint_speed_limit_rpm` in [body]")
         if wanted.joint_speed_limits and self.task.cycle_duration_s is None:
             raise ValueError("task.constraints.joint_speed_limits needs `cycle_duration_s` in [task]")
+        frequency, bounds = wanted.spatial_frequency, getattr(self.task.bounds, "xi", None)
+        if frequency is not None and bounds is not None and not bounds[0] <= frequency <= bounds[1]:
+            remedy = "widen the bounds or choose a frequency within"
+            raise ValueError(f"task.constraints.spatial_frequency {frequency:g} is outside task.bounds.xi; {remedy}")
+        size = self.task.steps * self.task.cycles * self.body.vertices
+        if size > MOST_POSITIONS:
+            raise ValueError(f"task.steps * task.cycles * body.vertices must be at most {MOST_POSITIONS}, is {size}")
         self.model.step_duration(self.task.steps)  # refuses effects that do not fit the body, or lack the clock
         return self
 

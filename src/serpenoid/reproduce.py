@@ -6,7 +6,6 @@ three trials of three cycles; performance ratios Exp/Sim, Exp/Resim, Sim/Resim w
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +15,10 @@ from serpenoid.arena.robot import robot_of
 from serpenoid.body import Floats
 from serpenoid.files import write_json, write_text
 from serpenoid.gait_set import write_gait_set
-from serpenoid.gaits.table import read_table, write_table
+from serpenoid.inputs import read_json
 from serpenoid.parallel import Workers, results
 from serpenoid.problem import Problem
+from serpenoid.table_file import read_table, write_table
 
 if TYPE_CHECKING:
     from serpenoid.compare.ratios import RatioStatistics
@@ -37,7 +37,7 @@ def gait_tables(folder: Path, problem: Problem, count: int, seed: int, progress:
     names = [f"{kind}-{number:02d}" for kind in ("random", "improved") for number in range(1, count + 1)]
     options = {"count": count, "seed": seed, "within": WITHIN, "problem": problem.hash}
     receipt = folder / "options.json"
-    if not (receipt.is_file() and json.loads(receipt.read_text()) == options):
+    if not (receipt.is_file() and read_json(receipt) == options):
         _find_gaits(folder, problem, count, seed, progress)
         write_json(receipt, options)
     return {name: read_table(folder / "tables" / f"{name}.csv") for name in names}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +11,11 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files import provenance, short_hash, write_csv, write_json
 from serpenoid.gaits import Gait
-from serpenoid.gaits.table import write_table
+from serpenoid.inputs import read_json
 from serpenoid.performance import electrical_cost_of_transport
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
+from serpenoid.table_file import write_table
 from serpenoid.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -83,12 +83,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
 def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, Any]:
     """Read a results folder's record."""
     path = Path(folder) / name
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{folder}: no solution.json there. Name a folder that `solve` or `simulate` wrote.") from None
-    except (ValueError, OSError) as error:
-        raise InputError(f"{path}: cannot be read ({error}).") from None
+    record = read_json(path)
     if not isinstance(record, dict):
         raise InputError(f"{path}: is not a record of this package.")
     return record

@@ -4,43 +4,92 @@ from __future__ import annotations
 
 import difflib
 import tomllib
+import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Annotated, Any, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, StringConstraints, ValidationError
+from pydantic_core import CoreSchema
 
 from serpenoid.errors import InputError
+from serpenoid.inputs import read_text, refuse_depth
+
+
+# A word from a file that becomes part of a file's name, a figure's title or a comment: no separator, no control
+# character, no markup of HTML, of mathematics or of a programming language. Short enough for every file system.
+def _plain(name: str) -> str:
+    letters = all(c.isalnum() or unicodedata.category(c)[0] == "M" or c in NAME_SIGNS for c in name)
+    if not letters or len(name) > NAME_LENGTH or not name[:1].isalnum() or name[-1] in " .":
+        rule = f"must be letters, digits, spaces and {NAME_SIGNS.strip()}, at most {NAME_LENGTH}"
+        raise ValueError(f"{rule}, beginning with a letter or digit")
+    return name
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable() or len(text) > LINE_LENGTH:
+        raise ValueError(f"must be one line of at most {LINE_LENGTH} printable characters")
+    return text
+
+
+LINE_LENGTH = 200
+NAME_SIGNS, NAME_LENGTH = " _.,+=()-", 60
+Name = Annotated[str, AfterValidator(_plain)]
+Line = Annotated[str, AfterValidator(_printable)]  # for people: titles, comments of files
+Text = Annotated[str, StringConstraints(max_length=20_000)]
 
 
 class Record(BaseModel):
-    """Base of everything that is read from a file: frozen, no unknown keys, no NaN or infinity."""
+    """Base of everything that is read from a file: frozen, no unknown keys, no NaN or infinity, strict types.
+
+    Strict are numbers, words and booleans alone; TOML's lists are taken for tuples.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: type[BaseModel], handler: GetCoreSchemaHandler) -> CoreSchema:
+        found = handler(source)
+        _strict(found)
+        return found
+
+
+def _strict(part: Any) -> None:
+    """Make the leaves of a core schema strict."""
+    if isinstance(part, dict):
+        if part.get("type") in ("int", "float", "str", "bool"):
+            part["strict"] = True
+        for key, below in part.items():
+            if key not in ("metadata", "serialization", "default"):
+                _strict(below)
+    elif isinstance(part, list | tuple):
+        for below in part:
+            _strict(below)
+
 
 R = TypeVar("R", bound=Record)
+MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Parse a TOML file; raise InputError with the line and column of a syntax error."""
-    path = Path(path)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; name the TOML file in it.") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error.reason} at byte {error.start}).") from None
-    except tomllib.TOMLDecodeError as error:
+        data = tomllib.loads(read_text(path))
+    except InputError:
+        raise
+    except RecursionError:
+        raise InputError(f"{path}: not valid TOML: nested too deeply.") from None
+    except ValueError as error:  # also a number of thousands of digits
         raise InputError(f"{path}: not valid TOML: {error}.") from None
+    refuse_depth(data, path)
+    return data
 
 
 def validate(schema: type[R], data: dict[str, Any], source: str) -> R:
-    """Build `schema` from parsed `data`; every fault is named `source: [section] key: rule, got value`."""
+    """Build `schema` from parsed `data`; every fault is named `source: [section] key: rule, got value`.
+
+    Types are strict: `"5"` is no number, `true` no place.
+    """
     try:
         return schema.model_validate(data)
     except ValidationError as error:
@@ -48,8 +97,9 @@ def validate(schema: type[R], data: dict[str, Any], source: str) -> R:
         # a list whose entries are faulty counts as empty: that is no second fault
         above = {fault["loc"][:depth] for fault in found for depth in range(1, len(fault["loc"]))}
         found = [fault for fault in found if fault["type"] != "too_short" or fault["loc"] not in above]
-        faults = "\n".join(f"{source}: {_describe(schema, fault)}" for fault in found)
-        raise InputError(faults) from None
+        faults = [f"{source}: {_describe(schema, fault)}" for fault in found[:MOST_FAULTS]]
+        rest = [f"{source}: and {len(found) - MOST_FAULTS} more."] if len(found) > MOST_FAULTS else []
+        raise InputError("\n".join([*faults, *rest])) from None
 
 
 def load(schema: type[R], path: str | Path) -> R:
@@ -76,9 +126,13 @@ def override(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
 
 def _parse_value(text: str) -> Any:
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except RecursionError:
+        raise InputError(f"--set: {text[:40]}... is nested too deeply.") from None
+    except ValueError:
         return text
+    refuse_depth(value, "--set")
+    return value
 
 
 def _copy(data: Any) -> Any:
@@ -92,7 +146,7 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
         return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
     if fault["type"] == "missing":
         return f"{place}: is required and not there."
-    shown = "" if isinstance(fault["input"], dict) else f", got {fault['input']!r}"
+    shown = "" if isinstance(fault["input"], dict) else f", got {_short(fault['input'])}"
     if fault["type"] == "model_type":
         return f"{place}: must be a section, [{place}] and its keys below it{shown}."
     message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
@@ -100,6 +154,11 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
         return f"{message}."
     rule, _, remedy = message.partition("; ")
     return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
 
 
 def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:

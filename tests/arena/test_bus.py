@@ -11,7 +11,7 @@ import pytest
 
 from arena.support import LENGTH, serpenoid_table
 from serpenoid.cli.main import main
-from serpenoid.gaits.table import write_table
+from serpenoid.table_file import write_table
 
 pytestmark = pytest.mark.usefixtures("serial_ports")
 

@@ -42,7 +42,7 @@ def changed(folder: Path, old: str, new: str) -> str:
         (
             "vertices = 12",
             "vertices = 3\nweights = [1.0, -2.0, 1.0]",
-            "[body.weights] 1: Input should be greater than 0",
+            "[body.weights] 1: Input should be greater than or equal to",
         ),
         ("[medium]", "[mediun]", "mediun: unknown key. Did you mean `medium`?"),
         ("steps = 50", "steps = 1", "[task] steps"),
@@ -68,7 +68,7 @@ def test_what_is_no_problem_file_is_refused(tmp_path: Path, capsys: pytest.Captu
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        (None, "no such joint table"),
+        (None, "no such file"),
         (["joint_1", "0.1", "0.2", "0.3"], "the header must be joint_1,joint_2 with 2 joints"),
         (["joint_1,joint_2", "0.1,0.2", "0.1,x", "0.1,0.2"], "gait.csv:3: joint_2 is 'x', not a number"),
         (["joint_1,joint_2", "0.1,0.2", "30,40", "0.1,0.2"], "Are these degrees?"),

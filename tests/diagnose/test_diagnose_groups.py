@@ -29,7 +29,7 @@ from serpenoid.diagnose.recording import Recording, read_recordings
 from serpenoid.diagnose.select import trace, visible
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.gaits.table import read_table
+from serpenoid.table_file import read_table
 
 GRADIENT = Effect("friction_gradient", None, {"gradient_x": 0.5, "gradient_y": 0.3})
 TOE = Effect("toe", None, {"angle": 0.05})

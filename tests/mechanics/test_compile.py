@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import subprocess
@@ -13,6 +14,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from serpenoid.errors import InputError
 from serpenoid.mechanics import compile as compilation
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled, find_compiler, generate_c
@@ -101,6 +103,37 @@ def test_a_compiler_that_fails_is_a_warning_and_the_virtual_machine(
 
 
 @needs_compiler
+@pytest.mark.parametrize("kept", [0, 100, 4096, 8192, -1])
+def test_a_library_that_was_cut_short_is_built_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kept: int
+) -> None:
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path))
+    function = functions.shape(SMALL)
+    compiled([function])
+    (library,) = tmp_path.glob("*.so")
+    whole = library.read_bytes()
+    library.unlink()  # an open library must not be overwritten in place
+    library.write_bytes(whole[:kept])
+    assert compiled([function])[0].class_name() == "External"
+    assert library.read_bytes() == whole
+
+
+@needs_compiler
+def test_a_library_without_its_checksum_or_with_another_is_not_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path))
+    function = functions.shape(SMALL)
+    compiled([function])
+    (library,), (receipt,) = tmp_path.glob("*.so"), tmp_path.glob("*.sha256")
+    for said in ("", "0" * 64):
+        receipt.write_text(said)
+        built = library.stat().st_ino
+        assert compiled([function])[0].class_name() == "External"
+        assert library.stat().st_ino != built
+
+
+@needs_compiler
 def test_a_library_that_cannot_be_loaded_is_a_warning_and_the_virtual_machine(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -108,13 +141,40 @@ def test_a_library_that_cannot_be_loaded_is_a_warning_and_the_virtual_machine(
     function = functions.shape(SMALL)
     compiled([function])
     (library,) = tmp_path.glob("*.so")
-    library.unlink()  # an open library must not be overwritten in place
-    library.write_bytes(b"")
+    library.unlink()
+    library.write_bytes(b"built for another machine")
+    library.with_suffix(".sha256").write_text(hashlib.sha256(library.read_bytes()).hexdigest())
     with caplog.at_level(logging.WARNING):
         again = compiled([function])[0]
     assert again is function
     assert "virtual machine" in caplog.text
     assert compiled([function])[0].class_name() == "External"  # the next one compiles it afresh
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o775, 0o702])
+def test_a_cache_that_others_may_write_is_refused(tmp_path: Path, mode: int) -> None:
+    tmp_path.chmod(mode)
+    with pytest.raises(InputError, match=r"may be written to by other users.*chmod go-w .*SERPENOID_COMPILE=0"):
+        compilation.refuse_shared(tmp_path)
+    below = tmp_path / "below"
+    below.mkdir(mode=0o700)
+    if mode & 0o002:  # who may rename the folder above can put another in its place
+        with pytest.raises(InputError, match="may be written to by other users"):
+            compilation.refuse_shared(below)
+    tmp_path.chmod(0o1777)  # like /tmp: nobody can rename what belongs to another
+    compilation.refuse_shared(below)
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root can give a folder away")
+def test_a_cache_of_another_user_is_refused_before_anything_is_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path))
+    monkeypatch.setattr(compilation, "find_compiler", lambda: "cc")
+    os.chown(tmp_path, 4321, 4321)
+    with pytest.raises(InputError, match=r"belongs to another user \(uid 4321\).*Set SERPENOID_CACHE"):
+        compiled([functions.shape(SMALL)])
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_cache_that_cannot_be_written_is_a_warning_and_the_virtual_machine(

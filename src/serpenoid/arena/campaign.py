@@ -17,9 +17,10 @@ from serpenoid.arena.protocol import Protocol
 from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
 from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
-from serpenoid.files import atomic, short_hash, write_json, write_text
-from serpenoid.gaits.table import write_table
+from serpenoid.files import atomic, short_hash, toml_string, write_json, write_text
+from serpenoid.inputs import read_json
 from serpenoid.parallel import Workers, results
+from serpenoid.table_file import write_table
 
 RECEIPT = ".arena.json"  # what the folder was made from, so that it can be continued
 UNFINISHED = ".unfinished-"
@@ -64,7 +65,7 @@ def _claim(folder: Path, fingerprint: str) -> None:
     """Refuse a folder that holds something else; clear one that was left in the middle."""
     receipt = folder / RECEIPT
     if receipt.is_file():
-        if json.loads(receipt.read_text())["protocol"] != fingerprint:
+        if read_json(receipt) != {"protocol": fingerprint}:
             raise InputError(
                 f"{folder}: holds a campaign of another protocol. Name another folder, or remove this one."
             )
@@ -109,8 +110,8 @@ def campaign_toml(protocol: Protocol, done: list[Plan]) -> str:
     robot = protocol.robot
     text = [
         "format = 1",
-        f"name = {json.dumps(protocol.name)}",
-        f"description = {json.dumps(protocol.description)}",
+        f"name = {toml_string(protocol.name)}",
+        f"description = {toml_string(protocol.description)}",
         "",
         "[body]",
         f"vertices = {robot.wheels}",

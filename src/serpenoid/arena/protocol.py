@@ -17,21 +17,21 @@ from serpenoid.arena.changes import Changes
 from serpenoid.arena.robot import NotNegative, Positive, Robot, robot_of
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.gaits.table import read_table
 from serpenoid.problem import load as load_problem
-from serpenoid.schema import Record, read_toml, validate
+from serpenoid.schema import Line, Name, Record, Text, read_toml, validate
+from serpenoid.table_file import read_table
 
+LONGEST_TRIAL_S = 3600
 Share = Annotated[float, Field(ge=0, lt=1)]
-Label = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
 
 
 class PlayedGait(Record):
     """One joint table, played at one or several cycle durations."""
 
-    name: Label = Field(description="label of the gait; trials with the same label and duration are repeats")
+    name: Name = Field(description="label of the gait; trials with the same label and duration are repeats")
     joint_table: str = Field(description="CSV with header joint_1,...,joint_m, radians; relative to the protocol")
     cycle_durations_s: tuple[Positive, ...] | None = Field(
-        default=None, min_length=1, description="default: the protocol's"
+        default=None, min_length=1, max_length=26, description="default: the protocol's"
     )
     headings_deg: tuple[float, ...] | None = Field(
         default=None, min_length=1, description="default: the protocol's; one heading: repeats cross the same floor"
@@ -95,14 +95,14 @@ class Protocol(Record):
     """A protocol file."""
 
     format: Literal[1] = 1
-    name: str = "arena"
-    description: str = ""
+    name: Line = "arena"
+    description: Text = ""
     seed: int = Field(default=0, ge=0)
     problem: str | None = Field(
         default=None, description="problem file whose body is played, relative to the protocol; default: the paper's"
     )
-    trials: int = Field(default=3, ge=1, description="repeats of each gait and duration")
-    cycles: int = Field(default=3, ge=1)
+    trials: int = Field(default=3, ge=1, le=1000, description="repeats of each gait and duration")
+    cycles: int = Field(default=3, ge=1, le=10_000)
     cycle_duration_s: Positive = Field(default=5.0, description="for gaits that do not say")
     pause_s: NotNegative = Field(default=2.0, description="after every cycle")
     gait: tuple[PlayedGait, ...] = Field(min_length=1)
@@ -118,6 +118,9 @@ class Protocol(Record):
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise ValueError(f"gait names must differ, `{twice[0]}` is there twice")
+        slowest = max(max(gait.cycle_durations_s or (self.cycle_duration_s,)) for gait in self.gait)
+        if self.cycles * (slowest + self.pause_s) > LONGEST_TRIAL_S:
+            raise ValueError(f"`cycles` times cycle and pause must be at most {LONGEST_TRIAL_S} s, a trial's longest")
         return self
 
 
@@ -127,8 +130,13 @@ def load_protocol(path: str | Path) -> tuple[Protocol, dict[str, Floats]]:
     if isinstance(data.get("problem"), str) and isinstance(data.get("robot", {}), dict):
         data["robot"] = robot_of(load_problem(path.parent / data["problem"]).body, data.get("robot"))
     protocol = validate(Protocol, data, str(path))
-    servos = protocol.robot.servos
-    return protocol, {gait.name: read_joint_table(path.parent / gait.joint_table, servos) for gait in protocol.gait}
+    tables = {}
+    for gait in protocol.gait:
+        try:
+            tables[gait.name] = read_joint_table(path.parent / gait.joint_table, protocol.robot.servos)
+        except InputError as error:
+            raise InputError(f"{path}: gait `{gait.name}`: {error}") from None
+    return protocol, tables
 
 
 def read_joint_table(path: Path, servos: int) -> Floats:

@@ -58,8 +58,8 @@ def _diagnosed(
 def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:
     from serpenoid.diagnose.animate import animated
     from serpenoid.diagnose.report import write_pages
-    from serpenoid.gaits.table import read_table
     from serpenoid.plot.diagnosis import draw_all
+    from serpenoid.table_file import read_table
 
     proposed = record["next_experiment"]
     draw_all(folder, found, read_table(folder / proposed["joint_table"]) if proposed else None)

@@ -7,12 +7,12 @@ serpenoid show results/foam/diagnosis --open
 from __future__ import annotations
 
 import argparse
-import csv
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
+from serpenoid.inputs import csv_rows, read_text
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +38,9 @@ def run(args: argparse.Namespace) -> int:
     try:
         record = read_record(folder, name) if name else {}
         lines = RECORDS[name](folder, record) if name else _campaign_lines(folder)
-    except (KeyError, TypeError, ValueError, OSError, AttributeError) as error:
+    except InputError:
+        raise
+    except (LookupError, ArithmeticError, TypeError, ValueError, OSError, AttributeError) as error:
         raise InputError(
             f"{folder / (name or 'campaign.toml')}: is not a record of this version ({error!r})."
         ) from None
@@ -89,8 +91,8 @@ def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
 
 
 def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
-    with (folder / "sweep.csv").open(newline="", encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
+    head, *cells = csv_rows(read_text(folder / "sweep.csv"), folder / "sweep.csv")
+    rows = [dict(zip(head, row, strict=True)) for row in cells]
     lines = [f"sweep of {record['problem']}: {record['solved']} points solved, {record['failed']} failed"]
     lines.append(f"{'c':>8}{'displacement':>14}{'dissipation':>13}{'cost':>11}")
     for row in rows:
@@ -130,7 +132,7 @@ def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:
     """What the verb said when it wrote the folder."""
     if not (folder / options.SUMMARY).exists():
         raise ValueError(f"no {options.SUMMARY} beside it")
-    return (folder / options.SUMMARY).read_text(encoding="utf-8").splitlines()
+    return read_text(folder / options.SUMMARY).splitlines()
 
 
 RECORDS: dict[str, Callable[[Path, dict[str, Any]], list[str]]] = {

@@ -9,9 +9,9 @@ from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.recording import Recording
 from serpenoid.files import provenance, write_json
-from serpenoid.gaits.table import write_table
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
+from serpenoid.table_file import write_table
 
 
 def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, Any] | None = None) -> dict[str, Any]:

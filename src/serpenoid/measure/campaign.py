@@ -10,7 +10,6 @@ from pydantic import Field, model_validator
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.logs import read_joint_table
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
 from serpenoid.measure.trackers import (
@@ -23,7 +22,8 @@ from serpenoid.measure.trackers import (
 )
 from serpenoid.measure.tracks import LengthUnit, Tracks
 from serpenoid.medium import Medium
-from serpenoid.schema import Record, load
+from serpenoid.schema import Line, Name, Record, Text, load
+from serpenoid.table_file import read_table as read_joint_table
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -41,7 +41,7 @@ class MotionKeys(Record):
         default=None, description="m | cm | mm | um | px | bl, where the file does not say"
     )
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
-    markers: tuple[str, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
+    markers: tuple[Line, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
     minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
     columns: dict[str, str] | None = Field(default=None, description="long: time, frame, point, x, y -> column names")
@@ -70,11 +70,13 @@ class MotionKeys(Record):
 class TrialEntry(MotionKeys):
     """One trial: what was commanded, and where its files are."""
 
-    name: str = Field(min_length=1, pattern=r"^[^/\\]+$", description="unique; names the trial's figures")
-    gait: str | None = Field(default=None, description="trials with one label and cycle duration are repeats")
+    name: Name = Field(description="unique; names the trial's figures")
+    gait: Name | None = Field(default=None, description="trials with one label and cycle duration are repeats")
     joint_table: str | None = Field(default=None, description="CSV, T rows of joint_1..joint_m [rad]")
     cycle_duration_s: Positive | None = Field(default=None, description="time for T steps")
-    cycles: Annotated[int, Field(ge=1)] | None = Field(default=None, description="how often the table is played")
+    cycles: Annotated[int, Field(ge=1, le=100_000)] | None = Field(
+        default=None, description="how often the table is played"
+    )
     pause_s: NotNegative = Field(default=0.0, description="after every cycle, holding row 0")
     dissipation_coefficient: NotNegative | None = Field(default=None, description="c the gait was optimised with")
     motion: str | None = Field(default=None, description="motion file")
@@ -97,13 +99,13 @@ class CampaignFile(Record):
     """`campaign.toml` as it stands."""
 
     format: Literal[1]
-    name: str
-    description: str = ""
-    source: str = Field(default="", description="where the data come from, shown beside every figure")
+    name: Line
+    description: Text = ""
+    source: Text = Field(default="", description="where the data come from, shown beside every figure")
     body: Body
     medium: Medium | None = Field(default=None, description="what Sim and Resim assume; default: what `fit` finds")
     motion: MotionKeys = MotionKeys()
-    trial: tuple[TrialEntry, ...] = Field(min_length=1)
+    trial: tuple[TrialEntry, ...] = Field(min_length=1, max_length=10_000)
 
     @model_validator(mode="after")
     def _names(self) -> Self:

@@ -2,50 +2,37 @@
 
 from __future__ import annotations
 
-import csv
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from serpenoid import inputs
 from serpenoid.errors import InputError
+from serpenoid.inputs import RECORDING_BYTES, csv_rows, read_text
 
 Floats = NDArray[np.float64]
 Rows = list[list[str]]
+PLAIN = re.compile(r"[0-9eE+., \t-]*", re.ASCII)  # cells that float() takes as everybody does
+LARGEST = 1e15  # a larger number is no measurement: milliseconds since 1970 are 2e12
 
 
 def read_rows(path: Path, live: bool = False) -> Rows:
     """All rows of a CSV. `live`: the file may end in the middle of a row (power loss): it is dropped."""
-    text = _read_text(path)
+    text = read_text(path, RECORDING_BYTES)
     if not text.strip():
         raise InputError(f"{path}: is empty. Was the recording stopped before anything was written?")
     if live and not text.endswith("\n"):
         text = text[: text.rfind("\n") + 1]
-    try:
-        rows = list(csv.reader(text.splitlines()))
-    except csv.Error as error:
-        raise InputError(f"{path}: not a CSV file: {error}.") from None
+    rows = csv_rows(text, path)
     while rows and not any(cell.strip() for cell in rows[-1]):
         rows.pop()
     if not rows:
         raise InputError(f"{path}: holds no complete row.")
     return rows
-
-
-def _read_text(path: Path) -> str:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder, not a CSV file.") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error.reason} at byte {error.start}); export it as CSV.") from None
-    if "\0" in text:
-        raise InputError(f"{path}: not a text file (a zero byte at {text.index(chr(0))}); export it as CSV.")
-    return text
 
 
 def column_letter(column: int) -> str:
@@ -69,12 +56,9 @@ def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> flo
     cell = rows[row][column].strip()
     if not cell or cell.lower() == "nan":
         return math.nan
-    try:
-        value = float(cell)
-    except ValueError:
-        raise InputError(f"{place(path, row, column, name)}: must be a number or empty, got {cell!r}.") from None
-    if math.isinf(value):
-        raise InputError(f"{place(path, row, column, name)}: must be finite, got {cell!r}.")
+    value = inputs.number(cell)
+    if value is None or abs(value) > LARGEST:
+        raise InputError(f"{place(path, row, column, name)}: must be a number or empty, got {cell[:40]!r}.")
     return value
 
 
@@ -89,15 +73,30 @@ def block(rows: Rows, first: int, columns: Sequence[int], names: Sequence[str], 
             )
     if first >= len(rows):
         raise InputError(f"{path}: has a header and no data rows.")
-    try:
-        return np.array([[float(rows[r][c] or "nan") for c in columns] for r in range(first, len(rows))]).reshape(
-            len(rows) - first, len(columns)
-        )
-    except ValueError:
-        cells = [
-            [number(rows, r, c, path, n) for c, n in zip(columns, names, strict=True)] for r in range(first, len(rows))
-        ]
-        return np.array(cells)
+    values = []
+    for row in range(first, len(rows)):
+        cells = [rows[row][c] for c in columns]
+        try:
+            plain = PLAIN.fullmatch(",".join(cells))
+            numbers = [float(cell or "nan") for cell in cells] if plain else []
+        except ValueError:
+            numbers = []
+        values.append(numbers or [number(rows, row, c, path, n) for c, n in zip(columns, names, strict=True)])
+    found = np.array(values).reshape(len(values), len(columns))
+    for row, column in np.argwhere(np.abs(found) > LARGEST)[:1].tolist():
+        number(rows, first + row, columns[column], path, names[column])  # names the cell
+    return found
+
+
+def whole_points(floor: Floats, first: int, columns: Sequence[int], names: Sequence[str], path: Path) -> Floats:
+    """Points (F, M, D), checked: all coordinates or none; columns, names (M,): where each begins."""
+    seen = np.isfinite(floor)
+    partly = np.argwhere(seen.any(axis=2) & ~seen.all(axis=2))
+    if partly.size:
+        row, point = (int(i) for i in partly[0])
+        where = place(path, first + row, columns[point], names[point])
+        raise InputError(f"{where}: a point has all its coordinates or none. Was the file edited?")
+    return floor
 
 
 def increasing_times(times: Floats, first: int, column: int, path: Path, name: str) -> Floats:

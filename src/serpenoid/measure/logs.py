@@ -103,28 +103,6 @@ def read_power_log(path: str | Path) -> PowerLog:
     return PowerLog(times, power, str(path))
 
 
-def read_joint_table(path: str | Path, joints: int | None = None) -> Floats:
-    """T rows of `joint_1,...,joint_m` [rad], shape (T, m); row 0 follows the last row again."""
-    path = Path(path)
-    rows = read_rows(path)
-    header = [cell.strip() for cell in rows[0]]
-    expected = [f"joint_{j}" for j in range(1, len(header) + 1)]
-    for column, (got, want) in enumerate(zip(header, expected, strict=True)):
-        if got != want:
-            raise InputError(f"{place(path, 0, column)}: a joint table has `{want}` here, got {got!r}.")
-    if joints is not None and len(header) != joints:
-        raise InputError(f"{path}: row 1: the body has {joints} joints, the table {len(header)}.")
-    table = block(rows, 1, range(len(header)), header, path)
-    empty = np.argwhere(~np.isfinite(table))
-    if empty.size:
-        row, column = (int(i) for i in empty[0])
-        raise InputError(f"{place(path, row + 1, column, header[column])}: must not be empty.")
-    _check_radians(table, "joint", header, path)
-    if len(table) < 3:
-        raise InputError(f"{path}: a gait needs at least 3 rows, got {len(table)}.")
-    return table
-
-
 def _check_radians(values: Floats | None, name: str, header: list[str], path: Path) -> None:
     if values is None:
         return

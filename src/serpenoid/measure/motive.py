@@ -10,10 +10,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import Rows, block, increasing_times, place, read_rows
+from serpenoid.measure.cells import Rows, block, increasing_times, place, read_rows, whole_points
 from serpenoid.measure.tracks import Tracks, floor_plane
 
 UNITS = {"Meters": 1.0, "Centimeters": 0.01, "Millimeters": 0.001}
@@ -46,12 +44,9 @@ def read_motive(path: str | Path, up_axis: str = "y") -> Tracks:
     data = block(rows, first, columns, names, path)
     _check_frame_count(header, len(data), path)
     times = increasing_times(data[:, 0], first, 1, path, "Time")
+    begins = [triple[0] for triple in markers.values()]
     positions = data[:, 1:].reshape(len(data), len(markers), 3) * scale
-    partly = np.argwhere(np.isfinite(positions).any(axis=2) & ~np.isfinite(positions).all(axis=2))
-    if partly.size:
-        row, marker = (int(i) for i in partly[0])
-        where = place(path, first + row, list(markers.values())[marker][0], list(markers)[marker])
-        raise InputError(f"{where}: a marker has all three coordinates or none. Was the file edited?")
+    positions = whole_points(positions, first, begins, list(markers), path)
     unlabelled = tuple(bool(UNLABELLED.search(name)) for name in markers)
     floor = floor_plane(positions, up_axis)
     return Tracks(times, tuple(markers), floor, str(path), unlabelled, space=positions)

@@ -12,6 +12,7 @@ import hashlib
 import logging
 import os
 import shutil
+import stat
 import subprocess
 import tempfile
 import time
@@ -23,7 +24,8 @@ import casadi as ca
 import filelock
 import platformdirs
 
-from serpenoid.files import atomic
+from serpenoid.errors import InputError
+from serpenoid.files import atomic, write_text
 
 FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
 log = logging.getLogger(__name__)
@@ -42,7 +44,7 @@ def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
         return list(functions)
     try:
         return [ca.external(function.name(), str(library)) for function in functions]
-    except RuntimeError as error:  # cut short by a full disk, or built for another machine that shares the cache
+    except RuntimeError as error:  # built for another machine that shares the cache
         library.unlink(missing_ok=True)
         reason = str(error).splitlines()[0]
         log.warning("%s cannot be loaded and was removed, using CasADi's virtual machine: %s", library, reason)
@@ -79,16 +81,53 @@ def _library(functions: Sequence[ca.Function], compiler: str) -> Path:
     source = generate_c(functions)
     key = hashlib.sha256("\0".join([source, compiler, *FLAGS]).encode()).hexdigest()[:24]
     folder = cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    refuse_shared(folder)
     library = folder / f"{functions[0].name()}-{key}.so"
-    if library.exists():
+    if _is_whole(library):
         return library
     with filelock.FileLock(folder / f"{key}.lock", timeout=300):
-        if not library.exists():
+        if not _is_whole(library):
             _build(source, compiler, library)
+            write_text(_receipt(library), _digest(library))
     with contextlib.suppress(OSError):
         (folder / f"{key}.lock").unlink()
     return library
+
+
+def refuse_shared(folder: Path) -> None:
+    """A library runs as soon as it is loaded: InputError where somebody else could have put one there."""
+    if not hasattr(os, "getuid"):
+        return
+    trusted = (os.getuid(), 0)
+    place = folder.resolve()
+    for path in (place, *place.parents):
+        about = path.stat()
+        open_to = stat.S_IWOTH | (stat.S_IWGRP if path == place else 0)
+        shared = about.st_mode & open_to and not (path != place and about.st_mode & stat.S_ISVTX)
+        if about.st_uid not in trusted or shared:
+            why = "may be written to by other users" if shared else f"belongs to another user (uid {about.st_uid})"
+            remedy = f"chmod go-w {path}, set" if shared and about.st_uid == os.getuid() else "Set"
+            raise InputError(
+                f"compile cache {folder}: {path} {why}, who could put a program of theirs in it. {remedy} "
+                "SERPENOID_CACHE to a folder of your own, or SERPENOID_COMPILE=0 (slower, the same results)."
+            )
+
+
+def _receipt(library: Path) -> Path:
+    return library.with_suffix(".sha256")
+
+
+def _digest(library: Path) -> str:
+    return hashlib.sha256(library.read_bytes()).hexdigest()
+
+
+def _is_whole(library: Path) -> bool:
+    """Whether it is the library that was built: a truncated one ends the process when it is loaded."""
+    try:
+        return _receipt(library).read_text(encoding="ascii") == _digest(library)
+    except (OSError, ValueError):
+        return False
 
 
 def _build(source: str, compiler: str, library: Path) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import zipfile
+import hashlib
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from serpenoid.errors import InputError
 from serpenoid.files import atomic
+from serpenoid.inputs import read_bytes
 from serpenoid.optimise.ipopt import Outcome, Point
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.status import Status
@@ -26,25 +29,22 @@ class ChainStore:
     def save(self, c: float, answer: Answer) -> None:
         """Write one point, whole or not at all."""
         p, rows = answer.outcome.point, np.array(answer.rows, int)
+        stream = io.BytesIO()
+        np.savez(
+            stream, x=p.x, lam_x=p.lam_x, lam_g=p.lam_g, rows=rows, iterations=answer.iterations, seconds=answer.seconds
+        )  # fmt: skip
+        content = stream.getvalue()
         with atomic(self._path(c)) as target:
-            np.savez(
-                target,
-                x=p.x,
-                lam_x=p.lam_x,
-                lam_g=p.lam_g,
-                rows=rows,
-                iterations=answer.iterations,
-                seconds=answer.seconds,
-            )
+            target.write_bytes(hashlib.sha256(content).digest() + content)
 
     def load(self, c: float, solver: GaitSolver) -> Answer | None:
         """The stored answer with its residuals evaluated afresh, or None where there is none for this problem."""
         try:
-            with self._path(c).open("rb") as stream, np.load(stream) as data:
+            with np.load(io.BytesIO(_whole(read_bytes(self._path(c))))) as data:
                 point = Point(data["x"], data["lam_x"], data["lam_g"])
                 rows, iterations = tuple(data["rows"].tolist()), int(data["iterations"])
                 seconds = float(data["seconds"])
-        except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
+        except (InputError, KeyError, ValueError):
             return None
         _, ipopt = solver.prepared(len(rows))
         parameters = solver.parameters(c, list(rows))
@@ -60,3 +60,11 @@ class ChainStore:
 
     def _path(self, c: float) -> Path:
         return self.folder / f"{self.chain}-{c!r}.npz"
+
+
+def _whole(stored: bytes) -> bytes:
+    """What was stored, if it is what was written; ValueError for a damaged file."""
+    digest, content = stored[:32], stored[32:]
+    if hashlib.sha256(content).digest() != digest:
+        raise ValueError("damaged")
+    return content

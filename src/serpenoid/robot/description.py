@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
-from serpenoid.schema import Record
+from serpenoid.schema import Name, Record
 
 # Three quarters of the XL430's torque (all of it: 177 ticks, 15.6 degrees), and twice the largest error of a healthy
 # robot on a floor that grips (6.3 degrees: `results/benchmarks/robustness.md`).
@@ -85,7 +85,7 @@ class Robot(Record):
     """A robot file; joints in the order joint_1 (next to the tail) ... joint_m (next to the head)."""
 
     format: Literal[1]
-    name: str
+    name: Name
     model: Literal["XL430-W250-T"] = "XL430-W250-T"
     bus: BusSettings
     motion: MotionSettings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from importlib.resources import files
 from math import ceil, radians
@@ -15,6 +16,7 @@ from serpenoid.robot.ticks import RADIANS_PER_TICK
 
 BUTTON_PIN = 2
 LONGEST_US = 2**31  # deadlines are differences of a 32-bit microsecond clock
+SOURCE = re.compile(r"[^\w \n.,:{}+()=-]", re.ASCII)  # what enters the sketch is made of these alone
 FLASH_BYTES = 200_000  # of 256 KiB, the rest is for the program
 
 
@@ -26,7 +28,7 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
     approach_ticks = radians(motion.approach_limit_deg) / RADIANS_PER_TICK
     approach_s = motion.approach_limit_deg / (motion.approach_speed_rpm * 6.0)
     values = {
-        "TITLE": f"{robot.name}: {len(plan.ticks)} rows, {plan.cycles} cycles of {plan.cycle_duration_s:g} s",
+        "TITLE": f"{_comment(robot.name)}: {len(plan.ticks)} rows, {plan.cycles} cycles of {plan.cycle_duration_s:g} s",
         "JOINTS": len(robot.joint),
         "STEPS": len(plan.ticks),
         "CYCLES": plan.cycles,
@@ -53,8 +55,15 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
     }
     text = files("serpenoid.robot").joinpath("openrb150.ino").read_text(encoding="utf-8")
     for name, value in values.items():
+        if SOURCE.search(str(value)):
+            raise ValueError(f"{name} must not enter source code: {value!r}")
         text = text.replace(f"@{name}@", str(value))
     return text
+
+
+def _comment(name: str) -> str:
+    """A name in one line of plain ASCII, for a comment."""
+    return re.sub(r"[^\w .,+()=-]", "_", name, flags=re.ASCII)
 
 
 def _look_time_us(plan: Plan) -> int:

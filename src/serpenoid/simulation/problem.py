@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily, TableGait
-from serpenoid.gaits.table import read_table
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.rollout import simulate_joint_angles
+from serpenoid.table_file import read_table
 from serpenoid.trajectory import Trajectory
 
 

@@ -17,9 +17,10 @@ from serpenoid.measure.chain import marker_angles
 from serpenoid.measure.consistency.check import ODDS, Claim, Contradiction, Verdict, check
 from serpenoid.measure.consistency.geometry import Plane, layout, marker_faults
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.logs import ServoLog, read_joint_table
+from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial_files import Files, label_markers, neighbour_ratio, read_files
+from serpenoid.table_file import read_table as read_joint_table
 
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed

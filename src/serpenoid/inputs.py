@@ -1,0 +1,111 @@
+"""Reading files that others wrote: regular files of a bounded size, UTF-8 text, JSON without surprises.
+
+Everything the package reads comes through here, so that no pipe, device or endless file can hold it up and every
+fault is an InputError that begins with the file's name.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import re
+import stat
+from pathlib import Path
+from typing import Any, NoReturn
+
+from serpenoid.errors import InputError
+
+SETTINGS_BYTES = 20_000_000  # problem, model, robot, campaign and result files, joint tables
+RECORDING_BYTES = 1_000_000_000  # an hour of a hundred markers at 100 frames/s as text
+DEEPEST = 32  # sections within sections; what the package writes has 7
+CELL_CHARACTERS = 100_000
+NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*", re.ASCII)
+
+
+def read_bytes(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
+    """The file's bytes; refuse what is no regular file or larger than `most` bytes."""
+    try:
+        # without O_NONBLOCK opening a pipe waits for somebody to write into it
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+        with open(descriptor, "rb") as stream:
+            kind = os.fstat(descriptor).st_mode
+            if not stat.S_ISREG(kind):
+                what = "is a folder; name a file in it" if stat.S_ISDIR(kind) else "is a pipe or a device, not a file"
+                raise InputError(f"{path}: {what}.")
+            data = stream.read(most + 1)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file.") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder; name a file in it.") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
+    except ValueError:  # a zero byte in the name
+        raise InputError(f"{str(path)!r}: no file can have such a name.") from None
+    if len(data) > most:
+        raise InputError(f"{path}: must be at most {most / 1e6:g} MB. Is it the right file?")
+    return data
+
+
+def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
+    """UTF-8 text, with or without a byte-order mark."""
+    try:
+        text = read_bytes(path, most).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file ({error.reason} at byte {error.start}).") from None
+    if "\0" in text:
+        raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).")
+    return text
+
+
+def csv_rows(text: str, path: str | Path) -> list[list[str]]:
+    """All rows of a CSV's text."""
+    csv.field_size_limit(CELL_CHARACTERS)
+    try:
+        return list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise InputError(f"{path}: not a CSV file: {error}.") from None
+
+
+def number(cell: str) -> float | None:
+    """A cell as a finite number; None for words, `1_000`, infinities and digits of other scripts."""
+    value = float(cell) if NUMBER.fullmatch(cell) else math.inf
+    return value if math.isfinite(value) else None
+
+
+def read_json(path: str | Path) -> Any:
+    """JSON values; refuse numbers that are not finite and nesting beyond DEEPEST."""
+
+    def finite(number: str) -> float:
+        value = float(number)
+        if not math.isfinite(value):
+            raise InputError(f"{path}: {number} is too large for a number.")
+        return value
+
+    def refuse(word: str) -> NoReturn:
+        raise InputError(f"{path}: {word} is not a JSON number; null stands for an unknown one.")
+
+    try:
+        data = json.loads(read_text(path), parse_float=finite, parse_constant=refuse)
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not valid JSON: {_reason(error)}.") from None
+    refuse_depth(data, path)
+    return data
+
+
+def refuse_depth(data: Any, path: str | Path) -> None:
+    """Refuse values nested deeper than DEEPEST; without recursion, which is what they would break."""
+    level = [data]
+    for _ in range(DEEPEST):
+        below = (v.values() if isinstance(v, dict) else v for v in level if isinstance(v, dict | list))
+        level = [item for values in below for item in values]
+        if not level:
+            return
+    raise InputError(f"{path}: is nested more than {DEEPEST} levels deep.")
+
+
+def _reason(error: Exception) -> str:
+    return "nested too deeply" if isinstance(error, RecursionError) else str(error)

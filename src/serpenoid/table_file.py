@@ -1,0 +1,50 @@
+"""Joint tables as CSV files: header joint_1,...,joint_m; T rows of angles [rad]; after the last row the first again."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.errors import InputError
+from serpenoid.files import write_csv
+from serpenoid.inputs import csv_rows, number, read_text
+
+
+def header(joint_count: int) -> list[str]:
+    """Column names of a joint table."""
+    return [f"joint_{j + 1}" for j in range(joint_count)]
+
+
+def write_table(path: str | Path, angles: Floats) -> None:
+    """Write a joint table, shape (T, m) [rad]."""
+    write_csv(path, header(angles.shape[1]), angles.tolist())
+
+
+def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
+    """Read a joint table, shape (T, m) [rad]; raise InputError naming line and column of the first fault."""
+    lines = [(line, row) for line, row in enumerate(csv_rows(read_text(path), path), start=1) if row]
+    head = [cell.strip() for cell in lines[0][1]] if lines else []
+    m = joint_count or len(head) or 2
+    if head != header(m):
+        names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
+        raise InputError(f"{path}: the header must be {names} with {m} joints, got {','.join(head)[:60]!r}.")
+    if len(lines) < 4:
+        raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
+    return np.array([_numbers(path, line, row, m) for line, row in lines[1:]])
+
+
+def _numbers(path: str | Path, line: int, row: list[str], m: int) -> list[float]:
+    if len(row) != m:
+        raise InputError(f"{path}:{line}: needs {m} numbers, got {len(row)}. Was the file cut short?")
+    values = []
+    for column, cell in enumerate(row, start=1):
+        value = number(cell)
+        if value is None:
+            raise InputError(f"{path}:{line}: joint_{column} is {cell[:40]!r}, not a number.")
+        if abs(value) > math.pi:
+            raise InputError(f"{path}:{line}: joint_{column} must be within +-pi rad, got {cell}. Are these degrees?")
+        values.append(value)
+    return values
