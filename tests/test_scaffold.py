@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
-from serpenoid.gaits.table import read_table, write_table
 from serpenoid.json_schema import schema_of
 from serpenoid.measure.load import load_campaign
 from serpenoid.problem import load
@@ -24,6 +23,7 @@ from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
 from serpenoid.schema import load as load_file
 from serpenoid.simulation.problem import simulate
+from serpenoid.table_file import read_table, write_table
 
 SIX = ["--joints", "6", "--edges", "0.05,0.1,0.12,0.1,0.08,0.1,0.05", "--mass", "0.95", "--joint-limit", "50"]
 

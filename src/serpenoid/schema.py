@@ -39,6 +39,19 @@ Line = Annotated[str, AfterValidator(_printable)]  # for people: titles, comment
 Text = Annotated[str, StringConstraints(max_length=20_000)]
 
 
+def _strict(part: Any) -> None:
+    """Make the leaves of a core schema strict."""
+    if isinstance(part, dict):
+        if part.get("type") in ("int", "float", "str", "bool"):
+            part["strict"] = True
+        for key, below in part.items():
+            if key not in ("metadata", "serialization", "default"):
+                _strict(below)
+    elif isinstance(part, list | tuple):
+        for below in part:
+            _strict(below)
+
+
 class Record(BaseModel):
     """Base of everything that is read from a file: frozen, no unknown keys, no NaN or infinity, strict types.
 
@@ -52,19 +65,6 @@ class Record(BaseModel):
         found = handler(source)
         _strict(found)
         return found
-
-
-def _strict(part: Any) -> None:
-    """Make the leaves of a core schema strict."""
-    if isinstance(part, dict):
-        if part.get("type") in ("int", "float", "str", "bool"):
-            part["strict"] = True
-        for key, below in part.items():
-            if key not in ("metadata", "serialization", "default"):
-                _strict(below)
-    elif isinstance(part, list | tuple):
-        for below in part:
-            _strict(below)
 
 
 R = TypeVar("R", bound=Record)

@@ -16,12 +16,12 @@ from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
-from serpenoid.gaits.table import write_table
 from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.problem import load
+from serpenoid.table_file import write_table
 from specimens import PROBLEMS
 
 SIX = {"vertices": 8, "edge_lengths": (0.05, 0.10, 0.12, 0.10, 0.08, 0.10, 0.05), "mass_kg": 0.95}

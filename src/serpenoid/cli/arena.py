@@ -15,6 +15,7 @@ import os
 from pathlib import Path
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import claim, content_of
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
@@ -51,6 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used.add_argument("--trials", type=options.positive, default=6, metavar="N", help="of each gait (default 6)")
     used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
     used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
+    used.add_argument("--force", action="store_true", help="move another answer in the folder aside")
     for action in (played, used):
         options.add_workers(action, "trials", os.cpu_count() or 1)
         options.add_output(action)
@@ -90,6 +92,8 @@ def _use(args: argparse.Namespace) -> int:
     problem = args.problem or examples() / "snake10.toml"
     protocol = in_use.protocol_of(robot, load(problem), args.trials, args.cycles)
     folder = args.out or args.diagnosis / "in-use"
+    models = content_of(*(args.diagnosis / name for name in in_use.MODELS.values()))
+    claim(args, folder, models, load(problem).hash, protocol.model_dump(mode="json"))
     with options.progress_bar(args, "gaits", len(in_use.MODELS)) as advance:
         gaits = in_use.optimal_gaits(problem, args.diagnosis, advance)
         advance(len(gaits), "")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import content_of_campaign
 
 if TYPE_CHECKING:
     from serpenoid.measure.load import Campaign
@@ -38,12 +38,12 @@ def read(args: argparse.Namespace) -> Campaign:
     return campaign
 
 
-def folder(args: argparse.Namespace, campaign: Campaign, verb: str, *extra: Any) -> Path:
+def folder(args: argparse.Namespace, verb: str, *extra: Any) -> Path:
     """--out, or results/<campaign>/<verb>-<hash>."""
     from serpenoid.files import short_hash
 
-    key = short_hash(json.loads(campaign.file.model_dump_json()), *extra)
-    return options.output_folder(args, Path("results") / name_of(args.campaign) / f"{verb}-{key}")
+    key = short_hash(content_of_campaign(args.campaign), *extra)
+    return options.output_folder(args, Path("results") / name_of(args.campaign) / f"{verb}-{key}", key)
 
 
 def name_of(campaign: str) -> str:

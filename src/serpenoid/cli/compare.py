@@ -35,13 +35,13 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.errors import InputError
 
     campaign = campaigns.read(args)
+    folder = campaigns.folder(args, "compare", args.anisotropy_ratio, args.dissipation)
     model, origin = compared_model(campaign, args.anisotropy_ratio, args.dissipation)
     with options.progress_bar(args, "comparing", len(campaign.trials)) as advance:
         study = compare_campaign(campaign, model, lambda done, total, name: advance(done, name))
         advance(len(campaign.trials))
     if not study.comparisons:
         raise InputError("no trial has a motion file with a whole cycle in it. " + " ".join(study.notes))
-    folder = campaigns.folder(args, campaign, "compare", model.medium.model_dump())
     record = study_record(study, campaign, origin)
     with options.progress_bar(args, "drawing", len(study.comparisons)) as advance:
         write_study(folder, study, campaign, record, not args.no_figures, advance)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import campaigns, options
+from serpenoid.cli.claim import content_of, content_of_campaign
 from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
@@ -24,7 +25,9 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
 
     wanted = [*([args.reference] if args.reference else []), campaign]
     sizes = [len(load_campaign_file(c)[0].trial) for c in wanted]
-    folder = options.output_folder(args, Path("results") / campaigns.name_of(campaign) / "diagnosis")
+    default = Path("results") / campaigns.name_of(campaign) / "diagnosis"
+    key = [content_of_campaign(c) for c in wanted], content_of(*([Path(args.model)] if args.model else []))
+    folder = options.output_folder(args, default, *key)
     with options.progress_bar(args, "diagnosing", sum(sizes)) as advance:
         work = Work(sizes, not args.no_figures, advance)
         earlier, before = None, None

@@ -46,10 +46,10 @@ def run(args: argparse.Namespace) -> int:
     campaign = campaigns.read(args)
     model = neutral_model(campaign, args.anisotropy_ratio, args.dissipation)
     start_values(names, model)
+    folder = campaigns.folder(args, "fit", names, model.medium.model_dump())
     with options.progress_bar(args, "fitting", len(campaign.trials) + 1) as advance:
         calibration = calibrate(campaign, model, names, lambda done, total, name: advance(done, name))
         advance(len(campaign.trials) + 1)
-    folder = campaigns.folder(args, campaign, "fit", names, model.medium.model_dump())
     record = calibration_record(calibration, model.medium.dissipation)
     used = total(usage(trial) for trial in campaign.trials)
     record |= {

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.files import provenance, write_json
 
     campaign = campaigns.read(args)
-    folder = campaigns.folder(args, campaign, "measure")
+    folder = campaigns.folder(args, "measure")
     record = campaign_record(campaign) | {"provenance": provenance(campaign=campaign.file.name)}
     write_json(folder / "campaign.json", record)
     if not args.no_figures:

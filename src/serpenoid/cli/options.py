@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from serpenoid.parallel import Workers
 
+from serpenoid.cli.claim import claim, sign
+
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
 SET_HELP = "override a number of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable)"
@@ -42,6 +44,7 @@ def add_output(parser: argparse.ArgumentParser, out: str = "") -> None:
     """--quiet, --json, and for results --out, --no-figures; out: what the folder is without --out."""
     if out:
         parser.add_argument("--out", metavar="DIR", help=f"results folder (default: {out})")
+        parser.add_argument("--force", action="store_true", help="move another answer in the folder aside")
         parser.add_argument("--no-figures", action="store_true", help="write numbers only")
         add_open(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
@@ -100,6 +103,7 @@ def _whole(text: str, least: int) -> int:
 
 def report(args: argparse.Namespace, record: Any, lines: list[str], folder: Path | None = None) -> None:
     """Print the record (--json), nothing (--quiet) or the summary; keep the summary in the folder, and --open it."""
+    sign(args)
     if args.json:
         sys.stdout.write(json.dumps(record, indent=2) + "\n")
     elif not args.quiet:
@@ -153,11 +157,14 @@ def _note(title: str, done: float, total: float, text: str) -> None:
     log.info("%s: %g of %g %s", title, done, total, text)
 
 
-def output_folder(args: argparse.Namespace, default: Path) -> Path:
-    """--out or the default; refused before the work begins where it could not be written after it."""
+def output_folder(args: argparse.Namespace, default: Path, *key: Any) -> Path:
+    """--out or the default; refused before the work begins where it could not be written after it, or is taken.
+
+    key: what the answer depends on.
+    """
     folder = Path(args.out) if args.out else default
     check_writable(folder)
-    return folder
+    return claim(args, folder, *key)
 
 
 def check_writable(folder: Path) -> None:

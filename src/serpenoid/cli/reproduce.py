@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     if min(args.gaits, args.trials) < 1:
         raise InputError("--gaits and --trials need a positive number.")
     problem = load(args.problem or examples() / "snake10.toml", args.set)
-    folder = Path(args.out or "results/reproduce")
+    folder = options.output_folder(args, Path("results/reproduce"), problem.hash, args.gaits, args.trials, args.seed)
     with options.progress_bar(args, "gaits", args.gaits) as advance:
         tables = gait_tables(folder / "gaits", problem, args.gaits, args.seed, advance)
         advance(args.gaits)

@@ -11,8 +11,12 @@ normalised T * E (weights sum to one): it converges as the number of steps T gro
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from serpenoid.cli import options
+
+if TYPE_CHECKING:
+    from serpenoid.problem import Problem
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.simulation.problem import simulate
 
     problem = load(args.problem, args.set, args.model)
-    folder = options.output_folder(args, default_folder(problem, "simulate"))
+    folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
     result = simulate(problem)
     record = write_simulation(folder, result, figures=not args.no_figures and result.trajectory.status.ok)
     motion = result.trajectory
@@ -50,3 +54,11 @@ def run(args: argparse.Namespace) -> int:
     ]
     options.report(args, record, lines, folder)
     return 0
+
+
+def _table(problem: Problem) -> list[str]:
+    """The joint table's content, where the gait is one."""
+    from serpenoid.cli.claim import content_of
+
+    path = getattr(problem.gait, "path", None)
+    return content_of(problem.folder / path) if path else []

@@ -59,7 +59,9 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
     from serpenoid.status import Status
 
-    folder = options.output_folder(args, default_folder(problem, "solve", *_options(args)))
+    folder = options.output_folder(
+        args, default_folder(problem, "solve", *_options(args)), problem.hash, *_options(args)
+    )
     with options.progress_bar(args, "starts", args.starts) as advance:
         result = solve(
             problem,
@@ -127,7 +129,8 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.optimise.solve import improve
     from serpenoid.results import default_folder
 
-    folder = options.output_folder(args, default_folder(problem, "improve", args.improve, args.within, args.seed))
+    key = ["improve", args.improve, args.within, args.seed]
+    folder = options.output_folder(args, default_folder(problem, *key), problem.hash, *key)
     with options.progress_bar(args, "gaits", args.improve) as advance:
         pairs = improve(problem, args.improve, args.within, args.seed, advance)
     record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})

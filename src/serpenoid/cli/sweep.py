@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import claim
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -112,11 +113,11 @@ def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], 
 def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> Path:
     from serpenoid.results import default_folder
 
-    default = default_folder(problem, "sweep", values, args.starts, args.seed)
+    key = [values, args.starts, args.seed]
     if args.out and len(args.problems) > 1:
         options.check_writable(Path(args.out))
-        return Path(args.out) / problem.name
-    return options.output_folder(args, default)
+        return claim(args, Path(args.out) / problem.name, problem.hash, *key)
+    return options.output_folder(args, default_folder(problem, "sweep", *key), problem.hash, *key)
 
 
 def _lines(summary: dict) -> list[str]:

@@ -9,9 +9,9 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
 from serpenoid.files import examples, write_csv, write_text
-from serpenoid.gaits.table import write_table
 from serpenoid.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number
+from serpenoid.table_file import write_table
 
 EXAMPLE = "example"
 BEGIN = "# --- made up: `serpenoid campaign add` takes this trial out again ---"

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from serpenoid.errors import InputError
 from serpenoid.files import examples, write_text
-from serpenoid.gaits.table import write_table
 from serpenoid.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, whole
+from serpenoid.table_file import write_table
 
 QUESTIONS = (
     Question("problem", "Problem file of the robot (empty: the paper's snake)", "", existing),

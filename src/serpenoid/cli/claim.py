@@ -1,0 +1,95 @@
+"""One folder, one answer: who asks something else of a results folder is refused, or has what is there moved aside.
+
+What was asked stands in request.json: the verb, and a hash of all that its answer depends on. The same command again
+goes on or writes the same answer again; another one needs another --out, or --force.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from serpenoid.errors import InputError
+from serpenoid.files import short_hash, write_json
+from serpenoid.inputs import RECORDING_BYTES, read_bytes, read_json
+
+REQUEST = "request.json"
+# what tells a folder of results from any other
+RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json", "compare.json", "diagnosis.json",
+           "in-use.json", "play.json", "campaign.toml", REQUEST)  # fmt: skip
+EARLIER = "earlier"
+
+
+def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
+    """Refuse a folder that answers another request, or move what is in it aside (--force); returns it.
+
+    key: what the answer depends on, JSON values. request.json is written by `sign`, after the answer.
+    """
+    request = {"verb": args.verb, "request": short_hash(*key)}
+    held = [name for name in RECORDS if (folder / name).exists()]
+    if held and _held(folder) != request:
+        if not getattr(args, "force", False):
+            raise InputError(
+                f"--out {folder}: holds {_words(folder, held)}. Name another folder, or move that answer to "
+                f"{_aside(folder)} by --force."
+            )
+        _move_aside(folder)
+    args.requests = [*getattr(args, "requests", []), (folder, request)]
+    return folder
+
+
+def sign(args: argparse.Namespace) -> None:
+    """Write what was asked beside the answer."""
+    for folder, request in getattr(args, "requests", []):
+        if folder.is_dir():
+            write_json(folder / REQUEST, request)
+
+
+def content_of(*paths: Path) -> list[str]:
+    """Hashes of files; a part of a key."""
+    return [hashlib.sha256(read_bytes(path, RECORDING_BYTES)).hexdigest() for path in paths]
+
+
+def content_of_campaign(campaign: str | Path) -> list[str]:
+    """Hashes of campaign.toml and of every file that it names."""
+    from serpenoid.measure.campaign import load_campaign_file
+
+    file, folder = load_campaign_file(campaign)
+    named = sorted({name for t in file.trial for name in (t.joint_table, t.motion, t.servo_log, t.power_log) if name})
+    return [short_hash(file.model_dump(mode="json")), *content_of(*(folder / name for name in named))]
+
+
+def _held(folder: Path) -> Any:
+    try:
+        return read_json(folder / REQUEST)
+    except InputError:
+        return None
+
+
+def _words(folder: Path, held: list[str]) -> str:
+    request = _held(folder)
+    verb = request.get("verb") if isinstance(request, dict) else None
+    return f"the answer of another `{verb}`" if isinstance(verb, str) else f"another answer ({held[0]})"
+
+
+def _aside(folder: Path) -> Path:
+    return next(path for path in _names(folder) if not path.exists())
+
+
+def _names(folder: Path) -> Iterator[Path]:
+    number = 1
+    while True:
+        yield folder / f"{EARLIER}-{number}"
+        number += 1
+
+
+def _move_aside(folder: Path) -> None:
+    """Everything but what was moved before: nothing is lost, and no figure of the earlier answer stays beside."""
+    found = [path for path in folder.iterdir() if not path.name.startswith(f"{EARLIER}-")]
+    place = _aside(folder)
+    place.mkdir()
+    for path in found:
+        path.rename(place / path.name)

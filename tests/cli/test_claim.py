@@ -1,0 +1,63 @@
+"""One folder, one answer: another question is refused, or moves the earlier answer aside whole."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from serpenoid.cli.main import main
+
+REFERENCE = str(Path(__file__).parents[2] / "problems" / "reference.toml")
+
+
+def simulated(out: Path, *more: str) -> int:
+    return main(["simulate", REFERENCE, "--no-figures", "--quiet", "--out", str(out), *more])
+
+
+def test_the_same_question_writes_the_same_answer_again(tmp_path: Path) -> None:
+    assert simulated(tmp_path / "out") == 0
+    first = (tmp_path / "out" / "trajectory.csv").read_bytes()
+    assert simulated(tmp_path / "out") == 0
+    assert (tmp_path / "out" / "trajectory.csv").read_bytes() == first
+    assert not list((tmp_path / "out").glob("earlier-*"))
+
+
+def test_another_question_is_refused_and_nothing_is_touched(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert simulated(out) == 0
+    before = {p.name: p.read_bytes() for p in out.iterdir()}
+    assert simulated(out, "--set", "gait.a=4") == 2
+    said = capsys.readouterr().err
+    assert f"--out {out}: holds the answer of another `simulate`" in said
+    assert "earlier-1 by --force" in said
+    assert {p.name: p.read_bytes() for p in out.iterdir()} == before
+
+
+def test_force_moves_the_earlier_answer_aside_with_its_figures(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert simulated(out) == 0
+    (out / "gait.png").write_bytes(b"a figure of the earlier answer")
+    for number, a in enumerate(("4", "5"), start=1):
+        displacement = json.loads((out / "solution.json").read_text())["displacement_body_lengths"]
+        assert simulated(out, "--set", f"gait.a={a}", "--force") == 0
+        earlier = json.loads((out / f"earlier-{number}" / "solution.json").read_text())
+        assert earlier["displacement_body_lengths"] == displacement
+        assert json.loads((out / "solution.json").read_text())["displacement_body_lengths"] != displacement
+    assert (out / "earlier-1" / "gait.png").exists()
+    assert not (out / "gait.png").exists()
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"verb": 5}'])
+def test_an_answer_whose_question_is_lost_counts_as_another(tmp_path: Path, content: str) -> None:
+    assert simulated(tmp_path) == 0
+    (tmp_path / "request.json").write_text(content)
+    assert simulated(tmp_path) == 2
+    assert simulated(tmp_path, "--force") == 0
+
+
+def test_a_folder_with_other_things_is_no_answer(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    assert simulated(tmp_path) == 0
+    assert (tmp_path / "notes.txt").read_text() == "mine"
