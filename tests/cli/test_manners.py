@@ -165,7 +165,7 @@ def test_ctrl_c_keeps_solved_points_and_the_same_command_goes_on(tmp_path: Path)
         kinds = {row["status"] for row in csv.DictReader(stream)}
     assert {"solved", "not reached"} <= kinds
     kept = {path: os.stat(path).st_mtime_ns for path in chain.glob("up-0.*")}
-    again = [*words[:5], "--c", "0,0.0125", *words[7:]]
+    again = [*words[:5], "--c", "0,0.0125", *words[7:], "--force"]
     assert subprocess.run(again, check=False, timeout=90).returncode == 0
     assert kept
     assert all(os.stat(path).st_mtime_ns == written for path, written in kept.items())

@@ -87,8 +87,11 @@ def _names(folder: Path) -> Iterator[Path]:
 
 
 def _move_aside(folder: Path) -> None:
-    """Everything but what was moved before: nothing is lost, and no figure of the earlier answer stays beside."""
-    found = [path for path in folder.iterdir() if not path.name.startswith(f"{EARLIER}-")]
+    """All but what was moved before: nothing is lost, and no figure of the earlier answer stays beside.
+
+    A sweep's solved points stay: each is checked against the problem when it is taken up.
+    """
+    found = [path for path in folder.iterdir() if not path.name.startswith((f"{EARLIER}-", "chain"))]
     place = _aside(folder)
     place.mkdir()
     for path in found:
