@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from serpenoid.errors import InputError
+from serpenoid.inputs import read_json
 
 LONGEST_CYCLE_S = 600.0
 Angle = Annotated[float, Field(gt=0, le=180)]
@@ -59,13 +59,13 @@ class Stated(_Part):
 def read_stated(file: Path) -> Stated:
     """Read `file`; nothing is stated where there is none. Raises InputError where it is there and broken."""
     remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
-    try:
-        return Stated.model_validate(json.loads(file.read_text(encoding="utf-8")))
-    except (FileNotFoundError, NotADirectoryError):
+    if not file.exists():
         return Stated()
+    try:
+        return Stated.model_validate(read_json(file))
+    except InputError as error:
+        raise InputError(f"{error} {remedy}") from None
     except ValidationError as error:
         fault = error.errors()[0]
         place = ".".join(map(str, fault["loc"])) or "the record"
         raise InputError(f"{file}: {place}: {fault['msg']}, got {str(fault['input'])[:40]}. {remedy}") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{file}: cannot be read ({str(error)[:100]}). {remedy}") from None
