@@ -32,6 +32,8 @@ def read_rows(path: Path, live: bool = False) -> Rows:
         rows.pop()
     if not rows:
         raise InputError(f"{path}: holds no complete row.")
+    if not rows[0]:
+        raise InputError(f"{path}: row 1: is empty, where the header belongs.")
     return rows
 
 
