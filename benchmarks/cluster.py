@@ -63,11 +63,11 @@ def main() -> None:
         "",
         "    PYTHONPATH=src python benchmarks/cluster.py",
         "",
-        f"serpenoid {__version__}, {os.cpu_count()} cores, load {load:.1f} when written; wall time from the first answer to the last.",
+        f"serpenoid {__version__}, {os.cpu_count()} cores, load {load:.1f} when written; first answer to last.",
         "",
         f"{TASKS} tasks that do nothing tell the overhead, {PIECES} of some simulations each the gain.",
         "",
-        "| where | overhead of a task [ms] | tasks a second | seconds a task of simulations | times as fast | same to the last bit |",
+        "| where | overhead of a task [ms] | tasks a second | simulations: s a task | times as fast | same bits |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
     page = Path(__file__).parents[1] / "results" / "benchmarks" / "cluster.md"

@@ -4,8 +4,8 @@
     serpenoid solve problems/snake10.toml --model results/foam/extended-model.toml
     serpenoid diagnose recordings/today --reference recordings/2024-09-foam    # what changed since then?
 
-Climbs three rungs: command against shape (actuation: servos), shape against markers (observation: cameras, clocks),
-shape against motion (medium: wheels and floor). On each, the error stands beside its noise floor, which repeated trials
+In three stages: command against shape (actuation: servos), shape against markers (observation: cameras, clocks),
+shape against motion (medium: wheels and floor). In each, the error stands beside its noise level, which repeated trials
 tell: record every setting twice. Effects (see `serpenoid effects`) are chosen by how well they predict gaits they were
 not fitted to, so record six gaits or more, one of them tail first, at several cycle durations and headings.
 
@@ -13,8 +13,8 @@ verdict           nothing left      something left
   effects named   explained         partly explained
   none named      nothing           unexplained
 
-An effect's strength is its trace in floors; below 1.6 it is too faint to name, and only the extended model has it where
-gaits that were not fitted are predicted better with it. `or ...` are effects that the data cannot tell from the one
+An effect's strength is its trace over the noise level. Where chance makes as much, it is below detection: not named, and
+in the extended model only where gaits that were not fitted are predicted better with it. `or ...` are effects that the data cannot tell from the one
 above; `next-experiment.csv` is the gait that would.
 
 With a reference, that campaign is diagnosed first; what the model gets wrong there is no news.
