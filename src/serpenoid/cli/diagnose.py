@@ -13,9 +13,9 @@ verdict           nothing left      something left
   effects named   explained         partly explained
   none named      nothing           unexplained
 
-An effect's strength is its trace over the noise level. Where chance makes as much, it is below detection: not named, and
-in the extended model only where gaits that were not fitted are predicted better with it. `or ...` are effects that the data cannot tell from the one
-above; `next-experiment.csv` is the gait that would.
+An effect's strength is its trace over the noise level. Where chance makes as much, it is below detection: not named,
+and in the extended model only where gaits that were not fitted are predicted better with it. `or ...` are effects that
+the data cannot tell from the one above; `next-experiment.csv` is the gait that would.
 
 With a reference, that campaign is diagnosed first; what the model gets wrong there is no news.
 

@@ -5,9 +5,10 @@
 
 Two ways: the eps of least RMS between measured and simulated displacement-time curves, trial by trial, as in the paper;
 and maximum likelihood through the step equations, with shape noise and pose noise together, trial by trial and all
-trials together. Three answers to "how sure?": camera noise alone; robust to errors that last (what is left is not noise); and the spread
-over trials. Simulations use the *measured* shapes on the recording's own frames. A fitted eps holds for one kind of
-dissipation element only. Writes fit.json and figures. Exit code 1: a fit did not converge or ran into a bound.
+trials together. Three answers to "how sure?": camera noise alone; robust to errors that last (what is left is not
+noise); and the spread over trials. Simulations use the *measured* shapes on the recording's own frames. A fitted eps
+holds for one kind of dissipation element only. Writes fit.json and figures. Exit code 1: a fit did
+not converge or ran into a bound.
 """
 
 from __future__ import annotations
