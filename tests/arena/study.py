@@ -3,14 +3,13 @@
     python -m arena.study --out results/blind/arena [NAME ...]
 
 For each: six gaits twice (`problems/protocols/six-gaits.toml`, with a seed of its own), the diagnosis, and only then a
-look at what was hidden. One JSON per change, a summary in README.md; a change whose JSON exists is not run again.
+look at what was hidden. One row of arena.csv a change, a summary in README.md; a row that is there is not made again.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 import sys
 import time
 from dataclasses import dataclass
@@ -20,7 +19,9 @@ from typing import Any
 import numpy as np
 
 from arena.hidden import HIDDEN, Hidden, Name
-from arena.table import write_table
+from arena.table import TABLE, write_table
+from blind import table
+from blind.study import commit
 from serpenoid.arena.campaign import run_campaign
 from serpenoid.arena.protocol import load_protocol
 from serpenoid.diagnose.baseline import Baseline
@@ -29,7 +30,6 @@ from serpenoid.diagnose.recording import read_recordings
 from serpenoid.diagnose.reference import Reference, reference_of, summary
 from serpenoid.diagnose.start import baseline
 from serpenoid.diagnose.write import write
-from serpenoid.files import write_json
 
 KEPT = ("verdict", "effects", "alternatives", "below_the_floor", "left", "residual_pattern", "noise_floor_m", "gain")
 ROOT = Path(__file__).parents[2]
@@ -112,18 +112,24 @@ def _apart(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def run_one(study: Study, name: str, known: Reference, out: Path) -> dict[str, Any]:
-    """One change; returns its row, from the file if it was run before."""
-    file = out / f"{name}.json"
-    if file.exists():
-        return json.loads(file.read_text())
+    """One change; returns its row, from the table if it was run before."""
+    before = next((row for row in table.read(out / TABLE)[1] if row["name"] == name), None)
+    if before is not None:
+        return before
     campaign = study.play(name, HIDDEN[name])
     began = time.process_time()
     _, said = diagnosed(campaign, known, study.folder(name) / "diagnosis")
     change, repeats = moved_by(study.folder(name), study.folder("healthy"))
-    row = {"hidden": HIDDEN[name].changes, **judged(said, HIDDEN[name]), **{k: said[k] for k in KEPT}}
+    row = {"name": name, "hidden": HIDDEN[name].changes, **judged(said, HIDDEN[name]), **{k: said[k] for k in KEPT}}
     row |= {"path_change_m": change, "path_repeats_m": repeats, "seconds": time.process_time() - began}
-    write_json(file, row)
     return row
+
+
+def kept(study: Study, out: Path, row: dict[str, Any]) -> None:
+    """One more row of the table, or the same one anew."""
+    rows = [r for r in table.read(out / TABLE)[1] if r["name"] != row["name"]]
+    above = {"command": f"python -m arena.study --out {out}", "commit": commit(), "key": study.key}
+    table.write(out / TABLE, above, [*rows, row])
 
 
 def main() -> None:
@@ -137,10 +143,11 @@ def main() -> None:
     a = p.parse_args()
     study = Study(a.work, a.key)
     healthy, said = diagnosed(study.play("healthy", Hidden()), None, study.folder("healthy") / "diagnosis")
-    write_json(a.out / "healthy.json", summary(healthy) | {"scores": said["scores"]})
+    kept(study, a.out, {"name": "healthy", **summary(healthy), "scores": said["scores"]})
     known = reference_of(healthy)
     for name in a.names or HIDDEN:
         row = run_one(study, name, known, a.out)
+        kept(study, a.out, row)
         sys.stderr.write(f"{name}: {row['outcome']} ({row['verdict']})\n")
         write_table(a.out)
 

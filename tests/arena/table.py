@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from arena.hidden import HIDDEN
+from blind import table
 from serpenoid.files import write_text
+
+TABLE = "arena.csv"
 
 HEAD = """# Hidden changes of the arena's robot
 
@@ -36,7 +38,8 @@ What is missed, and what is likely to be behind it:
 
 def write_table(folder: Path) -> None:
     """README.md from the rows that are there."""
-    rows = {n: json.loads((folder / f"{n}.json").read_text()) for n in HIDDEN if (folder / f"{n}.json").exists()}
+    found = {row["name"]: row for row in table.read(folder / TABLE)[1]}
+    rows = {name: found[name] for name in HIDDEN if name in found}
     repeats = 1e3 * next(iter(rows.values()))["path_repeats_m"]
     lines = [_line(name, row) for name, row in rows.items()]
     write_text(

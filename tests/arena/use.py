@@ -2,21 +2,24 @@
 
     python -m arena.use --out results/blind/arena/in-use --work results/arena-study NAME ...
 
-After `arena.study`, in whose work folder the diagnoses are. One JSON per change, a table in README.md.
+After `arena.study`, in whose work folder the diagnoses are. One row of in-use.csv a change, a page in README.md.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import shutil
 from pathlib import Path
+from typing import Any
 
 from arena.hidden import HIDDEN
 from arena.study import MODEL, Study
+from blind import table
+from blind.study import commit
 from serpenoid.cli.main import main as serpenoid
 from serpenoid.files import write_text
 
+TABLE = "in-use.csv"
 HEAD = """# Gain in use
 
 `python -m arena.use`, after `python -m arena.study`: `serpenoid arena use` on the changed robots of the study. The gait
@@ -38,24 +41,25 @@ def main() -> None:
     a = p.parse_args()
     a.out.mkdir(parents=True, exist_ok=True)
     for name in a.names:
-        if (a.out / f"{name}.json").exists():
+        rows = table.read(a.out / TABLE)[1]
+        if any(row["name"] == name for row in rows):
             continue
         folder = Study(a.work).folder(name)
         options = ["--problem", str(MODEL), "--trials", str(a.trials), "--jobs", "1"]
         if serpenoid(["arena", "use", str(folder / "diagnosis"), str(folder / "protocol.toml"), *options]) == 0:
-            shutil.copy(folder / "diagnosis" / "in-use" / "in-use.json", a.out / f"{name}.json")
-    write_text(a.out / "README.md", HEAD + "".join(_line(a.out / f"{n}.json") for n in HIDDEN))
+            found = json.loads((folder / "diagnosis" / "in-use" / "in-use.json").read_text())
+            above = {"command": f"python -m arena.use --out {a.out}", "commit": commit(), "key": Study.key}
+            table.write(a.out / TABLE, above, [*rows, {"name": name, **found}])
+    lines = {row["name"]: _line(row) for row in table.read(a.out / TABLE)[1]}
+    write_text(a.out / "README.md", HEAD + "".join(lines[n] for n in HIDDEN if n in lines))
 
 
-def _line(file: Path) -> str:
-    if not file.exists():
-        return ""
-    r = json.loads(file.read_text())
+def _line(r: dict[str, Any]) -> str:
     gaits = (r["baseline"], r["extended"])
     cells = [f"{g['mean']:.3f} +- {g['sd']:.3f} ({g['promised']:.3f})" for g in gaits]
     low, high = r["gain_interval"]
     gain = f"{r['gain']:+.3f}, {low:+.3f} .. {high:+.3f}"
-    return f"| {file.stem} | {len(gaits[0]['trials'])} | {cells[0]} | {cells[1]} | {gain} |\n"
+    return f"| {r['name']} | {len(gaits[0]['trials'])} | {cells[0]} | {cells[1]} | {gain} |\n"
 
 
 if __name__ == "__main__":

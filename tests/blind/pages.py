@@ -90,7 +90,7 @@ def _section(part: Part) -> str:
     facts = [
         _line("Verdicts", s["verdicts"]),
         _line("Outcomes", s["outcomes"]),
-        _line("Processor seconds", s["seconds"]),
+        _line("Processor seconds (older tables: wall)", s["seconds"]),
     ]
     facts.append(_line("Held-out path RMS over F, where right", s["held_out_over_floor"]))
     facts.append(_line("Intervals that missed", s["intervals_cover"]["missed"]))

@@ -51,17 +51,19 @@ def names(items: Sequence[Mapping[str, Any]]) -> list[Name]:
 
 @dataclass(frozen=True)
 class Answer:
-    """verdict; chosen effects; the group = chosen and alternatives."""
+    """verdict; chosen effects; the group = chosen and alternatives; stand_ins: those said to be no causes."""
 
     verdict: str
     chosen: tuple[Name, ...]
     group: tuple[Name, ...]
+    stand_ins: tuple[Name, ...] = ()
 
 
 def answer(diagnosis: Mapping[str, Any]) -> Answer:
     chosen = names(diagnosis.get("effects", []))
     others = names(diagnosis.get("alternatives", []))
-    return Answer(str(diagnosis["verdict"]), tuple(chosen), tuple(dict.fromkeys([*chosen, *others])))
+    stand_ins = names([e for e in diagnosis.get("effects", []) if e.get("stand_in")])
+    return Answer(str(diagnosis["verdict"]), tuple(chosen), tuple(dict.fromkeys([*chosen, *others])), tuple(stand_ins))
 
 
 def odds(diagnosis: Mapping[str, Any]) -> dict[str, float]:

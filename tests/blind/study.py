@@ -110,6 +110,7 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "verdict": said.verdict,
         "chosen": [str(n) for n in said.chosen],
         "group": [str(n) for n in said.group],
+        "stand_ins": [str(n) for n in said.stand_ins],
         "odds": odds(diagnosis),
         "truth": [e.as_dict() for e in c.effects],
         "hidden": [str(Name(e.name, e.place)) for e in c.effects],
@@ -119,9 +120,11 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "eps": c.eps,
         "eps_said": diagnosis.get("anisotropy_ratio", {}).get("after"),
     }
-    if found.without and found.reference is None:  # another physics, healthy: whatever is named stands in for it
+    if (
+        found.without and found.reference is None
+    ):  # another physics, healthy: what is named, and not said to stand in for a law, is wrong
         row |= {"eps_effective": effective_eps(c), "strengths": []}
-        return row | {"outcome": "stand-in" if said.chosen else "right"}
+        return row | {"outcome": "stand-in" if set(said.chosen) - set(said.stand_ins) else "right"}
     if any(e.name not in CATALOGUE for e in c.effects):
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}
     strengths = [strength(c, e, f) for e in c.effects]
@@ -190,7 +193,7 @@ def run(study: Study, count: int, workers: Workers) -> list[dict[str, Any]]:
         raise SystemExit(f"{file} is of key {before['key']}: another key needs another --out.")
     command = f"python -m blind.study --kind {study.kind} --count {count} --key {study.key}"
     command += f" --model {study.model}" if study.model else ""
-    commits = dict.fromkeys([*filter(None, before.get("commit", "").split(" ")), _commit()])
+    commits = dict.fromkeys([*filter(None, before.get("commit", "").split(" ")), commit()])
     above = {"command": command, "commit": " ".join(commits), "key": study.key}
     known = {row["identity"] for row in rows}
     order = {study.identity(i): i for i in range(count)}
@@ -203,7 +206,8 @@ def run(study: Study, count: int, workers: Workers) -> list[dict[str, Any]]:
     return rows
 
 
-def _commit() -> str:
+def commit() -> str:
+    """Of the code that is run."""
     done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
     return done.stdout.strip() or "unknown"
 

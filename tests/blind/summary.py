@@ -133,7 +133,7 @@ def summarise(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
     named = [r for r in rows if _named(r)]
     intervals = [{"outcome": "right" if inside else "wrong"} for r in rows for inside in r.get("covered", {}).values()]
     held_out = [r for r in named if r.get("held_out_over_floor") is not None and _right(r)]
-    seconds = [float(r["processor_s"]) for r in rows]
+    seconds = [float(r["processor_s"] if "processor_s" in r else r["seconds"]) for r in rows]
     summary: dict[str, Any] = {
         "kind": kind,
         "campaigns": len(rows),

@@ -3,7 +3,7 @@
 The set-point runs linearly from row to row, or jumps to each when it is due, whichever the readings follow better
 (with a lag or without); every actuation effect that the reading shows is a law from set-point to angle, played by the
 same code that simulates it. Joints do not touch each other here, so one evaluation fits an effect at every joint at
-once. When a trial began is known to `t0_spread` only: what a shift in time explains is taken out of what is left.
+once. Where no log says when a trial began, what a shift in time explains is taken out of what is left.
 
 Legend: R log rows of all trials, m joints.
 """
@@ -29,7 +29,6 @@ STEPS = 7
 SMOOTHED_ROWS = 9
 STARTS = {"servo_lag": (0.03,), "backlash": (0.02,)}
 SATURATED = (0.9, 0.7, 0.5)  # of the quickest set-point: above it a saturation changes nothing
-SURE_S = 1e-4  # a start is known to a fraction of a log interval at best
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 REACH = 3.0  # largest change of a positive scale in one step
 
@@ -67,15 +66,18 @@ class Plays:
         )
 
     def left(self, played: Floats) -> Floats:
-        """Readings minus what is played (R, m), each trial shifted in time as far as its start is unsure."""
-        found = self.readings - played
+        """Readings minus what is played (R, m), each trial shifted in time as far as nothing says when it began."""
+        found, speed = self.readings - played, self.speed(played)
         for number, r in enumerate(self.recordings):
-            mine = np.flatnonzero(self.trials == number)
-            speed = np.gradient(played[mine], self.times[number], axis=0)
-            top, bottom = ((x * speed / self.noise**2).sum() for x in (found[mine], speed))
-            shift = top / (bottom + 1 / max(r.t0_spread, SURE_S) ** 2)
-            found[mine] -= shift * speed
+            mine = self.trials == number
+            top, bottom = ((x[mine] * speed[mine] / self.noise**2).sum() for x in (found, speed))
+            found[mine] -= np.clip(top / max(bottom, 1e-12), -r.adrift, r.adrift) * speed[mine]
         return found
+
+    def speed(self, played: Floats) -> Floats:
+        """Rates (R, m) [rad/s] of what is played."""
+        parts = zip(range(len(self.recordings)), self.times, strict=True)
+        return np.concatenate([np.gradient(played[self.trials == n], time, axis=0) for n, time in parts])
 
     def slope(self, played: Floats, moved: Floats, step: float) -> Floats:
         """By which `left` (R, m) falls with a parameter whose `step` moves what is played."""

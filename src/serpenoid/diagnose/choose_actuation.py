@@ -11,6 +11,7 @@ from serpenoid.effects.active import ActiveEffect
 AT_MOST = 3
 VISIBLE, SUSPECT = 1.6, 1.0  # floors: what is named, and what is told of
 SHARE = 0.3  # of the excess of chi squared that one more effect must take away
+T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
 SETTLED = 1.6  # RMS of the worst joint, in noise
 
 
@@ -84,7 +85,8 @@ def _named(data: Plays, chosen: list[ActiveEffect], effect: ActiveEffect) -> Nam
     left = data.left(here) / data.noise
     power = (slope**2).sum()
     scores = np.array([(slope * left)[data.trials == t].sum() for t in np.unique(data.trials)])
-    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2))
+    shift = T_SYSTEMATIC * abs((slope * data.speed(here) / data.noise).sum()) / max(power, 1e-12)
+    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2) + shift**2)
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
     alone = data.realised([effect]) - data.realised([])
     strength = float((np.sqrt((alone**2).mean(axis=0)) / data.noise).max())

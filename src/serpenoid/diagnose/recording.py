@@ -35,6 +35,7 @@ class Recording:
 
     log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad].
     t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not the markers' angles.
+    adrift: how far t0 may be moved where no log's labels say it [s].
     """
 
     name: str
@@ -48,6 +49,7 @@ class Recording:
     clock: Clock
     t0_spread: float
     by_servos: bool = True
+    adrift: float = 0.0
 
     @property
     def frame_s(self) -> float:
@@ -177,11 +179,12 @@ def read_recording(file: CampaignFile, entry: TrialEntry, folder: Path) -> Recor
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
-    start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
+    labelled = start_on_log(log, schedule, clock.rate)
+    start = labelled or _start_by_shape(schedule, log.time_s, log.position)
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     return Recording(
         entry.name, entry.gait or entry.name, file.body, schedule, tracks.time_s - t0, markers, log.time_s - start[0],
-        log.position, clock, start[1],
+        log.position, clock, start[1], adrift=0.0 if labelled else start[1],
     )  # fmt: skip
 
 
@@ -191,7 +194,7 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
     t0, spread = _start_by_shape(schedule, time[known], shown)
     return Recording(
         entry.name, entry.gait or entry.name, file.body, schedule, time - t0, markers, time[known] - t0, shown,
-        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False,
+        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, adrift=spread,
     )  # fmt: skip
 
 

@@ -1,0 +1,129 @@
+"""Recordings of other kinds than the usual: slow logs and cameras, none, hidden markers, rows that jump."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.cameras import Instruments
+from blind.campaign import Campaign, make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.protocol import COMBINATIONS, Protocol, usual
+from serpenoid.diagnose.actuation import plays
+from serpenoid.diagnose.choose_actuation import choose_actuation
+from serpenoid.diagnose.noise import window_noise
+from serpenoid.diagnose.observation import Observation
+from serpenoid.diagnose.recording import Recording, read_recordings
+from serpenoid.diagnose.shape_in_time import Source, fitted
+from serpenoid.diagnose.start import baseline
+from serpenoid.diagnose.tracks import make_tracks
+from serpenoid.errors import InputError
+
+SEED = 21
+
+
+def protocol(**instruments: object) -> Protocol:
+    """Three gaits of the usual robot, seen by other instruments."""
+    return replace(usual(SEED, COMBINATIONS[1:4]), instruments=Instruments(**instruments))  # type: ignore[arg-type]
+
+
+def recorded(campaign: Campaign, folder: Path) -> tuple[Recording, ...]:
+    write(campaign, folder)
+    return read_recordings(folder)[1]
+
+
+def angle_error(campaign: Campaign, recordings: tuple[Recording, ...]) -> float:
+    """RMS [rad] between the shapes of a diagnosis and the true ones, while all markers are seen."""
+    squares = []
+    for trial, r in zip(campaign.trials, recordings, strict=True):
+        inside = (r.time > 0) & (r.time < r.end) & np.isfinite(r.markers[..., 0]).all(axis=1)
+        true = [np.interp(r.time[inside], trial.drive.time, column) for column in trial.drive.phi.T]
+        squares.append(((r.angles[inside] - np.stack(true, axis=1)) ** 2).mean())
+    return float(np.sqrt(np.mean(squares)))
+
+
+def test_a_spline_keeps_a_wave_and_the_corner_where_it_begins() -> None:
+    time = np.arange(-1.0, 2.0, 1 / 60)
+    wave = np.where(time > 0, np.sin(2 * np.pi * time / 1.5), 0.0)
+    shape = fitted([Source(time, wave[:, None], np.array([1e-3]))], np.array([0.0]), 0.05)
+    fine = np.linspace(-0.9, 1.9, 500)
+    true = np.where(fine > 0, np.sin(2 * np.pi * fine / 1.5), 0.0)
+    assert np.abs(shape.at(fine)[:, 0] - true).max() < 1e-3  # the rate jumps by 4 rad/s at 0
+
+
+def test_markers_fill_in_where_the_log_is_slow(tmp_path: Path) -> None:
+    """A log at 10 Hz alone would miss corners of a set-point by tens of milliradians."""
+    slow = make(SEED, 0, protocol=protocol(log_hertz=10.0))
+    error = angle_error(slow, recorded(slow, tmp_path))
+    assert error < 3e-3
+
+
+def test_without_a_log_shapes_are_what_the_markers_show(tmp_path: Path) -> None:
+    blind = make(SEED, 0, protocol=protocol(log_hertz=0.0))
+    recordings = recorded(blind, tmp_path)
+    assert not any(r.by_servos for r in recordings)
+    assert angle_error(blind, recordings) < 5e-3  # markers of 0.2 mm show a joint to 6 mrad in one frame
+
+
+@pytest.mark.parametrize("vertex", [0, 5])
+def test_a_marker_that_is_never_seen_hides_nothing_else(vertex: int, tmp_path: Path) -> None:
+    one = make(SEED, 0, protocol=protocol(unseen=(vertex,)))
+    recordings = recorded(one, tmp_path)
+    for trial, r in zip(one.trials, recordings, strict=True):
+        # camera clocks count from the first frame; t0 is found to a fraction of a frame
+        assert r.time[0] == pytest.approx(trial.film.time[0], abs=2e-3)
+
+
+def test_a_log_of_another_motion_is_refused_with_its_remedy(tmp_path: Path) -> None:
+    write(make(SEED, 0, protocol=protocol()), tmp_path)
+    log = tmp_path / "gait02-a-1" / "servo.csv"
+    lines = log.read_text().splitlines()
+    shuffled = np.random.default_rng(0).permutation(lines[1:])
+    rows = [f"{a.split(',', 1)[0]},{b.split(',', 1)[1]}" for a, b in zip(lines[1:], shuffled, strict=True)]
+    log.write_text("\n".join([lines[0], *rows]) + "\n")
+    with pytest.raises(InputError, match=r"gait02-a-1.*did not see the same motion.*another trial"):
+        read_recordings(tmp_path)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_rows_that_jump_are_told_from_rows_that_are_run_through(held: bool, tmp_path: Path) -> None:
+    lag = 0.03
+    campaign = make(SEED, [Effect("servo_lag", None, {"lag": lag})], protocol=replace(protocol(), held=held))
+    data = plays(recorded(campaign, tmp_path))
+    assert data.held == held
+    (named,) = choose_actuation(data).named
+    # half a row is 25 to 70 ms here; a jump of the generator takes one fine step, 2 ms
+    assert named.effect.parameters["lag"] == pytest.approx(lag, abs=2e-3)
+
+
+def test_one_rate_of_the_clock_serves_all_trials(tmp_path: Path) -> None:
+    rate = 4e-3
+    noisy = make(
+        SEED,
+        [Effect("clock_offset", None, {"rate": rate})],
+        protocol=protocol(marker_noise=2e-3, frames_per_second=30.0),
+    )
+    rates = {r.clock.rate for r in recorded(noisy, tmp_path)}
+    assert len(rates) == 1
+    assert rates.pop() == pytest.approx(rate, abs=1e-3)
+
+
+@pytest.mark.parametrize("tools", [{"frames_per_second": 25.0}, {"marker_noise": 1e-3}])
+def test_windows_are_usable_and_no_quieter_than_their_markers(tools: dict[str, float], tmp_path: Path) -> None:
+    campaign = make(SEED, 0, protocol=protocol(**tools))
+    write(campaign, tmp_path)
+    file, recordings = read_recordings(tmp_path)
+    tracks = make_tracks(recordings, Observation.neutral(file.body), baseline(None, file, file.body))
+    assert np.mean([t.usable.mean() for t in tracks]) > 0.7
+    noise, differences = window_noise(tracks, [t.displacement for t in tracks])
+    assert len(differences)
+    for t in tracks:
+        assert (noise.chance(t) >= np.asarray(t.least)).all()
+        # a centroid of 12 markers averaged over 90 ms, at both ends
+        frames = 0.09 * campaign.protocol.instruments.frames_per_second
+        expected = campaign.protocol.instruments.marker_noise * np.sqrt(2 / 12 / max(frames, 1.0))
+        assert np.median(np.asarray(t.least)[:, 0]) == pytest.approx(expected, rel=0.4)
