@@ -8,7 +8,10 @@ import pytest
 
 from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait, Gait, TableGait
-from serpenoid.mechanics.tables import joint_table
+from serpenoid.gaits.fourier import FourierGait
+from serpenoid.gaits.fourier_joints import JointSeriesGait
+from serpenoid.gaits.spline import SplineGait
+from serpenoid.mechanics.tables import family_tables, joint_table
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
@@ -17,7 +20,7 @@ from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Task
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.status import Status
-from specimens import nlp_of, oracle_run, problem, uneven
+from specimens import nlp_of, oracle_run, phases_of_rows, problem, uneven
 
 STEPS = 6
 Q = np.array([0.6, 0.5, -0.8, 0.3, 4.0, 1.1])
@@ -29,7 +32,14 @@ DEMANDS = Task.model_validate(
     {"demands": [{"kind": "reach", "target": (0.2, 0.0), "cycles": 3}, {"kind": "travel", "least": 0.1}]}
 )
 TASKS = {"position and dissipation": EFFORT, "bending and effort": BENDING, "demands": DEMANDS}
-GAITS: dict[str, Gait] = {"table": TableGait(), "ellipse": EllipseGait()}
+GAITS: dict[str, Gait] = {
+    "table": TableGait(),
+    "ellipse": EllipseGait(),
+    "fourier": FourierGait(orders=(1, 3)),
+    "two modes": FourierGait(orders=(1,), xi=(0.8, 1.7)),
+    "fourier-joints": JointSeriesGait(orders=(1, 2)),
+    "spline": SplineGait(points=5),
+}
 
 
 def efficiency(of: Criteria) -> None:
@@ -66,12 +76,17 @@ def differences(nlp: GaitNLP, x: Floats, p: Floats, seed: int) -> None:
 def test_derivatives_are_differences_for_every_family_and_criterion(task: str, gait: str, dissipation: str) -> None:
     model = uneven(dissipation)
     own = efficiency if task == "efficiency" else None
-    nlp = nlp_of(model, STEPS, gait=GAITS[gait], customise=own, task=TASKS.get(task))
+    rows = 2 if gait in ("ellipse", "fourier") else 0
+    nlp = nlp_of(model, STEPS, rows, GAITS[gait], own, TASKS.get(task))
     rng = np.random.default_rng(5)
-    parameters = Q if gait == "ellipse" else 0.4 * rng.normal(size=nlp.family.size)
+    parameters = (
+        nlp.family.start() + 0.3 * rng.normal(size=nlp.family.size)
+        if rows
+        else 0.4 + 0.3 * rng.normal(size=nlp.family.size)
+    )
     lifted = [0.2] if nlp.lifted else []
     x = np.concatenate([0.2 * rng.normal(size=3 * STEPS), lifted, parameters])
-    differences(nlp, x, np.concatenate([[0.7], model.parameters]), seed=6)
+    differences(nlp, x, np.concatenate([[0.7], phases_of_rows([0.1, 0.4][:rows], STEPS), model.parameters]), seed=6)
 
 
 @pytest.mark.usefixtures("virtual_machine")
@@ -89,6 +104,29 @@ def test_an_ellipse_as_a_table_has_the_same_residuals_up_to_the_frame_and_the_sa
     h = 1e-6
     by_q = np.array([(joint_table(model, Q + h * e, STEPS) - joint_table(model, Q - h * e, STEPS)) for e in np.eye(6)])
     np.testing.assert_allclose(by_q.reshape(6, -1) @ other / (2 * h), one, atol=1e-9)  # h^2 in the chain's differences
+
+
+@pytest.mark.usefixtures("virtual_machine")
+@pytest.mark.parametrize("dissipation", ["vertex", "edge"])
+def test_every_family_that_holds_the_ellipse_gives_its_table_motion_and_gradient(dissipation: str) -> None:
+    model, ellipse = uneven(dissipation), EllipseGait.from_parameters(Q)
+    table = joint_table(model, Q, STEPS)
+    larger = [FourierGait.from_ellipse(ellipse, (1, 2)), FourierGait.from_ellipse(ellipse, (1,), modes=2)]
+    series, splines = JointSeriesGait.from_table(table, (1,)), SplineGait.from_table(table, STEPS)
+    p = np.concatenate([[0.7], model.parameters])
+    steps = 3 * STEPS
+    free = nlp_of(model, STEPS, gait=TableGait())
+    poses = simulate_joint_angles(model, table).poses[1:].ravel()
+    by_angles = reduced_gradient(free, np.concatenate([poses, table.ravel()]), p)
+    for gait in (*larger, series, splines):
+        nlp = nlp_of(model, STEPS, gait=gait)
+        q, family = nlp.family.start(), nlp.family
+        np.testing.assert_allclose(family_tables(model, family, q[None])[0], table, atol=1e-12)
+        assert np.abs(nlp.functions()["g"](np.concatenate([poses, q]), p).full()[:steps]).max() < 1e-10
+        h = 1e-5
+        ends = [family_tables(model, family, q + s * h * np.eye(q.size)).reshape(q.size, -1) for s in (1, -1)]
+        chain = (ends[0] - ends[1]) @ by_angles / (2 * h)
+        np.testing.assert_allclose(chain, reduced_gradient(nlp, np.concatenate([poses, q]), p), atol=1e-8)
 
 
 def reduced_gradient(nlp: GaitNLP, x: Floats, p: Floats) -> Floats:

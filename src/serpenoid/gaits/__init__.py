@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import pkgutil
 from functools import cache
 
@@ -19,6 +20,6 @@ def families() -> dict[str, type[Gait]]:
     found = {}
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
         for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
-            if isinstance(value, type) and issubclass(value, Gait) and value is not Gait:
+            if inspect.isclass(value) and issubclass(value, Gait) and value is not Gait:
                 found[str(value.model_fields["family"].default)] = value
     return found

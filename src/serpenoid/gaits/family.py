@@ -144,6 +144,11 @@ class GaitFamily:
         return p
 
     @property
+    def modes(self) -> int:
+        """How many triples (w1, w2, xi) the coordinates of a `serpenoid` family are."""
+        return 1
+
+    @property
     def size(self) -> int:
         """n."""
         return len(self.names)

@@ -18,7 +18,8 @@ def family_joint_angles(family: GaitFamily, p: ca.SX, data: ca.SX, edges: ca.SX,
     """Joint angles (m) of a row of a family's table, from the parameters it depends on (k) and its data (d)."""
     coordinates = family.at(p, data)
     if family.coordinates == "serpenoid":
-        return serpenoid_joint_angles(coordinates, edges, structure)
+        modes = ca.vertsplit(coordinates, 3)
+        return sum((serpenoid_joint_angles(mode, edges, structure) for mode in modes), ca.SX(0))
     return coordinates
 
 

@@ -42,7 +42,8 @@ class MotionLaw:
 def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> MotionLaw:
     """The law of a model for gaits of a family."""
     steps, structure = family.rows - (not family.closed), model.structure
-    if model.is_plain and not model.actuation_effects and family.coordinates == "serpenoid":
+    plain = model.is_plain and not model.actuation_effects
+    if plain and family.coordinates == "serpenoid" and family.modes == 1:
         blocks: StepBlocks = SerpenoidBlocks(structure, portable)
         return MotionLaw(structure, family, steps, 3, blocks, _coordinates(family, structure, portable))
     shapes = _angles(model, family, steps, portable)

@@ -110,8 +110,9 @@ def _joint(family: GaitFamily, changes: bool) -> list[ca.Function]:
     q, data, s0, s1 = ca.SX.sym("q", k), ca.SX.sym("data", d * (1 + changes)), ca.SX.sym("s0"), ca.SX.sym("s1")
 
     def angle(row: ca.SX) -> ca.SX:
-        v = family.at(q, row)
-        return kinematics.serpenoid_direction(v, s1) - kinematics.serpenoid_direction(v, s0)
+        modes = ca.vertsplit(family.at(q, row), 3)
+        bends = (kinematics.serpenoid_direction(v, s1) - kinematics.serpenoid_direction(v, s0) for v in modes)
+        return sum(bends, ca.SX(0))
 
     here, inputs = angle(data[:d]), [q, data, s0, s1]
     found = ca.vertcat(here, angle(data[d:]) - here) if changes else here

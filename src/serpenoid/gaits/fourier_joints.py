@@ -1,0 +1,122 @@
+"""Every joint a Fourier series: alpha_j(t) = mean_j + sum over orders k of c cos(2 pi k t) + s sin(2 pi k t)."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+import numpy as np
+from pydantic import Field, model_validator
+
+from serpenoid.body import Floats
+from serpenoid.gaits.family import Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.fourier import Orders, waves
+
+
+class JointSeriesBounds(GaitBounds):
+    """Where the optimiser may look."""
+
+    family: Literal["fourier-joints"] = "fourier-joints"
+    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="means and coefficients [rad]")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.angle[0] > self.angle[1]:
+            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
+        return self
+
+
+class JointSeriesGait(Gait):
+    """Rows of `angles`: joints from the tail; columns: mean, then cosine and sine of each order [rad]."""
+
+    Bounds: ClassVar[type[GaitBounds]] = JointSeriesBounds
+
+    family: Literal["fourier-joints"] = "fourier-joints"
+    orders: Orders = (1, 2)
+    angles: tuple[tuple[float, ...], ...] | None = Field(default=None, description="coefficients; default: straight")
+
+    @model_validator(mode="after")
+    def _shape(self) -> Self:
+        columns = 1 + 2 * len(self.orders)
+        if self.angles is not None and any(len(row) != columns for row in self.angles):
+            raise ValueError(f"`angles` needs rows of {columns} numbers: mean, cosine and sine of every order")
+        return self
+
+    def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> JointSeriesFamily:
+        """Series of the same orders."""
+        if self.angles is not None and len(self.angles) != joints:
+            raise ValueError(f"`angles` needs {joints} rows, one per joint, got {len(self.angles)}")
+        return JointSeriesFamily(self, joints, rows, bounds or JointSeriesBounds(), closed)
+
+    @classmethod
+    def from_table(cls, table: Floats, orders: tuple[int, ...]) -> JointSeriesGait:
+        """The series nearest to a joint table (T, m) in mean square."""
+        basis = waves(np.arange(len(table)) / len(table), orders)
+        rows = np.linalg.lstsq(basis, table, rcond=None)[0].T
+        return cls(orders=orders, angles=tuple(tuple(row) for row in rows.tolist()))
+
+    @property
+    def words(self) -> str:
+        """One line for people."""
+        return f"a Fourier series of orders {list(self.orders)} per joint"
+
+
+class JointSeriesFamily(GaitFamily):
+    """Parameters: the rows of `angles`; every row of the table depends on all of them."""
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        return self.like.orders if isinstance(self.like, JointSeriesGait) else (1, 2)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        tags = ["mean", *(f"{part}{k}" for k in self.orders for part in ("cos", "sin"))]
+        return tuple(f"joint_{j + 1}_{tag}" for j in range(self.joints) for tag in tags)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        return ("rad",) * self.size
+
+    @property
+    def limits(self) -> tuple[Floats, Floats]:
+        low, high = self.bounds.angle if isinstance(self.bounds, JointSeriesBounds) else (-np.pi, np.pi)
+        return np.full(self.size, low), np.full(self.size, high)
+
+    @property
+    def widths(self) -> Floats:
+        return np.full(self.size, 0.02)
+
+    @property
+    def harmonic(self) -> bool:
+        return self.orders == (1,)
+
+    @cached_property
+    def data(self) -> Floats:
+        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
+
+    def at(self, p: ca.SX, data: ca.SX) -> ca.SX:
+        """Joint angles at the phase data[0]."""
+        angles = [2 * ca.pi * k * data[0] for k in self.orders]
+        basis = ca.vertcat(1, *(part for a in angles for part in (ca.cos(a), ca.sin(a))))
+        return ca.reshape(p, basis.numel(), self.joints).T @ basis
+
+    def start(self) -> Floats:
+        angles = self.like.angles if isinstance(self.like, JointSeriesGait) else None
+        return np.zeros(self.size) if angles is None else np.array(angles).ravel()
+
+    def sample(self, rng: np.random.Generator) -> Floats:
+        """Coefficients of some tenths of a radian that fall with their order."""
+        fall = np.array([0.15, *np.repeat(0.3 / np.array(self.orders), 2)])
+        return np.clip(np.tile(fall, self.joints) * rng.normal(size=self.size), *self.limits)
+
+    def moves(self, p: Floats) -> bool:
+        """Not where only the means are there."""
+        return bool(p.reshape(self.joints, -1)[:, 1:].any())
+
+    def scaled(self, p: Floats, factor: float) -> Floats:
+        return p * factor
+
+    def gait(self, p: Floats) -> JointSeriesGait:
+        rows = p.reshape(self.joints, -1).tolist()
+        return JointSeriesGait(orders=self.orders, angles=tuple(tuple(row) for row in rows))
