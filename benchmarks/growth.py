@@ -8,7 +8,7 @@ import numpy as np
 from bench import clock, empty_cache, exponent, in_units, report, side_by_side, table
 
 from serpenoid.mechanics.tables import joint_tables
-from serpenoid.optimise.blocks import step_blocks
+from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch
@@ -52,7 +52,7 @@ def compile_seconds(asked: Problem) -> float:
     """First use of this body's functions, from an empty cache; wall time, since the compiler is another process."""
     begin = time.perf_counter()
     _compiled(asked.model.structure)
-    step_blocks(asked.model.structure)
+    SerpenoidBlocks(asked.model.structure)
     return time.perf_counter() - begin
 
 

@@ -13,7 +13,7 @@ from bench import clock, empty_cache, evaluation, in_units, report, table
 from scipy.optimize import differential_evolution, minimize
 
 from optimise.test_global_search import Objective
-from serpenoid.optimise.blocks import step_blocks
+from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from serpenoid.simulation.steps import _compiled
@@ -66,7 +66,7 @@ def compile_seconds() -> float:
 
     with empty_cache():
         begin = used()
-        step_blocks(asked.model.structure)
+        SerpenoidBlocks(asked.model.structure)
         _compiled(asked.model.structure)
         return used() - begin
 

@@ -66,6 +66,7 @@ class Task(Record):
     """What to compute."""
 
     steps: int = Field(default=50, ge=3, le=100_000, description="T: steps per cycle, rows of the joint table")
+    transient: bool = Field(default=False, description="not closed: T + 1 rows played once, from shape to shape")
     cycles: int = Field(default=1, ge=1, le=100_000, description="cycles to simulate and draw")
     cycle_duration_s: Annotated[float, Field(gt=0)] | None = Field(default=None, description="seconds per cycle")
     objectives: tuple[AnyTerm, ...] = Field(default=(Displacement(),), description="terms; default: displacement")
@@ -151,7 +152,7 @@ class Problem(Record):
         frequency = task.constraints.spatial_frequency
         if frequency is not None and "xi" in type(bounds).model_fields:
             bounds = bounds.fixed(xi=(frequency, frequency))
-        return gait.of(self.body.joint_count, task.steps, bounds)
+        return gait.of(self.body.joint_count, task.steps + task.transient, bounds, not task.transient)
 
     @property
     def name(self) -> str:

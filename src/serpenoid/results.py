@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,6 +71,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         },
         "resimulation_error": _number(solution.resimulation_error),
         "polishing_gain": solution.polishing_gain,
+        "clearance": None if solution.clearance is None else asdict(solution.clearance),
         "mesh": solution.mesh.record,
         "ipopt_status": solution.ipopt_status,
         "iterations": solution.iterations,
@@ -139,6 +141,7 @@ def _record(
             "joint_limits": task.constraints.joint_limits is not False,
             "joint_speed_limits": task.constraints.joint_speed_limits is not False,
         },
+        "transient": task.transient,
         "steps": trajectory.steps_per_cycle,
         "rows_that_cross": crossing_rows(trajectory),
         "cycle_duration_s": task.cycle_duration_s,

@@ -17,6 +17,7 @@ class Status(Enum):
     RESIMULATION_DISAGREES = "step-by-step simulation does not confirm the optimum: use more steps per cycle"
     NOT_STATIONARY = "the optimality conditions do not hold to 1e-8: try another start, or free a bound"
     MESH_TOO_COARSE = "the displacement depends on the number of steps: solve with --refine, or with more task.steps"
+    COLLIDES = "the body comes too near to an obstacle between rows or vertices: use more steps, or a larger clearance"
     NOT_A_MINIMUM = "a derivative-free search nearby found a better gait (a saddle point): try another start"
 
     @property

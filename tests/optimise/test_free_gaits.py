@@ -31,7 +31,16 @@ BENDING = Task.model_validate({"objectives": [{"kind": "bending"}, {"kind": "dis
 DEMANDS = Task.model_validate(
     {"demands": [{"kind": "reach", "target": (0.2, 0.0), "cycles": 3}, {"kind": "travel", "least": 0.1}]}
 )
-TASKS = {"position and dissipation": EFFORT, "bending and effort": BENDING, "demands": DEMANDS}
+WORLD = Task.model_validate(
+    {
+        "demands": [
+            {"kind": "disc", "centre": (0.9, 0.4), "radius": 0.2},
+            {"kind": "box", "half_widths": (2.0, 1.5), "inside": True, "angle_rad": 0.3},
+            {"kind": "half_plane", "point": (0.0, -1.0), "normal": (0.1, 2.0)},
+        ]
+    }
+)
+TASKS = {"obstacles": WORLD, "position and dissipation": EFFORT, "bending and effort": BENDING, "demands": DEMANDS}
 GAITS: dict[str, Gait] = {
     "table": TableGait(),
     "ellipse": EllipseGait(),

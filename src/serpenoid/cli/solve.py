@@ -2,6 +2,8 @@
 
     serpenoid solve problems/snake10.toml --c 1.0
     serpenoid solve problems/snake10.toml --c 1.0 --starts 100 --seed 7
+    serpenoid solve problems/reach.toml                     # any goal, every joint angle of every row free
+    serpenoid solve problems/snake10.toml --ladder          # what larger families gain over the ellipse
     serpenoid solve problems/snake10.toml --improve 12      # the paper's set: 12 random gaits, each improved within
                                                             # +-30 % of its own parameters, 24 gaits in all
 
@@ -41,6 +43,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--refine", action="store_true", help="solve again with more steps until the displacement is good to 0.1 %%"
     )
+    parser.add_argument(
+        "--ladder", action="store_true", help="instead: ellipse, Fourier series, free table, each from the one before"
+    )
     options.add_output(parser, "results/<problem>/solve-<hash>")
 
 
@@ -50,6 +55,8 @@ def run(args: argparse.Namespace) -> int:
 
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
+    if args.ladder:
+        return _climb(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
 
 
@@ -118,6 +125,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"gait              {best.gait.words}",
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
+        *([f"clearance         {best.clearance.words}"] if best.clearance else []),
         f"mesh              {best.mesh.words}",
         f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s)",
@@ -141,3 +149,32 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
         return 130
     return 0 if all(pair.solution.status.ok for pair in pairs) else 1
+
+
+def _climb(args: argparse.Namespace, problem: Problem) -> int:
+    from serpenoid.files import write_json
+    from serpenoid.optimise.ladder import climb
+    from serpenoid.results import default_folder, write_solution
+
+    folder = options.output_folder(args, default_folder(problem, "ladder", args.starts, args.seed))
+    with options.progress_bar(args, "families", 4) as advance:
+        steps = climb(problem, args.starts, args.seed, advance)
+    for number, step in enumerate(steps, start=1):
+        write_solution(folder / f"{number}-{step.solution.gait.family}", step.solution, not args.no_figures)
+    rows = [
+        {"family": s.name, "displacement_body_lengths": s.solution.trajectory.displacement, "cost": s.solution.cost,
+         "dissipation": s.solution.trajectory.dissipation, "status": s.solution.status.name.lower()}
+        for s in steps
+    ]  # fmt: skip
+    write_json(folder / "ladder.json", {"kind": "ladder", "problem": problem.name, "steps": rows})
+    if not args.no_figures and len(steps) > 1:
+        from serpenoid.plot.figures import save
+        from serpenoid.plot.ladder import ladder_figure
+
+        save(ladder_figure(steps), folder, "ladder")
+    lines = [
+        f"{r['family']:20}{r['displacement_body_lengths']:10.4f} body lengths{r['dissipation']:10.4f}  {r['status']}"
+        for r in rows
+    ]
+    options.report(args, rows, [*lines, f"written to {folder}"], folder)
+    return 0 if len(steps) == 4 and all(s.solution.status.ok for s in steps) else 1

@@ -32,7 +32,7 @@ def _found(base: Any) -> tuple[Any, ...]:
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
         value: Any
         for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
-            if inspect.isclass(value) and issubclass(value, base) and value is not base:
+            if inspect.isclass(value) and issubclass(value, base) and not inspect.isabstract(value):
                 kind: Any = value
                 kinds[str(kind.model_fields["kind"].default)] = kind
     return tuple(kinds.values())

@@ -8,11 +8,14 @@ Legend: T steps, R rows of the joint table, m joints, n gait parameters.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import casadi as ca
 
 from serpenoid.body import Floats
+
+Gaps = Callable[[ca.SX], ca.SX]
 
 
 @dataclass
@@ -37,6 +40,8 @@ class Criteria:
     c: ca.SX = field(init=False)
     objective: ca.SX = field(init=False)
     added: list[tuple[ca.SX, Floats | float, Floats | float]] = field(init=False, default_factory=list)
+
+    clear_of: list[Gaps] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         self.moved = ca.SX.sym("poses", 3 * self.steps)
@@ -85,6 +90,10 @@ class Criteria:
     def subject_to(self, expression: ca.SX, lower: Floats | float, upper: Floats | float) -> None:
         """Add `lower <= expression <= upper` (scalars or columns)."""
         self.added.append((ca.vec(ca.SX(expression)), lower, upper))
+
+    def keep_clear(self, gaps: Gaps) -> None:
+        """Keep `gaps` (of the vertices (2, N) in the world, a column) from falling below zero in every row."""
+        self.clear_of.append(gaps)
 
     @property
     def constraints(self) -> ca.SX:

@@ -51,6 +51,8 @@ def certify(
         status = Status.RESIMULATION_DISAGREES
     if status.ok and not answer.outcome.residuals.largest <= KKT_TOLERANCE:
         status = Status.NOT_STATIONARY
+    if status.ok and answer.clearance is not None and answer.clearance.proven < 0:
+        status = Status.COLLIDES
     if status.ok and polish:
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
@@ -58,7 +60,9 @@ def certify(
     return Certificate(status, trajectory, table, error, gain, cost)
 
 
-def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds) -> Floats:
+def gait_costs(
+    solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds, margin: float = 0.0
+) -> Floats:
     """The objective of gaits (B, n) by forward simulation, plus `penalty` times every violation."""
     lower, upper = gait_bounds
     inside = np.clip(gaits, np.maximum(lower, -1e6), upper)
@@ -66,6 +70,7 @@ def gait_costs(solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait
     batch = solver.batch(tables)
     cost, outside = solver.asked.evaluate(batch, tables, inside, c)
     outside = outside + np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
+    outside = outside + solver.too_near(tables, batch, margin - FEASIBLE)
     if solver.limits.any:
         outside += np.maximum(solver.excess(tables).max(axis=(-2, -1)) - FEASIBLE, 0)
     target = solver.heading_target()
@@ -90,12 +95,12 @@ def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: Ga
     lower, upper = gait_bounds
     width = np.where(upper > lower, solver.family.widths, 0.0)
     rng = np.random.default_rng(0)
-    best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds)[0])
+    best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds, answer.margin)[0])
     lowest = first
     for distance in DISTANCES:
         trials = best + distance * width * rng.standard_normal((TRIALS, best.size))
         trials = np.clip(trials, lower, upper)
-        costs = gait_costs(solver, trials, c, penalty, gait_bounds)
+        costs = gait_costs(solver, trials, c, penalty, gait_bounds, answer.margin)
         if costs.min() < lowest:
             lowest, best = float(costs.min()), trials[costs.argmin()]
     return first - lowest

@@ -7,9 +7,10 @@ second order (docs/theory.md), hence with values D1, D2, D4 of a quantity
     limit = D4 + (D4 - D2) / 3,    doubt = |limit - (D2 + (D2 - D1) / 3)|,    error = |D1 - limit| + doubt
 
 doubt: what the two extrapolations differ by; it is large where the meshes are too coarse for their order to show.
-Rule: an optimum is converged if the error of its displacement is at most 5 % of the limit (or below what a polishing
-search can tell, 1e-6 body lengths). Curves are evaluated at the finer mesh's own phases; a table of joint angles is
-refined by straight lines between its rows, as the robot plays it (`GaitFamily.on_finer_rows`).
+Rule: an optimum is converged if the error of its motion is at most 5 % of the limit (or below what a polishing search
+can tell, 1e-6 body lengths); motion is the displacement, and the turn by how far it carries the body's points. Curves
+are evaluated at the finer mesh's own phases; a table of joint angles is refined by straight lines between its rows, as
+the robot plays it (`GaitFamily.on_finer_rows`).
 """
 
 from __future__ import annotations
@@ -22,17 +23,19 @@ import numpy as np
 from serpenoid.trajectory import Trajectory
 
 TOLERANCE = 0.05  # of the limit; the paper's 50 steps are 0.5 % (its gait of amplitude 6) to 1.2 % (the optimum) off
+GYRATION = 12**-0.5  # body lengths: a turn of a straight uniform body counts as its points' root mean square way
 RESOLVED = 1e-6  # body lengths: as much as polishing may still gain
 FACTORS = (1, 2, 4)
 
 
 @dataclass(frozen=True)
 class MeshStudy:
-    """Displacements [body lengths] and dissipations of one gait with T, 2 T and 4 T steps; NaN where one failed."""
+    """Displacements [body lengths], dissipations, turns [rad] of a gait with T, 2 T, 4 T steps; NaN: it failed."""
 
     steps: int
     displacements: tuple[float, float, float]
     dissipations: tuple[float, float, float]
+    turns: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def displacement(self) -> float:
@@ -56,8 +59,10 @@ class MeshStudy:
         return self.within(TOLERANCE)
 
     def within(self, share: float) -> bool:
-        """Whether the error is at most `share` of the extrapolated displacement."""
-        return bool(self.error <= max(share * abs(self.displacement), RESOLVED))
+        """Whether the error is at most `share` of the extrapolated motion: displacement and turn together."""
+        turn, coarse = _limit(self.turns[1:]), _limit(self.turns[:2])
+        error = self.error + GYRATION * (abs(self.turns[0] - turn) + abs(turn - coarse))
+        return bool(error <= max(share * (abs(self.displacement) + GYRATION * abs(turn)), RESOLVED))
 
     @property
     def words(self) -> str:
@@ -86,9 +91,9 @@ class MeshStudy:
 def study_mesh(motion: Callable[[int], Trajectory], steps: int) -> MeshStudy:
     """Compare one cycle of a gait on three meshes; `motion(f)` is its simulation with f times as many steps."""
     runs = [motion(factor) for factor in FACTORS]
-    found = [(r.displacement, r.dissipation) if r.status.ok else (np.nan, np.nan) for r in runs]
-    (d1, e1), (d2, e2), (d4, e4) = found
-    return MeshStudy(steps, (d1, d2, d4), (e1, e2, e4))
+    found = [(r.displacement, r.dissipation, r.heading_change) if r.status.ok else (np.nan,) * 3 for r in runs]
+    (d1, e1, h1), (d2, e2, h2), (d4, e4, h4) = found
+    return MeshStudy(steps, (d1, d2, d4), (e1, e2, e4), (h1, h2, h4))
 
 
 def _limit(pair: tuple[float, ...]) -> float:

@@ -92,6 +92,7 @@ def as_solution(
         residuals=outcome.residuals,
         resimulation_error=check.resimulation_error,
         polishing_gain=check.polishing_gain,
+        clearance=answer.clearance,
         mesh=mesh,
         ipopt_status=outcome.ipopt_status,
         iterations=answer.iterations,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
+from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.problem import Problem
@@ -19,7 +20,7 @@ class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
-    optimiser minimised. names, q: the family's parameters (n,).
+    optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,).
     """
 
     status: Status
@@ -35,6 +36,7 @@ class Solution(Shown):
     residuals: Residuals
     resimulation_error: float
     polishing_gain: float | None
+    clearance: Clearance | None
     mesh: MeshStudy
     ipopt_status: str
     iterations: int

@@ -10,10 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.mechanics.tables import family_tables
+from serpenoid.optimise.along import gaps_function
 from serpenoid.optimise.asked import Customise, asked
+from serpenoid.optimise.clearance import RESOLUTION, Clearance, clearance
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, violations
@@ -24,6 +27,8 @@ from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch, simulate_joint_angles
 from serpenoid.simulation.problem import gait_parameters
 from serpenoid.simulation.rollout import Batch
+from serpenoid.simulation.servos import realise_gait
+from serpenoid.simulation.steps import shape_rows
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -35,13 +40,18 @@ GaitBounds = tuple[Floats, Floats]
 
 @dataclass(frozen=True)
 class Answer:
-    """IPOPT's outcome with the gait it found, total iterations over all exchanges, and the rows that carried limits."""
+    """IPOPT's outcome with the gait it found, total iterations over all exchanges, and the rows that carried limits.
+
+    margin: what vertices kept from obstacles so that nothing comes too near between them; clearance: what is proven.
+    """
 
     outcome: Outcome
     q: Floats
     iterations: int
     seconds: float
     rows: tuple[int, ...]
+    margin: float = 0.0
+    clearance: Clearance | None = None
 
 
 class GaitSolver:
@@ -92,6 +102,19 @@ class GaitSolver:
         """The motions of tables (B, R, m)."""
         return simulate_batch(self.model, tables, self.family.closed)
 
+    def too_near(self, tables: Floats, batch: Batch, margin: float) -> Floats:
+        """By how much vertices come nearer to obstacles than `margin`, summed over the rows: shape (B,)."""
+        if not self.asked.criteria.clear_of:
+            return np.zeros(len(tables))
+        closed = self.family.closed
+        angles = np.array([realise_gait(self.model, table) if closed else table for table in tables])
+        rows = np.concatenate([angles, angles[:, :1]], axis=1) if closed else angles
+        shapes, _ = shape_rows(self.model, rows.reshape(-1, rows.shape[2]))
+        points = group.place(batch.poses.reshape(-1, 3), shapes)
+        gaps = gaps_function(self.asked.criteria.clear_of, self.model.structure)
+        value = gaps.map(len(points))(points.transpose(2, 0, 1).reshape(2, -1)).full()
+        return np.maximum(margin - value, 0).sum(0).reshape(len(tables), -1).sum(1)
+
     def excess(self, tables: Floats) -> Floats:
         """How far joint angles and their changes exceed the limits, shape (B, rows, 2 m)."""
         return violations(tables, self.limits, self.family.closed)
@@ -141,11 +164,11 @@ class GaitSolver:
             start = soft.q if soft.outcome.status.ok else start
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
         chosen = list(rows) or self._first_rows()
-        iterations, seconds, recoveries = 0, 0.0, RECOVERIES
+        iterations, seconds, recoveries, margin, clear = 0, 0.0, RECOVERIES, 0.0, None
         for _ in range(EXCHANGES):
             _, ipopt = self.prepared(len(chosen), penalised=c > 0 or self.asked.always_dissipation)
             parameters = self.parameters(c, chosen)
-            outcome = ipopt.solve(current, parameters, self.bounds(chosen, gait_bounds), flag, watch)
+            outcome = ipopt.solve(current, parameters, self.bounds(chosen, gait_bounds, margin), flag, watch)
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
             q = outcome.point.x[-self.family.size :]
             again = self._recovery(outcome, gait_bounds) if recoveries else None
@@ -153,9 +176,21 @@ class GaitSolver:
                 recoveries, current = recoveries - 1, again
             elif outcome.status.ok and not self.family.sparse and self._violated(q):
                 chosen, current = exchange(chosen, self.table(q), self.limits, self.steps), outcome.point.x
+            elif outcome.status.ok and (clear := self.clearance(q)) is not None and clear.proven < 0:
+                margin, current = margin - clear.proven + RESOLUTION, outcome.point.x
             else:
                 break
-        return Answer(outcome, q, iterations, seconds, tuple(chosen))
+        return Answer(outcome, q, iterations, seconds, tuple(chosen), margin, clear)
+
+    def clearance(self, q: Floats) -> Clearance | None:
+        """How near gait q comes to obstacles at any time, None where there are none."""
+        gaps = self.asked.criteria.clear_of
+        if not gaps:
+            return None
+        table = self.table(q)
+        angles = realise_gait(self.model, table) if self.family.closed else table
+        rows = np.concatenate([angles, angles[:1]]) if self.family.closed else angles
+        return clearance(self.model, self.simulate(table).poses, rows, gaps)
 
     def _violated(self, q: Floats) -> bool:
         return self.limits.any and float(self.excess(self.tables(q[None])).max()) > TOLERANCE
@@ -196,8 +231,8 @@ class GaitSolver:
         ends = np.hstack([data[rows], data[np.array(rows, int) + 1]])
         return np.concatenate([[c], ends.ravel(), self.model.parameters])
 
-    def bounds(self, rows: list[int], gait_bounds: GaitBounds | None = None) -> Bounds:
-        """Bounds of all variables and constraints."""
+    def bounds(self, rows: list[int], gait_bounds: GaitBounds | None = None, margin: float = 0.0) -> Bounds:
+        """Bounds of all variables and constraints; vertices keep `margin` from obstacles."""
         lower, upper = gait_bounds or self.gait_bounds()
         nlp, _ = self.prepared(len(rows))
         n = 3 * self.steps
@@ -208,6 +243,8 @@ class GaitSolver:
             lbx[n - 1] = ubx[n - 1] = turn
         path, zero = np.tile(self.limits.upper, len(rows)), np.zeros(n + nlp.lifted)
         least, most = self.asked.bounds
+        gaps = nlp.constraint_counts[2] - least.size
+        least, most = np.append(least, np.full(gaps, margin)), np.append(most, np.full(gaps, np.inf))
         return Bounds(lbx, ubx, np.concatenate([zero, -path, least]), np.concatenate([zero, path, most]))
 
     def heading_target(self) -> float | None:

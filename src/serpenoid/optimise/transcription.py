@@ -23,10 +23,12 @@ import casadi as ca
 
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
+from serpenoid.optimise.along import Along
 from serpenoid.optimise.assembly import Places
 from serpenoid.optimise.blocks import Cycle
 from serpenoid.optimise.layer import Layer
 from serpenoid.optimise.motion_law import MotionLaw, path_layer, table_layer
+from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 
 Names = tuple[list[str], list[str]]
 
@@ -68,9 +70,10 @@ class GaitNLP:
 
     @property
     def constraint_counts(self) -> tuple[int, int, int]:
-        """Numbers of (motion, path, added) constraints."""
+        """Numbers of (motion, path, added) constraints; added ones: the criteria's, then gaps row by row."""
         path = 2 * len(self.structure.joints) * self.path_rows
-        return 3 * self.steps + self.lifted, path, self.criteria.constraints.numel()
+        added = self.criteria.constraints.numel() + (self._along.total if self._along else 0)
+        return 3 * self.steps + self.lifted, path, added
 
     def split(self, x: Floats) -> tuple[Floats, Floats]:
         """Poses (T, 3) and gait parameters (n,) of a point."""
@@ -87,7 +90,7 @@ class GaitNLP:
         x, p = self.variables, self.parameters
         values, energy = self._values
         f, _ = self._asked
-        g = ca.vertcat(self._residual(values), *self._lift(energy), self._path_value, self._asked[1])
+        g = ca.vertcat(self._residual(values), *self._lift(energy), self._path_value, self._asked[1], *self._gaps)
         factor, multipliers = ca.MX.sym("multiplier"), ca.MX.sym("multipliers", sum(self.constraint_counts))
         hessian = self._hessian(factor, multipliers)
         make: Callable[..., ca.Function] = ca.Function
@@ -99,6 +102,19 @@ class GaitNLP:
             "jac_g": make("gait_nlp_jacobian", [x, p], [g, self._jacobian()], ["x", "p"], ["g", "jac_g_x"]),
             "hess_lag": make("gait_nlp_hessian", [x, p, factor, multipliers], [hessian], *lagrange),
         }
+
+    @cached_property
+    def _along(self) -> Along | None:
+        if not self.criteria.clear_of:
+            return None
+        law, rows = self.law, self.family.rows
+        serpenoid = law.coordinates == 3 and isinstance(law.blocks, SerpenoidBlocks)
+        gaps = tuple(self.criteria.clear_of)
+        return Along(gaps, law.structure, self.steps, rows, law.coordinates, serpenoid, self.portable)
+
+    @property
+    def _gaps(self) -> list[ca.MX]:
+        return [self._along.value(self._cycle)] if self._along else []
 
     # What the steps and the criteria are evaluated at.
 
@@ -259,6 +275,9 @@ class GaitNLP:
         if self.criteria.constraints.numel():
             nothing = ca.MX.zeros(self.criteria.constraints.numel())
             rows.append(self._row(*self._asked_columns(self._derived(*self._asked_at, 0, nothing)[1])))
+        if self._along:
+            gap_poses, gap_shapes = self._along.jacobian(self._cycle)
+            rows.append(self._row(gap_poses, ca.MX(gap_poses.size1(), 1), self._beside(gap_shapes)))
         return ca.vertcat(*rows)
 
     def _row(self, by_poses: ca.MX, by_dissipation: ca.MX, by_q: ca.MX) -> ca.MX:
@@ -266,8 +285,9 @@ class GaitNLP:
         return ca.horzcat(*u, self._to_parameters(by_q))
 
     def _hessian(self, factor: ca.MX, multipliers: ca.MX) -> ca.MX:
-        motion, path, _ = self.constraint_counts
-        on_motion, on_path, on_asked = ca.vertsplit(multipliers, [0, motion, motion + path, multipliers.numel()])
+        motion, path, added = self.constraint_counts
+        ends = [0, motion, motion + path, motion + path + self.criteria.constraints.numel(), motion + path + added]
+        on_motion, on_path, on_asked, on_gaps = ca.vertsplit(multipliers, ends)
         asked = self._derived(*self._asked_at, factor, on_asked)
         weights, energy = self._step_weights(factor, on_motion, asked)
         slope, blocks = self.law.blocks.hessian(self._cycle, weights, energy)
@@ -275,12 +295,21 @@ class GaitNLP:
         uu, uq, qq = places[0](blocks), self._beside(places[1](blocks)), self._square(places[2](blocks))
         if self.lifted:
             uu, uq = ca.diagcat(uu, ca.MX(1, 1)), ca.vertcat(uq, ca.MX(1, uq.size2()))
+        force = ca.densify(self._places.gradient()[1](slope))
+        if self._along:
+            gap_force, *gap_blocks = self._along.hessian(self._cycle, on_gaps)
+            force = force + ca.vec(gap_force)
+            gap_uq = self._beside(gap_blocks[1])
+            if self.lifted:
+                gap_blocks[0] = ca.diagcat(gap_blocks[0], ca.MX(1, 1))
+                gap_uq = ca.vertcat(gap_uq, ca.MX(1, gap_uq.size2()))
+            uu, uq, qq = uu + gap_blocks[0], uq + gap_uq, qq + self._square(gap_blocks[2])
         more = self._asked_hessian(asked[2])
         uu, uq, qq = uu + ca.triu(more[0]), uq + more[1], qq + more[2]
         if self._psi is None:
             pp, up = qq, uq
         else:
-            pp = self._psi.T @ (qq @ self._psi) + self._curvature(slope, factor, on_asked)
+            pp = self._psi.T @ (qq @ self._psi) + self._curvature(force, factor, on_asked)
             up = uq @ self._psi
         if self._path is not None:
             on_rows = ca.reshape(on_path, -1, self.path_rows)
@@ -313,15 +342,13 @@ class GaitNLP:
         _, _, qq = self._asked_columns(by_q.T)
         return uu, uq, qq
 
-    def _curvature(self, slope: ca.MX, factor: ca.MX, on_asked: ca.MX) -> ca.MX:
+    def _curvature(self, force: ca.MX, factor: ca.MX, on_asked: ca.MX) -> ca.MX:
         """What the layers' own second derivatives add, (n, n)."""
         at = self.gait, self._data, self.model_parameters
-        _, shape_places = self._places.gradient()
         layer = self.law.shapes
         total = ca.MX(self.family.size, self.family.size)
         if layer is not None and layer.functions.curvature is not None:
-            forces = ca.reshape(ca.densify(shape_places(slope)), self.law.coordinates, -1)
-            total = total + layer.curvature(*at, forces)
+            total = total + layer.curvature(*at, ca.reshape(force, self.law.coordinates, -1))
         if self._angles is not None and self._angles.functions.curvature is not None:
             first, jacobian, _ = self._derived(*self._asked_at, factor, on_asked)
             both = factor * first + jacobian.T @ on_asked

@@ -18,6 +18,7 @@ from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
 from serpenoid.plot.style import PHASE_MAP, colour_bar, figure, legend_above
 from serpenoid.plot.sweep import costs_figure, family_figure, front_figure
+from serpenoid.plot.world import obstacles
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import Trajectory
@@ -102,6 +103,7 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
     motion(trajectory, ax, cycles, bodies, title, metres(problem), dots)
+    obstacles(problem, ax)
     legend_above(ax, 4)
     colour_bar(ax, PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, aspect=25)
     slope = float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))

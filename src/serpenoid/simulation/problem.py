@@ -51,4 +51,6 @@ def gait_parameters(problem: Problem, family: GaitFamily) -> Floats:
 def simulate(problem: Problem) -> Simulation:
     """Simulate the gait of a problem."""
     table = gait_table(problem)
-    return Simulation(problem, table, simulate_joint_angles(problem.model, table, problem.task.cycles))
+    task = problem.task
+    motion = simulate_joint_angles(problem.model, table, task.cycles, closed=not task.transient)
+    return Simulation(problem, table, motion)

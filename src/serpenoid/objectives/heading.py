@@ -1,0 +1,23 @@
+"""To a heading: the squared distance of the heading from a target after some cycles [rad^2]; turns are counted."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import casadi as ca
+from pydantic import Field
+
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Term
+
+
+class Heading(Term):
+    """(heading - target)^2, the heading of the first row being zero."""
+
+    kind: Literal["heading"] = "heading"
+    target_rad: float = Field(description="counter-clockwise [rad]; beyond pi: more than half a turn")
+    cycles: int = Field(default=1, ge=1, description="the cycle is played so often")
+
+    def expression(self, of: Criteria) -> ca.SX:
+        """Zero where the heading is met."""
+        return (self.cycles * of.heading_change - self.target_rad) ** 2

@@ -1,0 +1,100 @@
+"""What the body must keep clear of: discs, boxes, half-planes; and walls that it must stay within.
+
+Each demand is a signed distance, positive where the body may be; it never grows faster than the point moves, so what
+holds on a fine enough set of points and times holds everywhere (`optimise/clearance.py`). Several demands are a union.
+Coordinates: body lengths, in the frame of the first row (origin: centroid; x: mean edge direction).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Annotated, Literal, Self
+
+import casadi as ca
+import numpy as np
+from pydantic import Field, model_validator
+
+from serpenoid.body import Floats
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Demand
+
+Point = tuple[float, float]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class Obstacle(Demand):
+    """A region that no point of the body may enter, at any time."""
+
+    kind: str
+    clearance: Annotated[float, Field(ge=0, description="distance to keep: half the body's width, say")] = 0.0
+
+    @abstractmethod
+    def distances(self, points: ca.SX) -> ca.SX:
+        """Signed distances of points (2, K), shape (walls, K); each positive where the body may be."""
+
+    def gap(self, points: Floats) -> Floats:
+        """Smallest signed distance of points (K, 2): shape (K,)."""
+        place = ca.SX.sym("place", 2)
+        function = ca.Function("gap", [place], [ca.mmin(ca.vec(self.distances(place)))])
+        return np.asarray(function.map(len(points))(points.T).full()[0], np.float64)
+
+    def require(self, of: Criteria) -> None:
+        """At every vertex of every row; between them the solver's margin does it."""
+        of.keep_clear(lambda points: ca.vec(self.distances(points)) - self.clearance)
+
+
+class Disc(Obstacle):
+    """A disc to go round."""
+
+    kind: Literal["disc"] = "disc"
+    centre: Point
+    radius: Positive
+
+    def distances(self, points: ca.SX) -> ca.SX:
+        """Distance to the centre less the radius."""
+        away = points - ca.repmat(ca.DM(self.centre), 1, points.size2())
+        return ca.sqrt(ca.sum1(away**2)) - self.radius
+
+
+class Box(Obstacle):
+    """A box to go round, or (`inside`) a room not to leave; sides along `angle_rad`."""
+
+    kind: Literal["box"] = "box"
+    centre: Point = (0.0, 0.0)
+    half_widths: tuple[Positive, Positive]
+    angle_rad: float = 0.0
+    inside: bool = Field(default=False, description="stay in it instead of outside")
+
+    def distances(self, points: ca.SX) -> ca.SX:
+        """Inside: to each of the four walls. Outside: to the box."""
+        c, s = ca.cos(self.angle_rad), ca.sin(self.angle_rad)
+        turned = ca.vertcat(ca.horzcat(c, s), ca.horzcat(-s, c))
+        local = turned @ (points - ca.repmat(ca.DM(self.centre), 1, points.size2()))
+        half = ca.repmat(ca.DM(self.half_widths), 1, points.size2())
+        if self.inside:
+            return ca.vertcat(half - local, half + local)
+        beyond = ca.fabs(local) - half
+        outer = ca.sqrt(ca.sum1(ca.fmax(beyond, 0) ** 2) + TINY)
+        return outer + ca.fmin(ca.fmax(beyond[0, :], beyond[1, :]), 0)
+
+
+TINY = 1e-18  # keeps the derivative of a distance defined where it is zero
+
+
+class HalfPlane(Obstacle):
+    """A wall: the body stays on the side that `normal` points to."""
+
+    kind: Literal["half_plane"] = "half_plane"
+    point: Point
+    normal: Point
+
+    @model_validator(mode="after")
+    def _direction(self) -> Self:
+        if self.normal == (0.0, 0.0):
+            raise ValueError("`normal` must not be zero; it points to where the body may be")
+        return self
+
+    def distances(self, points: ca.SX) -> ca.SX:
+        """Along the normal."""
+        normal = ca.DM(self.normal) / ca.norm_2(ca.DM(self.normal))
+        return normal.T @ (points - ca.repmat(ca.DM(self.point), 1, points.size2()))

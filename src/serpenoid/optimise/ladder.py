@@ -1,0 +1,70 @@
+"""Up the ladder of families, each one started from the optimum of the one before, which it contains.
+
+    ellipse -> Fourier series in serpenoid space -> Fourier series per joint -> every joint angle free
+
+What a larger family gains is fair only at equal limits and equal dissipation: above the ellipse no gait may dissipate
+more than the ellipse's optimum does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.errors import InputError
+from serpenoid.gaits import EllipseGait, Gait, TableGait
+from serpenoid.gaits.fourier import FourierGait
+from serpenoid.gaits.fourier_joints import JointSeriesGait
+from serpenoid.objectives import Criteria
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solve import solve, solve_from
+from serpenoid.problem import Problem
+
+ORDERS = (1, 2)
+Progress = Callable[[int, str], None]
+
+
+@dataclass(frozen=True)
+class Step:
+    """The optimum of one family, with a name for people."""
+
+    name: str
+    solution: Solution
+
+
+def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress | None = None) -> tuple[Step, ...]:
+    """The optimum of every family of the ladder; a step that fails is left out, the next starts from the last good one.
+
+    `problem` asks for ellipses; its objective and limits hold on every step.
+    """
+    if not isinstance(problem.gait, EllipseGait):
+        raise InputError(f"[gait] family: the ladder begins with an ellipse, got `{problem.gait.family}`.")
+    first = solve(problem, starts, seed).best
+    steps = [Step("ellipse", first)]
+    if not first.status.ok:
+        return tuple(steps)
+    budget = first.trajectory.dissipation
+
+    def no_more(of: Criteria) -> None:
+        of.subject_to(of.dissipation, -np.inf, budget)
+
+    climbs: tuple[tuple[str, Callable[[Solution], Gait]], ...] = (
+        ("Fourier, serpenoid", _series),
+        ("Fourier, per joint", lambda last: JointSeriesGait.from_table(last.table, ORDERS)),
+        ("free table", lambda last: TableGait.from_angles(last.table)),
+    )
+    for number, (name, begin) in enumerate(climbs, start=1):
+        if progress is not None:
+            progress(number, name)
+        found = solve_from(problem, begin(steps[-1].solution), no_more)
+        if found.status.ok:
+            steps.append(Step(name, found))
+    return tuple(steps)
+
+
+def _series(last: Solution) -> Gait:
+    if not isinstance(last.gait, EllipseGait):
+        raise InputError("a Fourier series in serpenoid space starts from an ellipse.")
+    return FourierGait.from_ellipse(last.gait, ORDERS)

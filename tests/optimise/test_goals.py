@@ -1,0 +1,243 @@
+"""Goals, obstacles, families: published problems, proven clearance, a toy family, statuses where nothing is found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from oracle.integrator import Run
+from serpenoid.body import Body, Floats
+from serpenoid.errors import InputError
+from serpenoid.gaits import Gait, GaitBounds, GaitFamily, TableGait, families
+from serpenoid.gaits.ellipse import EllipseBounds, EllipseGait
+from serpenoid.gaits.fourier import FourierGait
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.objectives import demands, terms
+from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
+from serpenoid.optimise.clearance import clearance
+from serpenoid.optimise.ladder import climb
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solve import solve, solve_from
+from serpenoid.problem import Problem, load
+from serpenoid.status import Status
+from specimens import PROBLEMS, oracle_run, problem
+
+HELD = 'effects=[{name="stuck_joint", place=2, angle=0.785}]'
+SMALL = ("body.vertices=6", "task.steps=40")
+
+
+def asked(name: str, *changes: str, **task: object) -> Problem:
+    """A problem file with another task."""
+    found = problem(name, *changes)
+    data = found.model_dump(exclude_unset=True) | {}
+    data["task"] = data["task"] | task
+    return Problem.model_validate(data)
+
+
+def test_every_kind_in_the_folders_is_offered_in_problem_files() -> None:
+    expected = {"displacement", "position", "heading", "effort", "bending"}
+    assert expected <= {t.model_fields["kind"].default for t in terms()}
+    assert {"reach", "travel", "disc", "box", "half_plane"} <= {d.model_fields["kind"].default for d in demands()}
+    assert {"ellipse", "fourier", "fourier-joints", "spline", "table"} == set(families())
+
+
+class ToyBounds(GaitBounds):
+    family: Literal["toy"] = "toy"
+
+
+class ToyGait(Gait):
+    """A travelling wave along the joints with one parameter, its amplitude."""
+
+    Bounds: ClassVar[type[GaitBounds]] = ToyBounds
+    family: Literal["toy"] = "toy"
+    amplitude: float = 0.3
+
+    def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> ToyFamily:
+        return ToyFamily(self, joints, rows, bounds or ToyBounds(), closed)
+
+
+@dataclass(frozen=True)
+class ToyFamily(GaitFamily):
+    """Nothing but this class is needed: NLP, start, certificates and results ask it."""
+
+    names: ClassVar[tuple[str, ...]] = ("amplitude",)
+    units: ClassVar[tuple[str, ...]] = ("rad",)
+    limits: ClassVar[tuple[Floats, Floats]] = (np.zeros(1), np.ones(1))
+    widths: ClassVar[Floats] = np.full(1, 0.02)
+
+    @cached_property
+    def data(self) -> Floats:
+        return np.arange(self.rows)[:, None] / self.rows
+
+    def at(self, p: ca.SX, data: ca.SX) -> ca.SX:
+        joints = ca.DM(np.arange(self.joints) / self.joints)
+        return p[0] * ca.cos(2 * ca.pi * (data[0] + joints))
+
+    def start(self) -> Floats:
+        return np.array([self.like.amplitude if isinstance(self.like, ToyGait) else 0.3])
+
+    def sample(self, rng: np.random.Generator) -> Floats:
+        return rng.uniform(0.1, 0.9, 1)
+
+    def scaled(self, p: Floats, factor: float) -> Floats:
+        return p * factor
+
+    def gait(self, p: Floats) -> ToyGait:
+        return ToyGait(amplitude=float(p[0]))
+
+
+def test_a_family_of_ones_own_is_one_class() -> None:
+    wanted = asked("reference-optimum", c=0.5)
+    found = solve_from(wanted.model_copy(update={"gait": ToyGait()}), ToyGait())
+    assert found.status is Status.SOLVED
+    assert found.names == ("amplitude",)
+    assert found.polishing_gain is not None
+    best = min(amplitude_cost(wanted, a) for a in np.linspace(0.05, 1.0, 96))
+    assert found.cost <= best + 1e-9
+    assert best - found.cost < 1e-3  # the grid's spacing
+
+
+def amplitude_cost(wanted: Problem, amplitude: float) -> float:
+    family = ToyGait(amplitude=amplitude).of(10, 50)
+    table = amplitude * np.cos(2 * np.pi * (family.data + np.arange(10) / 10))
+    if np.abs(table).max() > np.deg2rad(60):
+        return np.inf
+    run = oracle_run(wanted.model, table)
+    return float(-run.displacement + 0.5 * run.dissipation)
+
+
+def test_a_broken_joint_is_held_and_the_rest_goes_on() -> None:
+    found = solve(problem("broken-joint", *SMALL, "task.c=0.3", HELD), starts=1, seed=2).best
+    assert found.residuals.largest <= 1e-8
+    assert found.resimulation_error <= 1e-8
+    assert np.hypot(*(found.trajectory.poses[-1, :2] - [1.3, 0])) < 0.2
+
+
+TURN = {"objectives": ({"kind": "heading", "target_rad": 1.0, "weight": 5.0},), "c": 0.3}
+
+
+def turned(inside: bool) -> Solution:
+    box = {"kind": "box", "half_widths": (0.52, 0.24), "inside": True}
+    return solve(asked("turn-in-a-box", *SMALL, **TURN, demands=(box,) if inside else ()), starts=1, seed=1).best
+
+
+def test_a_box_is_kept_at_every_time_and_place() -> None:
+    found = turned(inside=True)
+    assert found.residuals.largest <= 1e-8
+    assert found.trajectory.heading_change == pytest.approx(1.0, abs=0.1)
+    assert found.clearance is not None
+    assert found.clearance.proven >= 0
+    run = oracle_run(found.problem.model, found.table)
+    assert between(run, found).max(axis=(0, 1)) == pytest.approx([0.52, 0.24], abs=0.35)
+    assert (between(run, found) <= np.array([0.52, 0.24]) + 1e-9).all()
+
+
+def between(run: Run, found: Solution) -> Floats:
+    """|x|, |y| of the vertices at ten moments of every step, by the oracle's vertices and straight lines of poses."""
+    from serpenoid import group
+    from serpenoid.simulation.steps import shape_rows
+
+    assert np.abs(run.poses - found.trajectory.poses).max() < 1e-9
+    table = np.concatenate([found.table, found.table[:1]])
+    share = np.linspace(0, 1, 11)[:, None, None]
+    angles = ((1 - share) * table[:-1] + share * table[1:]).reshape(-1, table.shape[1])
+    poses = ((1 - share) * run.poses[:-1] + share * run.poses[1:]).reshape(-1, 3)
+    return np.abs(group.place(poses, shape_rows(found.problem.model, angles)[0]))
+
+
+def test_proven_clearance_is_a_lower_bound_that_sees_between_rows_and_vertices() -> None:
+    model = Model(Body(vertices=3), Medium(anisotropy_ratio=0.5))
+    poses, straight = np.array([[0.0, 0, 0], [1.0, 0, 0]]), np.zeros((2, 1))
+    ahead = Disc(kind="disc", centre=(0.25, 0.3), radius=0.1)  # beside the middle of an edge on the way
+    found = clearance(model, poses, straight, [lambda p: ca.vec(ahead.distances(p))], wanted=0.19)
+    assert 0.19 <= found.proven <= 0.2 <= found.least + 1e-12
+    hit = Disc(kind="disc", centre=(1.75, 0.0), radius=0.1)  # beyond every vertex of both rows
+    found = clearance(model, poses * [3, 1, 1], straight, [lambda p: ca.vec(hit.distances(p))])
+    assert found.proven < -0.09
+
+
+@pytest.mark.parametrize("obstacle", [
+    Disc(centre=(0.2, -0.1), radius=0.4), Box(half_widths=(0.3, 0.5), angle_rad=0.7),
+    HalfPlane(point=(0.1, 0), normal=(3, 4)),
+    Box(half_widths=(0.3, 0.5), inside=True),
+])  # fmt: skip
+def test_signed_distances_grow_no_faster_than_points_move(obstacle: Disc) -> None:
+    rng = np.random.default_rng(1)
+    points = rng.uniform(-1, 1, (400, 2))
+    steps = 0.05 * rng.normal(size=(400, 2))
+    change = np.abs(obstacle.gap(points + steps) - obstacle.gap(points))
+    assert (change <= np.hypot(*steps.T) + 1e-8).all()
+
+
+def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:
+    found = solve(asked("reach", *SMALL, transient=True, c=0.3), starts=1, seed=4).best
+    assert found.table.shape == (41, 4)
+    assert found.residuals.largest <= 1e-8
+    assert found.resimulation_error <= 1e-8
+    assert not np.allclose(found.table[0], found.table[-1])
+
+
+def test_least_effort_for_a_given_way_is_least_where_the_multiplier_says() -> None:
+    gait = EllipseGait(sigma=0.6, a=5.0, xi=1.0)
+    free = solve_from(asked("reference-optimum", c=1.0), gait)
+    way = free.trajectory.displacement
+    given = {"objectives": ({"kind": "effort"},), "demands": ({"kind": "travel", "least": way},), "c": 0.0}
+    found = solve_from(asked("reference-optimum", **given), gait)
+    assert found.status is Status.SOLVED
+    assert found.trajectory.displacement == pytest.approx(way, abs=1e-7)
+    assert found.trajectory.dissipation == pytest.approx(free.trajectory.dissipation, abs=1e-6)
+
+
+def test_the_place_after_several_cycles_is_where_they_lead() -> None:
+    place = {"kind": "position", "target": (0.5, 0.3), "cycles": 3}
+    found = solve(asked("reference-optimum", objectives=(place,), c=0.05), starts=2, seed=0).best
+    table = np.tile(found.table, (3, 1))
+    run = oracle_run(found.problem.model, table)
+    value = np.sum((run.poses[-1, :2] - [0.5, 0.3]) ** 2) + 0.05 * found.trajectory.dissipation
+    assert found.cost == pytest.approx(value, abs=1e-9)
+
+
+def test_what_cannot_be_is_said() -> None:
+    far = {"demands": ({"kind": "travel", "least": 50.0},)}
+    assert solve(asked("reference-optimum", *SMALL, **far), starts=1).best.status in (
+        Status.INFEASIBLE, Status.NOT_CONVERGED,
+    )  # fmt: skip
+    inside = {"demands": ({"kind": "disc", "centre": (0.0, 0.0), "radius": 3.0},)}
+    assert not solve(asked("reach", "body.vertices=5", "task.steps=10", **inside), starts=1).best.status.ok
+
+
+def test_faults_in_objectives_name_their_place() -> None:
+    path = PROBLEMS / "reach.toml"
+    with pytest.raises(InputError, match="unknown key"):
+        load(path, ['task.objectives=[{kind="position", target=[1.0, 0.0], weigth=2.0}]'])
+    with pytest.raises(InputError, match="objectives"):
+        load(path, ['task.objectives=[{kind="nowhere"}]'])
+    with pytest.raises(InputError, match=r"\[task\.bounds\] sigma: unknown key"):
+        load(path, ["task.bounds.sigma=[0.0, 1.0]"])
+
+
+def test_each_step_up_the_ladder_is_at_least_as_good_and_dissipates_no_more() -> None:
+    wanted = problem("reference-optimum", "body.vertices=7", "task.c=0.5")
+    steps = climb(wanted, starts=3)
+    assert [type(s.solution.gait).__name__ for s in steps] == [
+        "EllipseGait", "FourierGait", "JointSeriesGait", "TableGait",
+    ]  # fmt: skip
+    costs = [s.solution.cost for s in steps]
+    assert (np.diff(costs) <= 1e-8).all()
+    spent = [s.solution.trajectory.dissipation for s in steps]
+    assert max(spent) <= spent[0] + 1e-8
+    assert all(s.solution.status.ok for s in steps)
+
+
+def test_families_keep_bounds_of_their_own() -> None:
+    bounds = EllipseBounds(a=(1.0, 2.0))
+    lower, upper = EllipseGait().of(5, 10, bounds).limits
+    assert (lower[4], upper[4]) == (1.0, 2.0)
+    assert FourierGait().of(5, 10).size == 1 + 2 * 5
+    assert TableGait().of(3, 7).size == 21
