@@ -129,7 +129,31 @@ def reach() -> None:
     assert result.best.cost == pytest.approx(0.0041234, abs=5e-8)
 
 
+def broken_joint() -> None:
+    best = solve(problem("broken-joint", "task.steps=50"), starts=1).best
+    assert best.residuals.largest <= 1e-8
+    assert np.hypot(*(best.trajectory.poses[-1, :2] - [1.3, 0.0])) < 0.05
+
+
+def turn_in_a_box() -> None:
+    best = solve(problem("turn-in-a-box", "task.steps=40"), starts=1).best
+    assert best.clearance is not None
+    assert best.clearance.proven >= 0
+    assert best.trajectory.heading_change == pytest.approx(np.pi, abs=0.01)
+
+
+def disc_obstacle() -> None:
+    """The solve itself takes a minute (results/benchmarks/free_gaits.md): here the file's world alone."""
+    asked = problem("disc-obstacle")
+    (disc,) = asked.task.demands
+    assert disc.gap(np.array([[1.25, 0.5], [1.25, 0.0], [2.5, 0.0]])) == pytest.approx([0.0, -0.5, 0.75])
+    assert simulate(asked).table.shape == (201, 9)
+
+
 CHECKS = {
+    "broken-joint": broken_joint,
+    "turn-in-a-box": turn_in_a_box,
+    "disc-obstacle": disc_obstacle,
     "reach": reach,
     "lamprey-water": lamprey_water,
     "reference": reference,
