@@ -264,3 +264,21 @@ def test_the_lampreys_beat_is_found_in_spite_of_bad_frames():
     motion = load_campaign(ROOT / "problems/campaigns/lamprey.toml").trials[0].motion
     found = period_s(Signal(motion.time_s, motion.joint_angles))
     assert found == pytest.approx(1 / 3.8, abs=0.02)  # 3.8 Hz is known from outside; a frame
+
+
+@pytest.mark.parametrize("rate", [0.994, 1.006])
+def test_two_repeats_of_a_gait_do_not_accuse_one_another_of_the_wrong_log(rate):
+    """One recording's clock and the other's log run at `rate`: either log fits either recording."""
+    schedule = Schedule(serpenoid_table(40), 2.0, 8, 0.0)
+    time = np.arange(0, schedule.end_s, 1 / 60)
+    angles = schedule.commanded(time)
+    rng = np.random.default_rng(4)
+
+    def claim(trial: str, filmed: np.ndarray, logged: np.ndarray) -> Claim:
+        seen, read = (angles + 0.002 * rng.standard_normal(angles.shape) for _ in range(2))
+        return Claim(trial, "gait-1", schedule, cameras=Signal(filmed, seen), servos=Signal(logged, read))
+
+    claims = [claim("first", time / rate, time), claim("second", time, time * rate)]
+    verdict = check(claims, {"gait-1": serpenoid_table(40)})
+    assert verdict.contradictions == ()
+    assert max(r.lead for r in verdict.rivals if r.kind == "log") < ODDS / 2

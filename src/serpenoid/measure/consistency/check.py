@@ -162,7 +162,7 @@ def _scored(
     for fault in faults:
         found = match_at(grid, fault.course, contract.rate, prior)
         if found.evidence > contract.evidence - HOPELESS or fault.timed is not None:
-            found = match(grid, fault.course, prior, 0.1 if fault.timed is None else 0.02)
+            found = match(grid, fault.course, prior)
         words, cure = (fault.words, fault.cure) if fault.timed is None else fault.timed(found.rate)
         rivals.append(
             Rival(claim.trial, witness, fault.kind, f"{witness} {words}", cure,
