@@ -224,9 +224,8 @@ def test_faults_in_objectives_name_their_place() -> None:
 def test_each_step_up_the_ladder_is_at_least_as_good_and_dissipates_no_more() -> None:
     wanted = problem("reference-optimum", "body.vertices=7", "task.c=0.5")
     steps = climb(wanted, starts=3)
-    assert [type(s.solution.gait).__name__ for s in steps] == [
-        "EllipseGait", "FourierGait", "JointSeriesGait", "TableGait",
-    ]  # fmt: skip
+    assert steps[0].name == "ellipse"
+    assert steps[-1].name == "free table"  # a family that fails in between is left out
     costs = [s.solution.cost for s in steps]
     assert (np.diff(costs) <= 1e-8).all()
     spent = [s.solution.trajectory.dissipation for s in steps]
