@@ -16,6 +16,7 @@ from blind.score import Name, answer, confusion, errors, judge, wilson
 from blind.separation import STARTS, separation
 from blind.strength import floor, strength
 from blind.study import Study, run, run_one
+from serpenoid.parallel import Workers
 
 SLOPE = Effect("slope", None, {"pull_x": 0.003, "pull_y": 0.001})
 ZERO = Effect("zero_offset", 1, {"offset": 0.03})
@@ -145,14 +146,14 @@ def fake(tmp_path: Path) -> str:
 
 
 def test_study_runs_scores_and_resumes(tmp_path: Path, fake: str) -> None:
-    rows = run(Study("null", tmp_path / "out", "model.toml", fake), 2, 1)
+    rows = run(Study("null", tmp_path / "out", "model.toml", fake), 2, Workers())
     assert [row["outcome"] for row in rows] == ["right", "right"]
     above, written = table.read(tmp_path / "out" / "null.csv")
-    again = run(Study("null", tmp_path / "out", "model.toml", "no-such-command"), 2, 1)
+    again = run(Study("null", tmp_path / "out", "model.toml", "no-such-command"), 2, Workers())
     assert again == written
     assert above["key"] == "blind-6"
     with pytest.raises(SystemExit, match="another key needs another --out"):
-        run(Study("null", tmp_path / "out", "model.toml", fake, "another"), 2, 1)
+        run(Study("null", tmp_path / "out", "model.toml", fake, "another"), 2, Workers())
 
 
 def test_another_physics_is_asked_without_its_law_and_beside_its_healthy_self() -> None:
