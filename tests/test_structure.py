@@ -28,7 +28,7 @@ ALLOWED = {
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
 LEFT_OF_MODELS = {
     "errors", "inputs", "table_file", "schema", "files", "status", "shown", "body", "medium", "group", "gaits",
-    "objectives",
+    "objectives", "interrupts",
 }  # fmt: skip
 MAY_IMPORT = {
     "body": {"schema"},

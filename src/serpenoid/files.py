@@ -27,6 +27,9 @@ def atomic(path: str | Path) -> Iterator[Path]:
         yield Path(name)
         os.chmod(name, 0o644)
         os.replace(name, path)
+    except OSError as error:  # a full disk: name the file that it was for
+        Path(name).unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from None
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise

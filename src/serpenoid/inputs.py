@@ -35,6 +35,8 @@ def read_bytes(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
                 what = "is a folder; name a file in it" if stat.S_ISDIR(kind) else "is a pipe or a device, not a file"
                 raise InputError(f"{path}: {what}.")
             data = stream.read(most + 1)
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file.") from None
     except IsADirectoryError:

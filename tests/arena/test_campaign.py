@@ -227,7 +227,7 @@ def test_another_protocol_is_not_mixed_into_a_folder(protocol_file, tmp_path):
         ("[robot.changes.seized_wheel]\nvertex = 12\n", "vertex"),
         ("[robot]\nmass_kg = 0.5\n", "the parts weigh"),
         ('[[gait]]\nname = "wave"\njoint_table = "wave.csv"\n', "is there twice"),
-        ('[[gait]]\nname = "other"\njoint_table = "none.csv"\n', "no such joint table"),
+        ('[[gait]]\nname = "other"\njoint_table = "none.csv"\n', "no such file"),
     ],
 )
 def test_a_wrong_protocol_is_refused_by_name(protocol_file, extra, message, capsys):

@@ -62,7 +62,12 @@ def test_compare_quiet_without_figures_writes_numbers_only(folder, tmp_path, cap
         == 0
     )
     assert capsys.readouterr().out == ""
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["compare.json", "comparison.csv", "summary.txt"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "compare.json",
+        "comparison.csv",
+        "request.json",
+        "summary.txt",
+    ]
     record = json.loads((tmp_path / "compare.json").read_text())
     assert [p["dissipation_coefficient"] for p in record["cost_of_transport"]] == [0.5, 1.0]
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from types import FrameType
 
 import serpenoid
+from serpenoid import interrupts
 from serpenoid.cli import log
 from serpenoid.errors import InputError, StopRequested
 
@@ -78,10 +79,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
+    if sys.stdout is None:  # closed by the shell: >&-
+        if not getattr(args, "quiet", False):
+            return _complain("standard output is closed, so nothing can be printed; open it, or give --quiet.", 2)
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - to the end of the process
     try:
         code = args.run(args)
-        if sys.stdout is not None:  # closed by the shell: >&-
-            sys.stdout.flush()
+        sys.stdout.flush()
         return code
     except InputError as error:
         return _complain(str(error), 2)
@@ -91,8 +95,7 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 1
     except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        return _complain(f"{place}{error.strerror or error}.", 1)
+        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}.", 1)
     except Exception:
         log.failed()
         if not interrupted:
@@ -103,7 +106,8 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
 @contextmanager
 def _noted_interrupts() -> Iterator[list[int]]:
     """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception."""
-    interrupted: list[int] = []
+    interrupted = interrupts.noted
+    interrupted.clear()
 
     def note(number: int, _frame: FrameType | None) -> None:
         interrupted.append(number)
@@ -128,7 +132,10 @@ def _complain(message: str, code: int) -> int:
 
 def entry() -> None:
     """Console script."""
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:  # while modules were being imported, before anything was begun
+        sys.exit(_complain("stopped.", 130))
 
 
 if __name__ == "__main__":

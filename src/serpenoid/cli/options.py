@@ -81,23 +81,26 @@ def open_page(args: argparse.Namespace, folder: Path) -> None:
         complain(f"--open: no browser was found. The page: {pages[0]}")
 
 
+MOST = 100_000  # of starts, gaits, trials: nobody waits for the last
+
+
 def positive(text: str) -> int:
     """A whole number of at least 1."""
-    return _whole(text, 1)
+    return _whole(text, 1, MOST)
 
 
 def seed(text: str) -> int:
     """A whole number of at least 0."""
-    return _whole(text, 0)
+    return _whole(text, 0, 2**63 - 1)
 
 
-def _whole(text: str, least: int) -> int:
+def _whole(text: str, least: int, most: int) -> int:
     try:
         number = int(text)
     except ValueError:
         number = least - 1
-    if number < least:
-        raise argparse.ArgumentTypeError(f"needs a whole number of at least {least}, got {text!r}")
+    if not least <= number <= most:
+        raise argparse.ArgumentTypeError(f"needs a whole number from {least} to {most}, got {text[:20]!r}")
     return number
 
 

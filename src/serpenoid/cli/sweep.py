@@ -39,6 +39,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     options.add_output(parser, "results/<problem>/sweep-<hash>")
 
 
+MOST_VALUES = 10_000
+
+
 def parse_values(text: str) -> list[float]:
     """`a:b:n` or `x,y,z` as numbers; InputError with the rule."""
     import math
@@ -49,9 +52,13 @@ def parse_values(text: str) -> list[float]:
         if ":" in text:
             first, last, count = text.split(":")
             n = int(count)
+            if n > MOST_VALUES:
+                raise InputError(f"--c {text}: must be at most {MOST_VALUES} values, got {n}.")
             values = [float(first) + i * (float(last) - float(first)) / max(n - 1, 1) for i in range(n)]
         else:
             values = [float(part) for part in text.split(",")]
+    except InputError:
+        raise
     except ValueError:
         values = []
     if not values or not all(math.isfinite(v) and v >= 0 for v in values):

@@ -13,6 +13,8 @@ from types import FrameType
 
 import casadi as ca
 
+from serpenoid import interrupts
+
 
 class StopFlag:
     """True once Ctrl-C was pressed inside `catch_interrupt`."""
@@ -31,6 +33,7 @@ def catch_interrupt() -> Iterator[StopFlag]:
     A second SIGINT goes to the handler from before: as a rule it raises KeyboardInterrupt.
     """
     flag = StopFlag()
+    flag.stopped = bool(interrupts.noted)  # pressed before, and lost in a library
     if threading.current_thread() is not threading.main_thread():
         yield flag
         return
