@@ -18,7 +18,7 @@ Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
 Length = Annotated[float, Field(ge=1e-9, le=1e6)]  # metres, or any unit: sums and ratios stay finite
 Weight = Annotated[float, Field(ge=1e-9, le=1e9)]
-MOST_VERTICES = 300  # compiling takes a minute or more beyond
+MOST_VERTICES = 1000  # compiling takes minutes beyond
 
 
 class Body(Record):

@@ -86,7 +86,7 @@ def test_a_gait_for_saturating_servos_stays_below_their_speed(problem: Problem, 
     slow = ActiveEffect.of("speed_saturation", max_speed=0.4)
     solution = sp.solve_from(wanted(problem, slow), start)
     assert solution.status.ok
-    speed = np.abs(np.diff(solution.table, axis=0, append=solution.table[:1])).max() * 20 / 5.0
+    speed = np.abs(np.diff(solution.table, axis=0, append=solution.table[:1])).max() * len(solution.table) / 5.0
     assert speed == pytest.approx(0.4, rel=1e-6)
 
 

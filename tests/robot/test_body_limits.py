@@ -64,7 +64,7 @@ def test_a_model_that_brings_its_own_body_leaves_the_limits_of_the_joints(six, t
 
 
 def test_summary_says_whether_a_limit_holds_is_broken_or_is_switched_off(six, tmp_path):
-    words = ["simulate", tmp_path / "six.toml", "--no-figures", "--out", tmp_path / "out"]
+    words = ["simulate", tmp_path / "six.toml", "--no-figures", "--force", "--out", tmp_path / "out"]
     done = serpenoid(*words, "--set", "gait.a=3")
     assert "joint limit       50 degrees; joints reach" in done.stdout
     done = serpenoid(*words, "--set", "gait.a=9")

@@ -61,6 +61,13 @@ def test_speed_above_no_load_speed_at_a_low_voltage():
     says(refusals[0], "joint_1", "step", "the limit is 45.8 rpm (no-load speed at 9.0 V)", "Play it slower")
 
 
+def test_a_servo_that_cannot_move_at_all_is_refused_with_words():
+    """A supply so low that its no-load speed is zero: no cycle is slow enough."""
+    refusals = check_table(gait(40, 0.5), robot(), 5.0, 0.0)
+    assert refusals
+    assert all("cannot move at all" in refusal.remedy for refusal in refusals)
+
+
 def test_no_load_speed_is_at_or_just_below_the_published_values():
     # ROBOTIS e-manual, XL430-W250: 47 rpm at 9.0 V, 57 at 11.1 V, 61 at 12.0 V; the line may be 3 % too careful
     for voltage, published in ((9.0, 47.0), (11.1, 57.0), (12.0, 61.0)):

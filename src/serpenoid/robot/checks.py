@@ -150,7 +150,9 @@ def _speed_refusal(
     last = len(speeds) - 1
     rest = speeds[:-1].max() if last else 0.0
     value = f"speed {speeds[step]:.1f} rpm in a cycle of {cycle_duration_s:g} s"
-    if step == last and rest <= limit and speeds[last] > 3 * rest:
+    if limit <= 0:
+        remedy = "It cannot move at all: check its supply voltage and its own Velocity Limit (--widen-limits)."
+    elif step == last and rest <= limit and speeds[last] > 3 * rest:
         jump = degrees(speeds[last] * cycle_duration_s / len(speeds) * tau / 60)
         value = f"jump of {jump:.1f} degrees from the last row to the first ({speeds[last]:.1f} rpm)"
         remedy = "The table does not close: the row after the last one is the first. Export a whole cycle."
