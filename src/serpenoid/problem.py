@@ -196,8 +196,9 @@ def load(
     data = schema.override(data, set or [])
     gait = data.get("gait")
     if isinstance(gait, dict):
-        gait.setdefault("family", "table" if "path" in gait else "ellipse")
-    problem = schema.validate(Problem, data, str(path))
+        gait.setdefault("family", "table" if "path" in gait or "file" in gait else "ellipse")
+    source = str(path) if model is None else f"{path} with --model {model}"
+    problem = schema.validate(Problem, data, source)
     problem._folder, problem._name = path.parent, path.stem
     return problem
 

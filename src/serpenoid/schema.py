@@ -68,6 +68,7 @@ class Record(BaseModel):
 
 
 R = TypeVar("R", bound=Record)
+MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
 MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
 
 
@@ -166,6 +167,8 @@ def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:
     for _, below in _walk(schema, location[:-1]):
         schema = below
     known = list(schema.model_fields)
+    if (meant := MEANT.get(str(location[-1]))) in known:
+        return f" Did you mean `{meant}`?"
     close = difflib.get_close_matches(str(location[-1]), known, n=1)
     return f" Did you mean `{close[0]}`?" if close else f" Known keys: {', '.join(known)}."
 

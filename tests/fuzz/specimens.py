@@ -5,6 +5,8 @@ What a reader gives back is compared: a file whose number was replaced by what i
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ import numpy as np
 from rehearsal import serpenoid_table
 from serpenoid.arena.protocol import load_protocol
 from serpenoid.cli.main import main
+from serpenoid.errors import InputError
 from serpenoid.inputs import read_json
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.logs import read_power_log, read_servo_log
@@ -177,8 +180,13 @@ def _diagnosis(path: Path) -> None:
             for key in ("path_rms_m", "displacement_error_m", "heading_error_rad", "s", "log_likelihood")}  # fmt: skip
     seizure = {"value": 0.5, "interval": [0.4, 0.6], "unit": "1", "at_bound": False}
     effect = {"name": "worn_wheel", "place": 2, "strength_floors": 3.0, "parameters": {"seizure": seizure}}
+    step = {"rung": "motion", "compares": "shape against motion", "before": 0.05, "after": 0.02, "floor": 0.01,
+            "unit": "m", "share_above_floor_before": 0.96, "share_above_floor_after": 0.75}  # fmt: skip
     record = {"campaign": "two", "verdict": "explained", "effects": [effect], "gain": gain, "noise_floor_m": 0.001,
-              "anisotropy_ratio": {"before": 0.2, "after": 0.21}, "provenance": {"written": "today"}}  # fmt: skip
+              "anisotropy_ratio": {"before": 0.2, "after": 0.21}, "provenance": {"written": "today"}, "ladder": [step],
+              "reference": None, "alternatives": [effect | {"separation_floors": 2.0}], "below_the_floor": [],
+              "untestable": {"slope": "one heading alone"}, "skipped": {}, "next_experiment": None,
+              "residual_pattern": ["motion: repeats"]}  # fmt: skip
     path.write_text(json.dumps(record, indent=1))
 
 
@@ -186,10 +194,15 @@ def _motion(tracks: Any) -> list[Any]:
     return [tracks.time_s.tolist(), np.nan_to_num(tracks.floor, nan=-99.0).tolist()]
 
 
-def _shown(path: Path) -> int:
-    code = main(["show", str(path.parent)])
-    assert code in (0, 2)
-    return code
+def _shown(path: Path) -> str:
+    """What is said of it, or the error's text as an InputError."""
+    said, why = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(why):
+        code = main(["show", str(path.parent)])
+    if code == 2:
+        raise InputError(why.getvalue())
+    assert code == 0
+    return said.getvalue()
 
 
 def _problem(path: Path) -> Any:

@@ -197,3 +197,27 @@ def test_joint_tables_that_are_none(tmp_path, text, match):
     (tmp_path / "g.csv").write_text(text)
     with pytest.raises(InputError, match=match):
         read_joint_table(tmp_path / "g.csv")
+
+
+@pytest.mark.parametrize("spike", [1e308, 2e4, 900.0])
+def test_one_absurd_reading_of_power_is_refused_by_its_place(tmp_path, spike):
+    power = 5 + np.sin(np.arange(400.0))
+    write_power_log(tmp_path / "p.csv", np.arange(400) / 50, power)
+    assert len(read_power_log(tmp_path / "p.csv").power_W) == 400
+    power[7] = spike
+    write_power_log(tmp_path / "p.csv", np.arange(400) / 50, power)
+    with pytest.raises(InputError, match=r"row 9, column [CD] .*(median|must be a number)"):
+        read_power_log(tmp_path / "p.csv")
+
+
+@pytest.mark.parametrize("cell", ["inf", "1_000", "\uff11", "1e999", "0x1", "1e300"])
+def test_what_is_no_plain_number_is_refused_by_its_place(tmp_path, cell):
+    (tmp_path / "t.csv").write_text(f"t_s,x_0,y_0\n0,1,2\n0.1,{cell},2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="row 3, column B .*must be a number or empty"):
+        read_tidy(tmp_path / "t.csv")
+
+
+def test_a_point_with_one_coordinate_is_refused_by_its_place(tmp_path):
+    (tmp_path / "t.csv").write_text("t_s,x_0,y_0\n0,1,2\n0.1,1,\n")
+    with pytest.raises(InputError, match="row 3, column B .*all its coordinates or none"):
+        read_tidy(tmp_path / "t.csv")

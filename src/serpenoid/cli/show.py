@@ -38,8 +38,9 @@ def run(args: argparse.Namespace) -> int:
     try:
         record = read_record(folder, name) if name else {}
         lines = RECORDS[name](folder, record) if name else _campaign_lines(folder)
-    except InputError:
-        raise
+    except InputError as error:
+        file = str(folder / (name or "campaign.toml"))
+        raise InputError(str(error) if file in str(error) else f"{file}: {error}") from None
     except (LookupError, ArithmeticError, TypeError, ValueError, OSError, AttributeError) as error:
         raise InputError(
             f"{folder / (name or 'campaign.toml')}: is not a record of this version ({error!r})."

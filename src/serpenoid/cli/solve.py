@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from serpenoid.problem import Problem
 
 
+FAR_TURN_RAD = 0.5  # in one cycle; what the paper's robot does by a strong offset
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `solve`."""
     options.add_problem(parser)
@@ -96,9 +99,22 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped after {len(result.solutions)} of {args.starts} starts; the best is in {folder}")
         return 130
     if not best.status.ok:
-        options.complain(best.status.value)
+        options.complain(_why(problem) or best.status.value)
         return 1
     return 0
+
+
+def _why(problem: Problem) -> str | None:
+    """What the problem itself says about a failure; None: nothing."""
+    heading = problem.task.constraints.heading_change_rad
+    if problem.medium.anisotropy_ratio == 1.0 and not problem.effects:
+        return "anisotropy_ratio = 1 is isotropic: nothing moves, whatever the gait. Give a ratio below 1."
+    if heading is not None and abs(heading) > FAR_TURN_RAD:
+        return (
+            f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
+            "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
+        )
+    return None
 
 
 def _options(args: argparse.Namespace) -> list:

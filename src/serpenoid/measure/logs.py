@@ -10,6 +10,8 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
 
+LARGEST_W = 10_000.0  # of any robot that is meant here
+SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
 LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
 
 
@@ -98,9 +100,22 @@ def read_power_log(path: str | Path) -> PowerLog:
     if bad.size:
         where = place(path, 1 + int(bad[0]), header.index("power_W") if "power_W" in header else 1, "power_W")
         raise InputError(f"{where}: power must be a number >= 0 [W], got {power[bad[0]]:g}.")
+    _refuse_spike(power, path, header)
     if np.median(power) > 500:
         raise InputError(f"{path}: median power {np.median(power):g} W: is it in milliwatts? `power_W` is in watts.")
     return PowerLog(times, power, str(path))
+
+
+def _refuse_spike(power: Floats, path: Path, header: list[str]) -> None:
+    """One reading with so much of the recording's energy is a fault of the meter, and would decide every mean."""
+    spike = int(power.argmax())
+    share = power[spike] / max(power.sum(), 1e-300)
+    if power[spike] > LARGEST_W or (power[spike] > SPIKE * np.median(power) and share > SPIKE_SHARE):
+        where = place(path, 1 + spike, header.index("power_W") if "power_W" in header else 1, "power_W")
+        raise InputError(
+            f"{where}: one reading of {power[spike]:g} W has {share:.0%} of the whole recording's energy (median "
+            f"{np.median(power):g} W). A fault of the meter? Leave the cell's row out."
+        )
 
 
 def _check_radians(values: Floats | None, name: str, header: list[str], path: Path) -> None:
