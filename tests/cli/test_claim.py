@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.files import atomic
 
 REFERENCE = str(Path(__file__).parents[2] / "problems" / "reference.toml")
 
@@ -55,6 +56,15 @@ def test_an_answer_whose_question_is_lost_counts_as_another(tmp_path: Path, cont
     (tmp_path / "request.json").write_text(content)
     assert simulated(tmp_path) == 2
     assert simulated(tmp_path, "--force") == 0
+
+
+def test_what_a_killed_process_left_unfinished_is_cleared(tmp_path: Path) -> None:
+    with atomic(tmp_path / "c-0.5" / "gait.png") as temporary:
+        left = temporary.with_name(temporary.name + ".png")
+        left.write_bytes(b"half a picture")
+    assert left.exists()
+    assert simulated(tmp_path) == 0
+    assert not left.exists()
 
 
 def test_a_folder_with_other_things_is_no_answer(tmp_path: Path) -> None:

@@ -177,7 +177,16 @@ def test_the_cost_of_transport_of_a_straight_gait_does_not_depend_on_the_cycles_
     found = []
     for cycles in (1, 3):
         power = ["--set", "power.idle_W=2", "--set", "power.dissipation_J=40"]
-        words = ["simulate", SNAKE, "--json", "--no-figures", "--out", str(tmp_path), "--set", f"task.cycles={cycles}"]
+        words = [
+            "simulate",
+            SNAKE,
+            "--json",
+            "--no-figures",
+            "--out",
+            str(tmp_path / str(cycles)),
+            "--set",
+            f"task.cycles={cycles}",
+        ]
         assert main([*words, *power]) == 0
         found.append(json.loads(capsys.readouterr().out)["cost_of_transport"])
     assert found[1] == pytest.approx(found[0], rel=1e-9)  # sigma = 1 turns nowhere, so displacements add up

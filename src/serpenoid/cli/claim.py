@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files import short_hash, write_json
+from serpenoid.files import clear_unfinished, short_hash, write_json
 from serpenoid.inputs import RECORDING_BYTES, read_bytes, read_json
 
 REQUEST = "request.json"
@@ -37,6 +37,7 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
                 f"{_aside(folder)} by --force."
             )
         _move_aside(folder)
+    clear_unfinished(folder)
     args.requests = [*getattr(args, "requests", []), (folder, request)]
     return folder
 
