@@ -6,6 +6,7 @@ One call of the rung's scorer each, about no effect at all; the whole diagnosis 
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -136,7 +137,8 @@ def test_jumps_far_above_their_noise_have_a_narrow_interval(monkeypatch: pytest.
     noises = np.full(16, 1e-5)
     lengths = np.hypot(0.03 + np.random.default_rng(1).normal(0, 1e-5, 16), 1e-5)
     monkeypatch.setattr(jumps, "gap_lengths", lambda motion, predictions: (lengths, noises))
-    found = find_jumps(None, (), 1e-3)  # type: ignore[arg-type]
+    motion = SimpleNamespace(untestable={})
+    found = find_jumps(motion, (), 1e-3)  # type: ignore[arg-type]
     assert found is not None
     low, high = found.intervals["size"]
     assert low is not None

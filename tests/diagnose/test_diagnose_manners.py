@@ -97,7 +97,7 @@ def test_help_teaches(capsys: pytest.CaptureFixture[str]) -> None:
     assert stopped.value.code == 0
     for word in (
         "partly explained",
-        "noise floor",
+        "noise level",
         "report.html",
         "extended-model.toml",
         "next-experiment.csv",

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from serpenoid.diagnose.report import lead, left_over
+from serpenoid.diagnose.cards import cards
+from serpenoid.diagnose.report import left_over
 from serpenoid.diagnose.words import faint, lines, parameter, ratio, shown, title
 
 
@@ -45,7 +46,8 @@ def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tup
     record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_the_floor": [trace]}
     assert faint(record) == ["too faint to name: friction_patch (1.4 floors)"]
     assert "  too faint to name: friction_patch (1.4 floors)" in lines(record)
-    assert any(text.startswith("Too faint to name: friction_patch (1.4 floors)") for text in lead(record))
+    told = [text for card in cards(record) for text in card.sentences]
+    assert any(text.startswith("Too faint to name: friction_patch (1.4 floors)") for text in told)
     kept = record | {"below_the_floor": [trace | {"in_extended_model": True}]}
     assert faint(kept) == ["too faint to name, but in the extended model: friction_patch (1.4 floors)"]
 
@@ -58,9 +60,9 @@ def test_the_calibration_is_told_of_beside_the_reference() -> None:
     assert said == "0.0195 in healthy, 0.02871 calibrated alone, 0.0226 with what is named"
 
 
-def test_what_is_left_is_gathered_by_rung() -> None:
+def test_what_is_left_is_gathered_by_stage() -> None:
     said = left_over(["motion: a", "actuation: b", "motion: c: d"])
     assert said == [
-        "Not accounted for on the rung of motion: a; c: d.",
-        "Not accounted for on the rung of actuation: b.",
+        "Not accounted for in the stage of motion: a; c: d.",
+        "Not accounted for in the stage of actuation: b.",
     ]
