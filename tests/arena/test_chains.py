@@ -131,10 +131,10 @@ def test_a_six_joint_robot_goes_from_arena_through_measure_to_compare(tmp_path, 
     body = load_campaign(campaign).body
     np.testing.assert_allclose(body.edges_m, SIX["edge_lengths"], rtol=1e-5)
     assert body.mass_kg == pytest.approx(SIX["mass_kg"])
-    out = ["--out", str(tmp_path / "out"), "--no-figures", "--json"]
-    assert main(["measure", str(campaign), *out]) == 0
+    words = ["--no-figures", "--json", "--out"]
+    assert main(["measure", str(campaign), *words, str(tmp_path / "measured")]) == 0
     capsys.readouterr()
-    assert main(["compare", str(campaign), *out]) == 0
+    assert main(["compare", str(campaign), *words, str(tmp_path / "compared")]) == 0
     (cycle,) = json.loads(capsys.readouterr().out)["comparisons"]
     # the ratio was fitted to this cycle alone: the drag model goes where the robot went, nearly
     assert cycle["resim"] == pytest.approx(cycle["exp"], rel=0.1)

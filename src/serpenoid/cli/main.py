@@ -80,7 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     if sys.stdout is None:  # closed by the shell: >&-
-        if not getattr(args, "quiet", False):
+        if not (getattr(args, "quiet", False) or getattr(args, "works_unheard", False)):
             return _complain("standard output is closed, so nothing can be printed; open it, or give --quiet.", 2)
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - to the end of the process
     try:

@@ -40,6 +40,7 @@ EXIT_CODES = {"done": 0, "strayed": 1, "failed": 1, "stopped": 130}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(works_unheard=True)  # what becomes of the motors is said on standard error and in the log
     add_table(parser)
     add_robot(parser, port="auto")
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="cycles to play (default 1)")
