@@ -80,9 +80,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     if sys.stdout is None:  # closed by the shell: >&-
-        if not (getattr(args, "quiet", False) or getattr(args, "works_unheard", False)):
+        unheard = getattr(args, "works_unheard", False)  # a verb that must go on says it all on standard error
+        if not (getattr(args, "quiet", False) or unheard):
             return _complain("standard output is closed, so nothing can be printed; open it, or give --quiet.", 2)
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - to the end of the process
+        nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - to the end of the process
+        sys.stdout = sys.stderr if unheard and sys.stderr is not None else nowhere
     try:
         code = args.run(args)
         sys.stdout.flush()
