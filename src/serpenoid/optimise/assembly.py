@@ -13,7 +13,6 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from scipy import sparse
 
 
 @dataclass(frozen=True)
@@ -43,8 +42,8 @@ class Scatter:
         )
         if places.size == key.size:
             return pattern, self.source[np.argsort(target)].tolist()
-        where = (np.ones(key.size), (target, self.source))
-        return pattern, ca.DM(sparse.csc_matrix(where, shape=(places.size, self.count)))
+        adds = ca.Sparsity.triplet(places.size, self.count, target.tolist(), self.source.tolist())
+        return pattern, ca.DM(adds, 1.0)
 
 
 def scatter(rows: np.ndarray, columns: np.ndarray, keep: np.ndarray, shape: tuple[int, int]) -> Scatter:

@@ -174,7 +174,7 @@ class GaitNLP:
         z = ca.vertcat(c.moved, c.dissipation, c.angles, c.gait)
         lagrangian = factor * c.objective + ca.dot(multipliers, c.constraints)
         outputs = [ca.gradient(c.objective, z), ca.jacobian(c.constraints, z), ca.hessian(lagrangian, z)[0]]
-        return ca.Function("criteria_derivatives", [*c.inputs, factor, multipliers], outputs, {"cse": True})
+        return ca.Function("criteria_derivatives", [*c.inputs, factor, multipliers], outputs)
 
     # q = (shapes, joint table, parameters) as far as they are not the same; Psi carries it to the parameters.
 
