@@ -13,10 +13,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from serpenoid import __version__
 from serpenoid.cli import campaigns, options
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv, write_json
+from serpenoid.version import __version__
 
 RECEIPT = "inputs.json"  # what a diagnosis was made from
 HEADER = (

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from serpenoid import __version__
 from serpenoid.errors import InputError
+from serpenoid.version import __version__
 
 log = logging.getLogger("serpenoid")
 LINE = "%(asctime)s %(levelname)s %(name)s: %(message)s"

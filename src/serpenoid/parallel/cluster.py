@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from serpenoid import __version__
 from serpenoid.errors import InputError
 from serpenoid.parallel.retry import RETRIES
+from serpenoid.version import __version__
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -88,7 +88,7 @@ def _check(client: Client, address: str) -> None:
 
 def _version() -> str | None:
     try:
-        import serpenoid
+        from serpenoid.version import __version__ as found
     except ImportError:
         return None
-    return serpenoid.__version__
+    return found
