@@ -21,11 +21,11 @@ from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model_file import write_model_file
 
-FEW = ("gait-1", "gait-2", "gait-5")  # one of them tail first; two headings
+FEW = ("gait-1", "gait-5")  # one of them tail first; two headings
 
 
 def short_campaign(folder, seed, hidden):
-    """Three of the six gaits, one cycle each, two repeats."""
+    """Two of the six gaits, one cycle each, two repeats."""
     folder.mkdir()
     text = PROTOCOL.read_text(encoding="utf-8").replace('"six-gaits/', f'"{PROTOCOL.parent}/six-gaits/')
     (folder / "protocol.toml").write_text(text.replace("seed = 11", f"seed = {seed}") + hidden.toml)
@@ -62,16 +62,12 @@ def test_another_day_with_the_healthy_robot_brings_no_news(then, folder):
     assert said["effects"] == []
 
 
-def test_a_wrong_zero_is_what_changed(healthy, folder):
+def test_a_wrong_zero_is_what_changed(then, folder):
     campaign = short_campaign(folder / "changed", 23, HIDDEN["wrong-zero"])
-    out = folder / "changed-out"
-    options = ["--reference", str(healthy), "--out", str(out), "--no-figures", "--quiet"]
-    assert main(["diagnose", str(campaign), *options]) == 0
-    said = json.loads((out / "diagnosis.json").read_text())
+    _, said = diagnosed(campaign, reference_of(then), folder / "changed-out")
     assert judged(said, HIDDEN["wrong-zero"])["outcome"] == "right"
     low, high = said["effects"][0]["parameters"]["offset"]["interval"]
     assert low < np.radians(6.0) < high
-    assert said["reference"]["verdict"] in ("partly explained", "unexplained")
 
 
 def test_the_habitual_error_is_the_mean_over_repeats(then):

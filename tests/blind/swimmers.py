@@ -18,25 +18,26 @@ from blind.snake import EDGES, JOINTS, VERTICES, WEIGHTS, Floats, vertices
 
 FRAMES_PER_SECOND = 60.0
 NOISE = 5e-4  # m of a point
-SPIN_UP_S, FILM_S = 6.0, 8.0
+SPIN_UP_S = 6.0
 STEPS_PER_SECOND = 600
 
 
 @dataclass(frozen=True)
 class Swimmer:
-    """What it swims in, and the seed of how it swims and of the film's noise."""
+    """What it swims in, the seed of how it swims and of the film's noise, and how long it is filmed [s]."""
 
     ground: Ground
     seed: int
+    film_s: float = 8.0
 
     def film(self) -> tuple[Floats, Floats]:
         """Times (F,) [s] and points (F, N, 2) [m], tail first."""
         rng = np.random.default_rng(self.seed)
-        time = np.arange(int((SPIN_UP_S + FILM_S) * STEPS_PER_SECOND) + 1) / STEPS_PER_SECOND
+        time = np.arange(int((SPIN_UP_S + self.film_s) * STEPS_PER_SECOND) + 1) / STEPS_PER_SECOND
         phi = bending(rng, time)
         start = np.array([*rng.uniform(-0.2, 0.2, 2), rng.uniform(-np.pi, np.pi)])
         path = paths(self.ground, [Drive(time, phi, time, start)])[0]
-        seen = np.arange(int(FILM_S * FRAMES_PER_SECOND)) / FRAMES_PER_SECOND
+        seen = np.arange(int(self.film_s * FRAMES_PER_SECOND)) / FRAMES_PER_SECOND
         at = np.clip(np.round((SPIN_UP_S + seen) * STEPS_PER_SECOND).astype(int), 0, len(time) - 1)
         points = vertices(phi[at], path[at])
         return time[at] - SPIN_UP_S, points + rng.normal(0, NOISE, points.shape)

@@ -18,6 +18,7 @@ from serpenoid.diagnose.tracked import tracked_recordings
 from serpenoid.measure.load import load_campaign
 
 ROOT = Path(__file__).parents[2]
+SHORT_S = 5.0  # five strokes of the body
 
 
 def diagnosed(campaign: Path, folder: Path, *more: str) -> dict[str, Any]:
@@ -41,7 +42,7 @@ def names(record: dict[str, Any]) -> set[str]:
 @pytest.mark.parametrize("seed", [31, pytest.param(32, marks=pytest.mark.slow)])
 def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) -> None:
     eps = float(np.random.default_rng(seed).uniform(0.55, 0.9))
-    found = diagnosed(write(Swimmer(Ground(eps), seed), tmp_path / "swim"), tmp_path / "out", "--no-figures")
+    found = diagnosed(write(Swimmer(Ground(eps), seed, SHORT_S), tmp_path / "swim"), tmp_path / "out", "--no-figures")
     assert found["verdict"] == "nothing"
     assert found["effects"] == []
     assert found["anisotropy_ratio"]["after"] == pytest.approx(eps, rel=0.01)  # 0.3 % from smoothed shapes
@@ -51,7 +52,7 @@ def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) 
 def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     eps, tau = float(rng.uniform(0.5, 0.85)), float(np.exp(rng.uniform(np.log(0.15), np.log(0.8))))
-    swim = write(Swimmer(Ground(eps, added_mass=tau), seed), tmp_path / "swim")
+    swim = write(Swimmer(Ground(eps, added_mass=tau), seed, SHORT_S), tmp_path / "swim")
     found = diagnosed(swim, tmp_path / "out", "--no-figures")
     assert found["verdict"] == "explained"
     assert [e["name"] for e in found["effects"]] == ["added_mass"]
@@ -60,16 +61,19 @@ def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_pa
     assert found["gain"]["path_rms_m"]["after"] < 0.2 * found["gain"]["path_rms_m"]["before"]
 
 
-@pytest.mark.parametrize("kind", sorted(OUTSIDE))
-def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("kind", "film_s"), [("pulses", SHORT_S), *(pytest.param(k, 8.0, marks=pytest.mark.slow) for k in sorted(OUTSIDE))]
+)
+def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, film_s: float, tmp_path: Path) -> None:
     rng = np.random.default_rng(51)
-    swimmer = Swimmer(Ground(0.6, external=(OUTSIDE[kind](rng),)), 51)
+    swimmer = Swimmer(Ground(0.6, external=(OUTSIDE[kind](rng),)), 51, film_s)
     found = diagnosed(write(swimmer, tmp_path / "swim"), tmp_path / "out", "--no-figures")
     assert found["verdict"] in ("unexplained", "partly explained")
     assert not names(found) & {"added_mass", "inertia"}
     assert found["residual_pattern"]
 
 
+@pytest.mark.slow
 def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_named(tmp_path: Path) -> None:
     found = concluded(
         ROOT / "problems" / "campaigns" / "lamprey.toml", ROOT / "problems" / "lamprey-water.toml", tmp_path
@@ -101,7 +105,7 @@ def test_what_smoothing_takes_out_is_the_noise_of_the_points(tmp_path: Path) -> 
 
 
 def test_draws_of_the_states_scatter_as_the_smoothed_states_do(tmp_path: Path) -> None:
-    swimmer = Swimmer(Ground(0.6), 62)
+    swimmer = Swimmer(Ground(0.6), 62, SHORT_S)
     time, points = swimmer.film()
     body = tracked_recordings(load_campaign(write(swimmer, tmp_path)))[0].body
     quiet = from_points(body, time, points)
