@@ -16,13 +16,11 @@ from serpenoid.body import Floats
 from serpenoid.files import write_json, write_text
 from serpenoid.gait_set import write_gait_set
 from serpenoid.inputs import read_json
-from serpenoid.parallel import Workers, results
 from serpenoid.problem import Problem
 from serpenoid.table_file import read_table, write_table
 
 if TYPE_CHECKING:
     from serpenoid.compare.ratios import RatioStatistics
-    from serpenoid.measure.load import Campaign
 
 # what the paper prints: mean and STD of the quotients without the diagonal; s = sqrt(ln mean)
 PAPER = {"Exp/Sim": (1.0410, 0.2974), "Exp/Resim": (1.0609, 0.3718), "Sim/Resim": (1.0932, 0.4801)}
@@ -67,20 +65,6 @@ def paper_protocol(problem: Problem, names: list[str], trials: int, seed: int) -
         start=Start(headings_deg=HEADINGS_DEG),
         robot=PlayedRobot.model_validate(robot_of(problem.body)),
     )
-
-
-def read_campaign(folder: Path, workers: Workers, progress: Progress) -> Campaign:
-    """The campaign's trials, aligned; several at a time."""
-    from serpenoid.measure.campaign import load_campaign_file
-    from serpenoid.measure.load import Campaign, load_trial
-
-    file, place = load_campaign_file(folder)
-    tasks = [(file, entry, place, file.body) for entry in file.trial]
-    found = {}
-    for index, trial in results(load_trial, tasks, workers):
-        found[index] = trial
-        progress(len(found), trial.name)
-    return Campaign(file, place, file.body, False, tuple(found[i] for i in range(len(tasks))))
 
 
 def beside_the_paper(ratios: tuple[RatioStatistics, ...]) -> list[dict[str, Any]]:

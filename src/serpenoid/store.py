@@ -18,9 +18,9 @@ import math
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, wraps
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numpy as np
 import platformdirs
@@ -33,6 +33,7 @@ DIGEST = hashlib.sha256().digest_size
 PACKAGE = __name__.split(".", maxsplit=1)[0]
 Array = np.ndarray
 T = TypeVar("T")
+P = ParamSpec("P")
 
 
 def folder() -> Path:
@@ -46,9 +47,20 @@ def remember(work: Callable[[], T], *inputs: Any) -> T:
     found = _read(path)
     if found is not None:
         return cast(T, found[0])
-    value = work()
-    _write(path, value)
-    return value
+    arrays: list[Array] = []
+    tree = json.dumps(_plain(work(), arrays)).encode()
+    _write(path, tree, arrays)
+    return cast(T, _made(json.loads(tree), [np.asarray(array, order="C") for array in arrays]))  # as it is found again
+
+
+def remembered(work: Callable[P, T]) -> Callable[P, T]:
+    """A function whose values are kept; its arguments and its name are the inputs."""
+
+    @wraps(work)
+    def kept(*args: P.args, **options: P.kwargs) -> T:
+        return remember(lambda: work(*args, **options), f"{work.__module__}:{work.__qualname__}", args, options)
+
+    return kept
 
 
 def key(*inputs: Any) -> str:
@@ -96,12 +108,10 @@ def _read(path: Path) -> tuple[Any] | None:
     return (_made(tree, arrays),)
 
 
-def _write(path: Path, value: Any) -> None:
+def _write(path: Path, tree: bytes, arrays: list[Array]) -> None:
     """A full disk or a folder that may not be written is no reason to lose the value."""
-    arrays: list[Array] = []
-    tree = json.dumps(_plain(value, arrays)).encode()
     stream = io.BytesIO()
-    named: dict[str, Any] = {f"a{i}": array for i, array in enumerate(arrays)}
+    named: dict[str, Any] = {f"a{i}": np.asarray(array, order="C") for i, array in enumerate(arrays)}
     np.savez(stream, tree=np.frombuffer(tree, np.uint8), **named)
     body = stream.getvalue()
     with suppress(OSError):
@@ -135,6 +145,8 @@ def _plain(value: Any, arrays: list[Array]) -> Any:
         return _plain(value.item(), arrays)
     if isinstance(value, float):
         return value if math.isfinite(value) else {"float": repr(value)}
+    if isinstance(value, set | frozenset):
+        return {"set": [_plain(item, arrays) for item in sorted(value)]}
     if isinstance(value, tuple | list):
         return {type(value).__name__: [_plain(item, arrays) for item in value]}
     if isinstance(value, dict):
@@ -143,7 +155,8 @@ def _plain(value: Any, arrays: list[Array]) -> Any:
         return {"slice": [value.start, value.stop, value.step]}
     name = f"{type(value).__module__}:{type(value).__qualname__}"
     if isinstance(value, Record):
-        return {"record": name, "fields": _plain(value.model_dump(), arrays)}
+        fields = {field: getattr(value, field) for field in type(value).model_fields}
+        return {"record": name, "fields": _plain(fields, arrays)}
     if dataclasses.is_dataclass(value):
         fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
         return {"dataclass": name, "fields": _plain(fields, arrays)}
@@ -162,13 +175,17 @@ def _made(tree: Any, arrays: list[Array]) -> Any:
         return tuple(_made(item, arrays) for item in tree["tuple"])
     if "list" in tree:
         return [_made(item, arrays) for item in tree["list"]]
+    if "set" in tree:
+        return frozenset(_made(item, arrays) for item in tree["set"])
     if "dict" in tree:
         return {_made(k, arrays): _made(v, arrays) for k, v in tree["dict"]}
     if "slice" in tree:
         return slice(*tree["slice"])
     fields = _made(tree["fields"], arrays)
     if "record" in tree:
-        return _class(tree["record"], Record).model_validate(fields)
+        return _class(tree["record"], Record).model_construct(
+            **fields
+        )  # as made here: an infinite neutral value is one
     return _class(tree["dataclass"], object)(**fields)
 
 

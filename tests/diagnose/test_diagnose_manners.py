@@ -41,7 +41,7 @@ def emptied(folder: Path) -> None:
         (emptied, "holds no campaign.toml"),
         (replaced("servo.csv", lambda text: text.splitlines()[0] + "\n"), "has a header and no data rows"),
         (replaced("servo.csv", lambda text: text.replace("play,0,5,", "play,0,5,x", 1)), "must be a number or empty"),
-        (replaced("servo.csv", lambda text: text[: len(text) // 4]), "did not see the same motion"),
+        (replaced("servo.csv", lambda text: text[: len(text) // 4]), "follow neither its servo log"),
         (replaced("campaign.toml", lambda text: text.replace("edge_lengths", "#")), "needs `edge_lengths`"),
     ],
 )
@@ -131,7 +131,11 @@ def group(number: int) -> list[str]:
 def test_ctrl_c_leaves_neither_files_nor_workers(campaign: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     words = [sys.executable, "-m", "serpenoid", "diagnose", str(campaign), "--model", SNAKE, "--out", str(out)]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    # what other tests have finished would leave no work to interrupt
+    environment = {**os.environ, "SERPENOID_CACHE": str(tmp_path / "cache"), "SERPENOID_COMPILE": "0"}
+    process = subprocess.Popen(
+        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=environment
+    )
     patience = time.monotonic() + 120
     while len(children(process.pid)) < 2 and time.monotonic() < patience:
         assert process.poll() is None, "ended before any worker was seen"

@@ -186,7 +186,7 @@ def _diagnosis(path: Path) -> None:
               "anisotropy_ratio": {"before": 0.2, "after": 0.21}, "provenance": {"written": "today"}, "ladder": [step],
               "reference": None, "alternatives": [effect | {"separation_floors": 2.0}], "below_the_floor": [],
               "untestable": {"slope": "one heading alone"}, "skipped": {}, "next_experiment": None,
-              "residual_pattern": ["motion: repeats"]}  # fmt: skip
+              "residual_pattern": ["motion: repeats"], "used_s": 11.5, "dropped_s": 0.5, "remarks": []}  # fmt: skip
     path.write_text(json.dumps(record, indent=1))
 
 

@@ -268,7 +268,7 @@ def test_the_lampreys_beat_is_found_in_spite_of_bad_frames():
 
 @pytest.mark.parametrize("rate", [0.994, 1.006])
 def test_two_repeats_of_a_gait_do_not_accuse_one_another_of_the_wrong_log(rate):
-    """One recording's clock and the other's log run at `rate`: either log fits either recording."""
+    """One recording's clock and the other's log run at `rate`: either log fits either recording, and is no rival."""
     schedule = Schedule(serpenoid_table(40), 2.0, 8, 0.0)
     time = np.arange(0, schedule.end_s, 1 / 60)
     angles = schedule.commanded(time)
@@ -281,4 +281,4 @@ def test_two_repeats_of_a_gait_do_not_accuse_one_another_of_the_wrong_log(rate):
     claims = [claim("first", time / rate, time), claim("second", time, time * rate)]
     verdict = check(claims, {"gait-1": serpenoid_table(40)})
     assert verdict.contradictions == ()
-    assert max(r.lead for r in verdict.rivals if r.kind == "log") < ODDS / 2
+    assert not [r for r in verdict.rivals if r.kind == "log"]

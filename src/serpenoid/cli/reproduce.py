@@ -34,8 +34,9 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.compare.study import compare_campaign
     from serpenoid.errors import InputError
     from serpenoid.files import examples
+    from serpenoid.measure.load import load_campaign
     from serpenoid.problem import load
-    from serpenoid.reproduce import gait_tables, paper_protocol, read_campaign
+    from serpenoid.reproduce import gait_tables, paper_protocol
 
     if min(args.gaits, args.trials) < 1:
         raise InputError("--gaits and --trials need a positive number.")
@@ -49,7 +50,8 @@ def run(args: argparse.Namespace) -> int:
     with options.progress_bar(args, "trials", total) as advance:
         run_campaign(protocol, tables, folder / "campaign", workers=options.workers(args), report=advance)
     with options.progress_bar(args, "reading", total) as advance:
-        campaign = read_campaign(folder / "campaign", options.workers(args), advance)
+        campaign = load_campaign(folder / "campaign", lambda done, _, name: advance(done, name), options.workers(args))
+        advance(total)
     with options.progress_bar(args, "comparing", total) as advance:
         study = compare_campaign(campaign, problem.model, lambda done, _total, name: advance(done, name))
         advance(total)

@@ -23,6 +23,7 @@ from serpenoid.effects.catalogue import actuation_effects, find
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise
+from serpenoid.store import remembered
 
 TICK = 2 * np.pi / 4096
 STEPS = 7
@@ -180,6 +181,7 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
     return found
 
 
+@remembered
 def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], start: float) -> list[Attempt]:
     """Gauss-Newton for one parameter per joint, all joints side by side (one for all where there is no place)."""
     kind = find(name)

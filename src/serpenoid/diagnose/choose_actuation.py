@@ -7,6 +7,7 @@ import numpy as np
 from serpenoid.diagnose.actuation import Attempt, Plays, attempts, channels, fit_everywhere
 from serpenoid.diagnose.finding import Named, Rival, Rung, excludable, interval
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.store import remembered
 
 AT_MOST = 3
 VISIBLE, SUSPECT = 1.6, 1.0  # floors: what is named, and what is told of
@@ -15,6 +16,7 @@ T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log 
 SETTLED = 1.6  # RMS of the worst joint, in noise
 
 
+@remembered
 def choose_actuation(data: Plays) -> Rung:
     """Forward selection on the worst joints' misfit."""
     chosen: list[ActiveEffect] = []

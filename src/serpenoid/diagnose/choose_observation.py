@@ -12,6 +12,7 @@ from serpenoid.diagnose.marker_evidence import Sample, apart, evidence, misfit, 
 from serpenoid.diagnose.observation import Observation, columns_of
 from serpenoid.diagnose.recording import Recording
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.store import remembered
 
 AT_MOST = 3
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
@@ -29,6 +30,7 @@ def all_keys(body: Body) -> list[Key]:
     return [*unread, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
 
 
+@remembered
 def choose_observation(
     recordings: Sequence[Recording], now: Observation, without: Set[str] = frozenset()
 ) -> tuple[Rung, Observation]:

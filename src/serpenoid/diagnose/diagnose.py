@@ -24,6 +24,7 @@ from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.select import unclear
 from serpenoid.diagnose.tracked import TrackedRecording
+from serpenoid.diagnose.used import remarks, used
 from serpenoid.diagnose.windows import Prediction
 from serpenoid.model import Model
 
@@ -141,6 +142,7 @@ def verdict(rungs: Sequence[Rung]) -> str:
 def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
+    usage = used(found.motion.tracks)
     return {
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
@@ -158,6 +160,9 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
         "untestable": {name: why for rung in d.rungs for name, why in rung.untestable.items()},
         "residual_pattern": list(d.words),
+        "used_s": usage.used_s,
+        "dropped_s": usage.dropped_s,
+        "remarks": list(remarks(found.motion.tracks)),
         "ladder": [step.record() for step in d.ladder],
         "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,

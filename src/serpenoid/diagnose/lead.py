@@ -18,6 +18,10 @@ class Recorded(Protocol):
     """What is asked of a track's recording; those with equal settings are repeats."""
 
     @property
+    def name(self) -> str:
+        """Unique."""
+
+    @property
     def gait(self) -> str:
         """Label."""
 
@@ -28,6 +32,14 @@ class Recorded(Protocol):
     @property
     def setting(self) -> tuple[str, float]:
         """Gait and cycle duration."""
+
+    @property
+    def promised_s(self) -> float:
+        """Seconds that there are to be used."""
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was noticed as it was read."""
 
 
 @dataclass(frozen=True, eq=False)

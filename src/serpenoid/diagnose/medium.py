@@ -20,6 +20,7 @@ from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.base import MediumEffect, Parameter
 from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
+from serpenoid.store import remembered
 
 STEPS = 8
 CONVERGED = 0.02  # chi squared
@@ -141,6 +142,7 @@ def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) 
     return (coasting if model.knows("history") else predict)(model, track, inside)
 
 
+@remembered
 def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats, steps: int = STEPS) -> Fit:
     """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded."""
     effects = sorted(effects, key=lambda e: e.name == "frame_drift")

@@ -9,10 +9,12 @@ import numpy as np
 from serpenoid.diagnose.medium import Fit, candidates_of, linearised
 from serpenoid.diagnose.motion import Motion
 from serpenoid.diagnose.patches import Ranked, score_patches
+from serpenoid.store import remembered
 
 PER_NAME = 4
 
 
+@remembered
 def score(motion: Motion, base: Fit) -> list[Ranked]:
     """Every candidate: gain on held-out gaits to first order, and where its full fit begins; best first."""
     drift = {e.name for e in base.effects}

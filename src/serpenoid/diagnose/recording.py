@@ -6,7 +6,7 @@ readings: `by_servos` is False.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,11 +19,12 @@ from serpenoid.diagnose.geometry import LEAST_MARKERS, register, shapes
 from serpenoid.diagnose.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
 from serpenoid.diagnose.shapes_from_points import angles_shown
 from serpenoid.errors import InputError
-from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file, read_motion, read_table
+from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
 from serpenoid.measure.chain import marker_angles
-from serpenoid.measure.logs import read_servo_log
+from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.schedule import Schedule, start_by_shape
-from serpenoid.measure.trial_files import label_markers
+from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
+from serpenoid.store import remember
 
 READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
 UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
@@ -35,7 +36,7 @@ class Recording:
 
     log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad].
     t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not the markers' angles.
-    adrift: how far t0 may be moved where no log's labels say it [s].
+    adrift: how far t0 may be moved where no log's labels say it [s]. remarks: of the campaign's check against itself.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Recording:
     t0_spread: float
     by_servos: bool = True
     adrift: float = 0.0
+    remarks: tuple[str, ...] = ()
 
     @property
     def frame_s(self) -> float:
@@ -62,9 +64,14 @@ class Recording:
         return self.gait, self.schedule.cycle_duration_s
 
     @property
+    def promised_s(self) -> float:
+        """Seconds that the schedule promises."""
+        return self.schedule.cycles * self.schedule.period_s
+
+    @property
     def end(self) -> float:
         """Last moment that both schedule and cameras cover [s]."""
-        return float(min(self.schedule.cycles * self.schedule.period_s, self.time[-1]))
+        return float(min(self.promised_s, self.time[-1]))
 
     def stretch(self, time: Floats) -> np.ndarray:
         """Label of the stretch each time lies in: -1 before t0, 2 n while cycle n is played, 2 n + 1 in its pause."""
@@ -127,27 +134,31 @@ class Recording:
         return self.shape.at(time)
 
 
-Progress = Callable[[int, int, str], None]
-
-
 def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple[CampaignFile, tuple[Recording, ...]]:
-    """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not."""
+    """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not.
+
+    What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
+    """
     file, folder = load_campaign_file(path)
     if not file.lengths_given:
         raise InputError(
             f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart."
         )
-    found, faults = [], []
-    for index, entry in enumerate(file.trial):
-        if progress is not None:
-            progress(index, len(file.trial), entry.name)
-        try:
-            found.append(read_recording(file, entry, folder))
-        except InputError as error:
-            faults.append(f"trial `{entry.name}`: {error}")
-    if faults:
-        raise InputError("\n".join(faults))
-    return file, with_one_rate(found)
+    return file, remember(lambda: _aligned(file, folder, progress), "recordings", file, content(file, folder))
+
+
+def _aligned(file: CampaignFile, folder: Path, progress: Progress | None) -> tuple[Recording, ...]:
+    """Every trial's clocks aligned; each is kept as soon as it is done."""
+    body, read = read_files(file, folder)
+    said = believe(file, folder, body, read)
+    files = {one.entry.name: one for one in read}
+
+    def kept(entry: TrialEntry) -> Recording:
+        own = files[entry.name]
+        found = remember(lambda: read_recording(file, own), "recording", file, own)
+        return replace(found, remarks=said.get(entry.name, ()))
+
+    return with_one_rate(of_every_trial(file.trial, kept, progress))
 
 
 def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
@@ -166,16 +177,16 @@ def _at_rate(r: Recording, rate: float) -> Recording:
     return replace(r, time=r.time + shift, clock=replace(r.clock, rate=rate))
 
 
-def read_recording(file: CampaignFile, entry: TrialEntry, folder: Path) -> Recording:
+def read_recording(file: CampaignFile, files: Files) -> Recording:
     """One trial, its clocks aligned."""
-    tracks, table = read_motion(file, entry, folder), read_table(entry, file.body, folder)
-    if tracks is None or table is None or entry.cycle_duration_s is None:
+    entry, tracks, schedule, log = files.entry, files.tracks, files.schedule, files.servo_log
+    if tracks is None or files.labelled is None or schedule is None:
         raise InputError("a diagnosis needs `motion`, `joint_table` and `cycle_duration_s`.")
-    schedule = Schedule(table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
-    markers = label_markers(tracks, file.motion_of(entry), file.body.edges_m, file.body.vertices).vertices
-    if entry.servo_log is None:
+    markers = files.labelled.vertices / (
+        1.0 if tracks.scale_known else neighbour_ratio(files.labelled.vertices, file.body)
+    )
+    if log is None:
         return _by_markers(file, entry, schedule, tracks.time_s, markers)
-    log = read_servo_log(folder / entry.servo_log)
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)

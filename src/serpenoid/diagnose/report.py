@@ -12,7 +12,7 @@ from typing import Any
 
 from serpenoid.animated import Animated, animation_data
 from serpenoid.diagnose.cards import GAINS, cards, times_noise
-from serpenoid.diagnose.words import Record, ends, faint, reference, shown, title, untestable
+from serpenoid.diagnose.words import Record, ends, faint, reference, seconds, shown, title, untestable
 from serpenoid.effects.catalogue import find
 from serpenoid.pages import Picture, Table, write_page
 
@@ -66,6 +66,7 @@ def _beside(record: Record) -> list[str]:
     found = [f"{text}." for text in reference(record)]
     found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]
+    found += [f"Made from the recordings: {seconds(record)}.", *(f"{text}." for text in record["remarks"])]
     return found + left_over(record["residual_pattern"])
 
 

@@ -22,6 +22,7 @@ from serpenoid.diagnose.windows import Track, coasting, predict
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign
+from serpenoid.measure.trial import Trial
 from serpenoid.model import Model
 
 PARTS = 4  # of all recordings together, at least
@@ -35,12 +36,17 @@ LEAST_NOISE = 1e-6  # body lengths, rad: rounding
 
 @dataclass(frozen=True)
 class TrackedRecording:
-    """One trial: time (F,) [s], smooth states with their noise; lengths in metres, or in body lengths (pixels)."""
+    """One piece of a trial without a hole, smooth, with its noise; lengths in metres, or in body lengths (pixels).
+
+    promised_s: seconds of the trial that it stands for; those that no piece shows are counted with the first.
+    """
 
     name: str
     gait: str
     body: Body
     smoothed: Smoothed
+    promised_s: float
+    remarks: tuple[str, ...] = ()
 
     @property
     def setting(self) -> tuple[str, float]:
@@ -54,17 +60,34 @@ def is_tracked_only(file: CampaignFile) -> bool:
 
 
 def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
-    """The longest stretch of every trial in which the body's shape is known."""
-    found = []
-    for trial in campaign.trials:
-        if trial.motion is None or not trial.passages:
-            raise InputError(f"trial `{trial.name}`: a diagnosis needs a motion file that shows the whole body.")
-        frames = max(trial.motion.runs, key=lambda run: run.stop - run.start)
-        body = trial.body if trial.metres is not None else _in_body_lengths(trial.body)
-        time = trial.motion.time_s[frames]
-        markers = trial.motion.markers[frames] * body.total_length_m
-        found.append(TrackedRecording(trial.name, trial.gait, body, from_points(body, time - time[0], markers)))
-    return tuple(found)
+    """Every stretch of every trial in which the body's shape is known for a period of its motion or longer."""
+    return tuple(piece for trial in campaign.trials for piece in _pieces(trial))
+
+
+def _pieces(trial: Trial) -> list[TrackedRecording]:
+    if trial.motion is None or not trial.passages:
+        raise InputError(f"trial `{trial.name}`: a diagnosis needs a motion file that shows the whole body.")
+    body = trial.body if trial.metres is not None else _in_body_lengths(trial.body)
+    times = [trial.motion.time_s[run] for run in trial.motion.runs]
+    smoothed = [
+        from_points(body, time - time[0], trial.motion.markers[run] * body.total_length_m)
+        for time, run in zip(times, trial.motion.runs, strict=True)
+    ]
+    long = [i for i, piece in enumerate(smoothed) if _most_parts(piece.states)]
+    if not long:
+        longest = max(smoothed, key=lambda piece: piece.states.time[-1]).states
+        raise InputError(
+            f"trial `{trial.name}`: {longest.time[-1]:.3g} s at most are seen without a hole: too short for a period "
+            f"({longest.period:.3g} s) of the motion."
+        )
+    spans = [float(time[-1] - time[0]) for time in times]
+    promised = [spans[i] for i in long]
+    promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
+    names = [trial.name if len(long) == 1 else f"{trial.name}, from {times[i][0]:.4g} s" for i in long]
+    return [
+        TrackedRecording(name, trial.gait, body, smoothed[i], seconds, trial.notes if i == long[0] else ())
+        for name, i, seconds in zip(names, long, promised, strict=True)
+    ]
 
 
 def _in_body_lengths(body: Body) -> Body:
@@ -73,25 +96,38 @@ def _in_body_lengths(body: Body) -> Body:
 
 
 def tracker(recordings: Sequence[TrackedRecording]) -> Callable[[Model], tuple[Track, ...]]:
-    """What makes the tracks of all parts, with their noise under a model."""
-    pieces = -(-PARTS // len(recordings))
-    return lambda model: tuple(t for r in recordings for t in _parts(r, pieces, model))
+    """What makes the tracks of all parts, with their noise under a model; each recording has its share of the parts."""
+    spans = [r.smoothed.states.time[-1] for r in recordings]
+    parts = [int(np.ceil(PARTS * span / sum(spans) - 1e-9)) for span in spans]
+    parts = [min(n, _most_parts(r.smoothed.states)) for n, r in zip(parts, recordings, strict=True)]
+    if sum(parts) < PARTS:
+        names = " and ".join(f"`{r.name}`" for r in recordings)
+        raise InputError(
+            f"{names}: {sum(spans):.3g} s are too short to be cut into {PARTS} parts of a period "
+            f"({recordings[0].smoothed.states.period:.3g} s) each."
+        )
+    return lambda model: tuple(t for r, n in zip(recordings, parts, strict=True) for t in _parts(r, n, model))
+
+
+def _mesh(states: States) -> tuple[float, float, int]:
+    """First moment [s] of the windows, their steps [s], and how many windows there are."""
+    frame = float(np.median(np.diff(states.time)))
+    window = max(states.period / WINDOWS_PER_PERIOD, LEAST_FRAMES * frame)
+    step = window / STEPS_PER_WINDOW
+    first = float(states.time[0] + LEAD * step)
+    return first, step, int((states.time[-1] - first) / window)
+
+
+def _most_parts(states: States) -> int:
+    """Parts of a period each that a stretch has."""
+    return _mesh(states)[2] // WINDOWS_PER_PERIOD
 
 
 def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track]:
     states = recording.smoothed.states
-    frame = float(np.median(np.diff(states.time)))
-    window = max(states.period / WINDOWS_PER_PERIOD, LEAST_FRAMES * frame)
-    step = window / STEPS_PER_WINDOW
-    first, last = states.time[0] + LEAD * step, states.time[-1]
-    each = int((last - first) / window / pieces)
-    if each < WINDOWS_PER_PERIOD:
-        raise InputError(
-            f"trial `{recording.name}`: {last - first:.3g} s are too short to be cut into {pieces} parts of a "
-            f"period ({states.period:.3g} s) each."
-        )
+    first, step, windows = _mesh(states)
     rng, draws = np.random.default_rng(0), []
-    count = pieces * each
+    count = windows // pieces * pieces
     tracks = _cut(recording, states, _run(states, first, step, count), pieces)
     base = [_missed(model, t) for t in tracks]
     for _ in range(DRAWS):

@@ -85,6 +85,11 @@ def ratio(record: Record) -> str:
     return ", ".join([*said, f"{eps['after']:.4g} with what is named"] if record["effects"] else said)
 
 
+def seconds(record: Record) -> str:
+    """How much of the recordings the answer is made from."""
+    return f"{record['used_s']:.4g} s used, {record['dropped_s']:.2g} s dropped"
+
+
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"reference         {text}" for text in reference(record)]
@@ -97,6 +102,8 @@ def lines(record: Record) -> list[str]:
     found += [_rung(s) for s in record["ladder"]]
     found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
     found += [f"not tested        {text}" for text in untestable(record)]
+    found.append(f"seconds           {seconds(record)}")
+    found += [f"note              {text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
     found.append(f"held-out gaits    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
     found.append(f"anisotropy ratio  {ratio(record)}")

@@ -10,13 +10,16 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.animal import remarks
-from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, schedule_start
-from serpenoid.measure.trial_files import Files, Progress, neighbour_ratio, read_files, read_trial
-from serpenoid.store import file_digest, remember
+from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
+from serpenoid.parallel import Workers, results
+from serpenoid.store import remember
+
+ALONE = Workers()
 
 
 @dataclass(frozen=True)
@@ -36,44 +39,43 @@ class Campaign:
         return {label: tuple(trial for trial in self.trials if trial.gait == label) for label in labels}
 
 
-def load_campaign(path: str | Path, progress: Progress | None = None) -> Campaign:
+def load_campaign(path: str | Path, progress: Progress | None = None, workers: Workers = ALONE) -> Campaign:
     """Read a campaign folder. Every broken trial is named in one InputError; nothing is half-read.
 
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
     """
     file, folder = load_campaign_file(path)
-    inputs = ("campaign", file, [(str(p), file_digest(p)) for p in _inputs(file, folder)])
-    body, trials = remember(lambda: _aligned(file, folder, progress), *inputs)
+    body, trials = remember(lambda: _aligned(file, folder, progress, workers), "campaign", file, content(file, folder))
     return Campaign(file, folder, body, not file.lengths_given, trials)
 
 
-def _inputs(file: CampaignFile, folder: Path) -> list[Path]:
-    """Every file that a campaign is made from, and the joint tables it is compared with."""
-    named = [n for t in file.trial for n in (t.joint_table, t.motion, t.servo_log, t.power_log) if n is not None]
-    tables = {(folder / t.joint_table).parent for t in file.trial if t.joint_table is not None}
-    beside = [path for place in sorted(tables) for path in sorted(place.glob("*.csv"))]
-    return [path.resolve() for path in dict.fromkeys([*(folder / n for n in named), *beside])]
-
-
-def _aligned(file: CampaignFile, folder: Path, progress: Progress | None) -> tuple[Body, tuple[Trial, ...]]:
+def _aligned(
+    file: CampaignFile, folder: Path, progress: Progress | None, workers: Workers
+) -> tuple[Body, tuple[Trial, ...]]:
     """The body, and every trial aligned; each is kept as soon as it is done."""
-    body, read = read_files(file, folder, progress)
+    body, read = read_files(file, folder)
     said = believe(file, folder, body, read)
-    trials, faults = [], []
-    for files in read:
-        try:
-            trial = remember(lambda: align_trial(file, files, body), "trial", file, files, body)  # noqa: B023
-            trials.append(replace(trial, notes=trial.notes + said.get(trial.name, ())))
-        except InputError as error:
-            faults.append(f"trial `{files.entry.name}`: {error}")
-    if faults:
-        raise InputError("\n".join(faults))
-    return body, tuple(trials)
+    found: dict[str, Trial | InputError] = {}
+    for index, trial in results(_kept, [(file, files, body) for files in read], workers):
+        if progress is not None:
+            progress(len(found), len(read), read[index].entry.name)
+        found[read[index].entry.name] = trial
+    trials = of_every_trial(file.trial, lambda entry: _whole(found[entry.name]))
+    return body, tuple(replace(trial, notes=trial.notes + said.get(trial.name, ())) for trial in trials)
 
 
-def load_trial(file: CampaignFile, entry: TrialEntry, folder: Path, body: Body) -> Trial:
-    """Read one trial's files and align them, unchecked against the rest of the campaign."""
-    return align_trial(file, read_trial(file, entry, folder), body)
+def _kept(file: CampaignFile, files: Files, body: Body) -> Trial | InputError:
+    """One trial from an earlier run or aligned; a fault is a value, so that the others are aligned too."""
+    try:
+        return remember(lambda: align_trial(file, files, body), "trial", file, files, body)
+    except InputError as error:
+        return error
+
+
+def _whole(found: Trial | InputError) -> Trial:
+    if isinstance(found, InputError):
+        raise found
+    return found
 
 
 def align_trial(file: CampaignFile, files: Files, body: Body) -> Trial:

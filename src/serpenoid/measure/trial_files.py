@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_serv
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
+from serpenoid.store import file_digest
 
 Progress = Callable[[int, int, str], None]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -43,18 +46,35 @@ class Files:
 
 def read_files(file: CampaignFile, folder: Path, progress: Progress | None = None) -> tuple[Body, tuple[Files, ...]]:
     """All files of all trials, and the body with its lengths, estimated where the campaign gives none."""
-    read, faults = [], []
-    for index, entry in enumerate(file.trial):
+    read = of_every_trial(file.trial, lambda entry: read_trial(file, entry, folder), progress)
+    body = file.body if file.lengths_given else _estimate_lengths(file, read)
+    return (body.uniform() if file.uniform else body), tuple(read)
+
+
+def of_every_trial(
+    entries: Sequence[TrialEntry], work: Callable[[TrialEntry], T], progress: Progress | None = None
+) -> list[T]:
+    """`work` of every trial, in order; one InputError that names every trial at fault."""
+    found, faults = [], []
+    for index, entry in enumerate(entries):
         if progress is not None:
-            progress(index, len(file.trial), entry.name)
+            progress(index, len(entries), entry.name)
         try:
-            read.append(read_trial(file, entry, folder))
+            found.append(work(entry))
         except InputError as error:
             faults.append(f"trial `{entry.name}`: {error}")
     if faults:
         raise InputError("\n".join(faults))
-    body = file.body if file.lengths_given else _estimate_lengths(file, read)
-    return (body.uniform() if file.uniform else body), tuple(read)
+    return found
+
+
+def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:
+    """Name and SHA-256 of every file that a campaign is made from, and of the joint tables it is compared with."""
+    named = [n for t in file.trial for n in (t.joint_table, t.motion, t.servo_log, t.power_log) if n is not None]
+    tables = {(folder / t.joint_table).parent for t in file.trial if t.joint_table is not None}
+    beside = [path for place in sorted(tables) for path in sorted(place.glob("*.csv"))]
+    paths = [path.resolve() for path in dict.fromkeys([*(folder / n for n in named), *beside])]
+    return [(str(path), file_digest(path)) for path in paths]
 
 
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:

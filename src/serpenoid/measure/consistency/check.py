@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.hypotheses import KINDS, Fault, schedule_faults, turned, wiring_faults
+from serpenoid.measure.consistency.hypotheses import KINDS, SAME_TABLE, Fault, schedule_faults, turned, wiring_faults
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
 from serpenoid.measure.consistency.signals import Sampled, Signal, period_s, sample
 from serpenoid.measure.schedule import Schedule
@@ -126,7 +126,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
     own, promised = period_s(cameras), period_s(servos)
     course = _logged(servos, promised)
     joints = cameras.values.shape[1]
-    logs = [(c.trial, c.servos) for c in claims if c is not claim and c.servos is not None]
+    logs = [(c.trial, c.servos) for c in claims if c.servos is not None and not _repeats(c, claim)]
     others = [(name, log) for name, log in logs if log.values.shape[1] == joints and log.enough]
     share = -float(np.log(KINDS * max(len(others), 1)))
     faults = turned(course, "the servo log")
@@ -138,6 +138,15 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         cure = "check the frame rate of the recording"
         faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
     return _scored(claim, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
+
+
+def _repeats(one: Claim, other: Claim) -> bool:
+    """Whether two trials promise one motion: what tells their logs apart is chance, and what a diagnosis looks for."""
+    a, b = one.schedule, other.schedule
+    if one is other or a is None or b is None:
+        return one is other
+    alike = (a.cycle_duration_s, a.pause_s) == (b.cycle_duration_s, b.pause_s) and a.table.shape == b.table.shape
+    return alike and bool(np.abs(a.table - b.table).max() < SAME_TABLE)
 
 
 def _logged(servos: Signal, period: float | None) -> Course:
@@ -171,7 +180,17 @@ def _scored(
     for wiring in wiring_faults(grid, contract):
         words = f"{witness} {wiring.words}"
         rivals.append(
-            Rival(claim.trial, witness, "wiring", words, wiring.cure, wiring.gain, wiring.log_share, True, 1.0)
+            Rival(
+                claim.trial,
+                witness,
+                "wiring",
+                words,
+                wiring.cure,
+                wiring.gain,
+                wiring.log_share,
+                True,
+                wiring.explained,
+            )
         )
     return contract, rivals, witness
 
@@ -212,7 +231,10 @@ def _unexplained(claim: Claim, contract: Match, rivals: Sequence[Rival], witness
     """A motion that neither the contract nor any rival explains."""
     if contract.explained > UNEXPLAINED or any(r.lead + r.log_share > ODDS and r.explained > SURE for r in rivals):
         return []
-    what = "its servo log" if witness == "the recorded shapes" and claim.servos is not None else f"`{claim.label}`"
+    what = f"`{claim.label}`"
+    if witness == "the recorded shapes" and claim.cameras is not None and claim.servos is not None:
+        seconds, filmed = (float(np.ptp(signal.time_s)) for signal in (claim.servos, claim.cameras))
+        what = f"its servo log ({seconds:.3g} s beside a recording of {filmed:.3g} s)"
     words = f"{witness} follow neither {what} nor anything else in this campaign"
     cure = "is the file of another trial named here?"
     return [Contradiction(claim.trial, "nothing", words, cure, 0.0)]

@@ -173,7 +173,10 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
     if plan.edges is None:
         return []
     order = range(plan.points.shape[1])
-    measured = np.nanmedian(plan.distance[:, np.arange(len(plan.edges)), np.arange(1, len(plan.edges) + 1)], axis=0)
+    distances = plan.distance[:, np.arange(len(plan.edges)), np.arange(1, len(plan.edges) + 1)]
+    ever = np.asarray(np.isfinite(distances).any(axis=0))  # neighbours that are never seen together say nothing
+    measured = np.full(len(plan.edges), np.nan)
+    measured[ever] = np.nanmedian(distances[:, ever], axis=0)
     ratio = measured / plan.edges
     common = float(np.nanmedian(ratio))
     if not np.isfinite(common):

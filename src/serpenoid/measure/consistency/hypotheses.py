@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.match import Course, Match, course_of, match_columns
+from serpenoid.measure.consistency.match import Course, Match, course_of, explained_by, match_columns
 from serpenoid.measure.consistency.signals import Sampled
 from serpenoid.measure.schedule import Schedule
 
@@ -42,12 +42,14 @@ class Fault:
 
 @dataclass(frozen=True)
 class Wiring:
-    """One joint turned round or two exchanged: log evidence relative to the contract, without laying anything anew."""
+    """One joint turned round or two exchanged, nothing laid anew: log evidence relative to the contract, and the share
+    of the motion's variance that it explains."""
 
     words: str
     cure: str
     log_share: float
     gain: float
+    explained: float
 
 
 def schedule_faults(
@@ -153,18 +155,26 @@ def _same(one: Floats, other: Floats) -> bool:
 
 def wiring_faults(signal: Sampled, contract: Match) -> list[Wiring]:
     """Every joint turned round, every pair exchanged, at the contract's own start."""
-    columns = match_columns(signal, contract)
+    evidence, residual = match_columns(signal, contract)
     own, joints = contract.by_joint, len(contract.by_joint)
+    kept = np.diagonal(residual[0])
+
+    def explained(changed: dict[int, float]) -> float:
+        return explained_by(np.array([changed.get(j, kept[j]) for j in range(joints)]), signal)
+
     share = -np.log(KINDS * joints)
     found = [
         Wiring(f"turn `joint_{j + 1}` the other way", f"flip the sign of `joint_{j + 1}`", share,
-               float(columns[1, j, j] - own[j]))
+               float(evidence[1, j, j] - own[j]), explained({j: residual[1, j, j]}))
         for j in range(joints)
     ]  # fmt: skip
     pairs = -np.log(KINDS * max(joints * (joints - 1) / 2, 1))
     for i in range(joints):
         for j in range(i):
-            gain = float(columns[0, i, j] + columns[0, j, i] - own[i] - own[j])
-            words = f"have `joint_{j + 1}` and `joint_{i + 1}` exchanged"
-            found.append(Wiring(words, f"exchange `joint_{j + 1}` and `joint_{i + 1}`", pairs, gain))
+            gain = float(evidence[0, i, j] + evidence[0, j, i] - own[i] - own[j])
+            words, cure = (
+                f"have `joint_{j + 1}` and `joint_{i + 1}` exchanged",
+                f"exchange `joint_{j + 1}` and `joint_{i + 1}`",
+            )
+            found.append(Wiring(words, cure, pairs, gain, explained({i: residual[0, i, j], j: residual[0, j, i]})))
     return found

@@ -122,15 +122,18 @@ def _match_one(signal: Sampled, course: Course, prior: Prior) -> Match:
     best = int(np.argmax((fit + belief).sum(axis=1)))
     by_joint = fit[best] + belief[best]
     by_gain = log_gains(gain[best], prior)
-    explained = _explained(left[best], signal)
+    explained = explained_by(left[best], signal)
     start = signal.start_s - (begin + best * signal.step_s)
     return Match(
         float(by_joint.sum() + by_gain.sum()), by_joint + by_gain, start, gain[best], zero[best], explained, course
     )
 
 
-def _explained(left: Floats, signal: Sampled) -> float:
-    """Share of the motion's variance, noise taken off both; 1 where there is no motion beyond noise."""
+def explained_by(left: Floats, signal: Sampled) -> float:
+    """Share of the motion's variance that residuals (m,) [rad^2] leave explained, noise taken off both.
+
+    1 where there is no motion beyond noise.
+    """
     noise = float(signal.noise_variance.sum())
     moved = float(signal.spread.sum()) - noise
     return 1.0 if moved < noise else 1 - max(float(left.sum()) - noise, 0.0) / moved
@@ -184,8 +187,9 @@ def log_gains(gain: Floats, prior: Prior) -> Floats:
     return alone if alone.sum() >= together.sum() else together
 
 
-def match_columns(signal: Sampled, contract: Match) -> Floats:
-    """Log evidence (2, m, m) of measured joint i under commanded joint j, laid as the contract is; gains about 1.
+def match_columns(signal: Sampled, contract: Match) -> tuple[Floats, Floats]:
+    """Measured joint i under commanded joint j, laid as the contract is, gains about 1: log evidence and mean square
+    residual [rad^2], each (2, m, m).
 
     [0, i, j]: joint j as it is; [1, i, j]: its sign flipped. Such a fault is not also a weak servo, so no damage.
     """
@@ -195,11 +199,12 @@ def match_columns(signal: Sampled, contract: Match) -> Floats:
     mean, own = (signal.weight @ commanded) / count, (signal.weight @ signal.values) / count
     there, here = (commanded - mean) * signal.weight[:, None], signal.values - own * signal.weight[:, None]
     cov, variance = here.T @ there / count, np.asarray((there**2).sum(axis=0) / count)
-    found = []
+    found, residuals = [], []
     for sign in (1.0, -1.0):
         gain = np.clip(sign * cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
         left = np.maximum(signal.spread[:, None] - 2 * gain * sign * cov + gain**2 * variance, 0.0)
         zero = own[:, None] - sign * gain * mean
         fit = log_student(left.T, signal, PHYSICAL).T + log_prior(zero, 0.0, PHYSICAL.zero_sd, np.pi)
         found.append(fit + np.log(1 - DAMAGED) + log_prior(gain, 1.0, PHYSICAL.gain_sd, 1.0, damage=False))
-    return np.stack(found)
+        residuals.append(left)
+    return np.stack(found), np.stack(residuals)
