@@ -135,9 +135,12 @@ def _complain(message: str, code: int) -> int:
 def entry() -> None:
     """Console script."""
     try:
-        sys.exit(main())
+        code = main()
     except KeyboardInterrupt:  # while modules were being imported, before anything was begun
-        sys.exit(_complain("stopped.", 130))
+        code = _complain("stopped.", 130)
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # or Ctrl-C as Python ends changes the exit code
+    sys.exit(code)
 
 
 if __name__ == "__main__":
