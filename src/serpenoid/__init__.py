@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
 from serpenoid.version import __version__ as __version__
 
+TYPE_CHECKING = False  # as type checkers read it; `typing` would be imported before Ctrl-C is looked after
 if TYPE_CHECKING:
+    from typing import Any
+
     from serpenoid.family import sweep
     from serpenoid.mechanics.opened import step_functions
     from serpenoid.objectives import Criteria
@@ -81,6 +81,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _PUBLIC:
         raise AttributeError(f"module 'serpenoid' has no attribute {name!r}")
+    import importlib
+
     return getattr(importlib.import_module(_PUBLIC[name]), name)
 
 

@@ -1,5 +1,27 @@
-"""`python -m serpenoid` is `serpenoid`."""
+"""The console script `serpenoid`, and `python -m serpenoid`: one exit code, whenever Ctrl-C comes."""
 
-from serpenoid.cli.main import entry
+import signal
+import sys
 
-entry()
+
+def entry() -> None:
+    """Run one command. While modules are imported nothing has begun, and Ctrl-C ends the process without a word."""
+    usual = signal.getsignal(signal.SIGINT)
+    heard = usual is signal.default_int_handler
+    if heard:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from serpenoid.cli.main import main, stopped
+
+    if heard:
+        signal.signal(signal.SIGINT, usual)
+    try:
+        code = main()
+    except KeyboardInterrupt:  # before the command was begun
+        code = stopped()
+    if heard:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # or Ctrl-C as Python ends changes the exit code
+    sys.exit(code)
+
+
+if __name__ == "__main__":
+    entry()

@@ -92,7 +92,7 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
     except InputError as error:
         return _complain(str(error), 2)
     except (KeyboardInterrupt, StopRequested) as error:
-        return _complain(f"stopped. {error}".rstrip(), 130)
+        return stopped(error)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 1
@@ -102,7 +102,7 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         log.failed()
         if not interrupted:
             raise
-        return _complain("stopped.", 130)
+        return stopped()
 
 
 @contextmanager
@@ -132,16 +132,6 @@ def _complain(message: str, code: int) -> int:
     return code
 
 
-def entry() -> None:
-    """Console script."""
-    try:
-        code = main()
-    except KeyboardInterrupt:  # while modules were being imported, before anything was begun
-        code = _complain("stopped.", 130)
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # or Ctrl-C as Python ends changes the exit code
-    sys.exit(code)
-
-
-if __name__ == "__main__":
-    entry()
+def stopped(reason: object = "") -> int:
+    """Exit code of a command that Ctrl-C ended, said on standard error."""
+    return _complain(f"stopped. {reason}".rstrip(), 130)
