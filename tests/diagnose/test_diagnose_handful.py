@@ -12,7 +12,10 @@ from blind.study import Study, run_one
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("index", range(8))
+QUICK = (0, 1, 4)  # nothing hidden, two effects; the rest with --run-slow
+
+
+@pytest.mark.parametrize("index", [i if i in QUICK else pytest.param(i, marks=pytest.mark.slow) for i in range(8)])
 def test_the_hidden_effect_is_named(index: int, tmp_path: Path) -> None:
     command = f"{sys.executable} -m serpenoid diagnose --quiet --no-figures"
     row = run_one(Study("handful", tmp_path, str(ROOT / "problems" / "snake10.toml"), command), index)
