@@ -5,12 +5,13 @@ from __future__ import annotations
 import difflib
 import tomllib
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, TypeVar, cast, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, StringConstraints, ValidationError
 from pydantic_core import CoreSchema
+from pydantic_core.core_schema import no_info_before_validator_function
 
 from serpenoid.errors import InputError
 from serpenoid.inputs import read_text, refuse_depth
@@ -44,12 +45,30 @@ def _strict(part: Any) -> None:
     if isinstance(part, dict):
         if part.get("type") in ("int", "float", "str", "bool"):
             part["strict"] = True
+        numbers = part.get("type") == "literal" and not all(isinstance(word, str) for word in part["expected"])
+        if numbers:  # Python takes `true` for 1
+            literal = dict(part)
+            part.clear()
+            part.update(no_info_before_validator_function(_same_type(literal["expected"]), cast(CoreSchema, literal)))
+            return
         for key, below in part.items():
             if key not in ("metadata", "serialization", "default"):
                 _strict(below)
     elif isinstance(part, list | tuple):
         for below in part:
             _strict(below)
+
+
+def _same_type(expected: list[Any]) -> Callable[[Any], Any]:
+    """Refuse `true` where a number is wanted, and 1 where a boolean is."""
+    kinds = {type(value) for value in expected}
+
+    def check(value: Any) -> Any:
+        if isinstance(value, bool) != (bool in kinds) and isinstance(value, bool | int):
+            raise ValueError(f"must be {' or '.join(map(str, expected))}")
+        return value
+
+    return check
 
 
 class Record(BaseModel):

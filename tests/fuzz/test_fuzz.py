@@ -16,7 +16,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from fuzz.mutate import KINDS, mutate
+from fuzz.mutate import KINDS, NUMBER, mutate
 from fuzz.specimens import SPECIMENS, Specimen
 from serpenoid.errors import InputError
 
@@ -108,6 +108,22 @@ def _tried(name: str, places: dict[str, tuple[Path, bytes, Any]], count: int) ->
 @pytest.mark.parametrize("name", SPECIMENS)
 def test_a_mutated_file_is_refused_by_name_or_read(name: str, places: dict[str, tuple[Path, bytes, Any]]) -> None:
     _tried(name, places, FEW if name == "c3d" else EXAMPLES)
+
+
+@pytest.mark.parametrize("name", [name for name, specimen in SPECIMENS.items() if specimen.file.endswith(".toml")])
+def test_a_boolean_is_no_number_anywhere(name: str, places: dict[str, tuple[Path, bytes, Any]]) -> None:
+    path, data, _ = places[name]
+    tried = 0
+    for found in NUMBER.finditer(data):
+        before = data[: found.start()].rpartition(b"\n")[2]
+        if b"#" in before or before.count(b'"') % 2:  # a comment, a word
+            continue
+        path.write_bytes(data[: found.start()] + b"true" + data[found.end() :])
+        tried += 1
+        with pytest.raises(InputError, match=path.name):
+            SPECIMENS[name].read(path)
+    path.write_bytes(data)
+    assert tried > 2
 
 
 @pytest.mark.slow

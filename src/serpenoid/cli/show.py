@@ -167,4 +167,6 @@ def _effect(record: dict[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
+    if isinstance(value, bool):
+        raise TypeError(f"{value} is no number")
     return f"{value:.6g}" if isinstance(value, float) else str(value)
