@@ -11,8 +11,14 @@ import pytest
 import serpenoid as sp
 from blind.campaign import make
 from blind.folder import write
+from serpenoid.cli.main import main
+from serpenoid.compare.calibrate import calibrate
+from serpenoid.compare.study import compare_campaign
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
+from serpenoid.measure.load import load_campaign
+from serpenoid.medium import Medium
+from serpenoid.model import Model
 from serpenoid.status import Status
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
@@ -87,3 +93,41 @@ def test_step_functions_of_an_extended_model_are_refused_not_the_baselines() -> 
     worn = dataclasses.replace(model, effects=(ActiveEffect(name="worn_wheel", place=3, seizure=0.5),))
     with pytest.raises(InputError, match="worn_wheel"):
         sp.step_functions(worn)
+
+
+WORN = ActiveEffect(name="worn_wheel", place=3, seizure=0.5)
+WEAK = ActiveEffect(name="gain_loss", place=3, loss=0.5)
+
+
+@pytest.mark.parametrize("effect", [WORN, WEAK], ids=["medium", "actuation"])
+def test_no_door_gives_the_baseline_for_a_model_with_effects(effect: ActiveEffect, virtual_machine: None) -> None:
+    """Simulation, batch and certificate of a table all tell one displacement, and it is not the baseline's."""
+    plain = sp.load(REFERENCE, set=["task.steps=20"])
+    extended = plain.model_copy(update={"effects": (effect,)})
+    table = sp.simulate(plain).table
+    found = [
+        sp.simulate(extended).trajectory.displacement,
+        sp.simulate_joint_angles(extended.model, table).displacement,
+        float(sp.simulate_batch(extended.model, table[None]).displacement[0]),
+        sp.certify_table(extended, table).trajectory.displacement,
+    ]
+    np.testing.assert_allclose(found, found[0], rtol=1e-9)  # one motion, by ways that round differently
+    assert abs(found[0] / sp.simulate(plain).trajectory.displacement - 1) > 0.01
+
+
+@pytest.mark.parametrize("effect", [WORN, WEAK], ids=["medium", "actuation"])
+def test_fits_and_comparisons_refuse_a_model_with_effects(effect: ActiveEffect, campaign: Path) -> None:
+    read = load_campaign(campaign)
+    model = Model(read.body, Medium(anisotropy_ratio=0.2), (effect,))
+    with pytest.raises(InputError, match=f"know the baseline alone.*{effect.name}"):
+        compare_campaign(read, model)
+    with pytest.raises(InputError, match=f"know the baseline alone.*{effect.name}"):
+        calibrate(read, model, ("anisotropy_ratio",))
+
+
+def test_what_changes_the_recording_alone_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = tmp_path / "model.toml"
+    model.write_text('[medium]\nanisotropy_ratio = 0.2\n[[effects]]\nname = "length_scale"\nerror = 0.1\n')
+    words = ["simulate", str(REFERENCE), "--model", str(model), "--out", str(tmp_path / "out"), "--no-figures"]
+    assert main(words) == 0
+    assert "`length_scale` changes what cameras record, not how the body moves" in capsys.readouterr().out

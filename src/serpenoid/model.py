@@ -73,7 +73,13 @@ class Model:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is odd about the weights, as sentences: a body that is not uniform where its author may think it is."""
+        """What its author may not expect, as sentences."""
+        seen = [f"`{e.name}` changes what cameras record, not how the body moves" for e in self.observation_effects]
+        return (*self._odd_weights, *seen)
+
+    @property
+    def _odd_weights(self) -> tuple[str, ...]:
+        """A body that is not uniform where its author may think it is."""
         body, at_edges = self.body, self.medium.dissipation == "edge"
         per_length = body.edge_weights / body.edges if at_edges else body.edges
         if (not at_edges and body.weights is not None) or per_length.max() <= UNEVEN * per_length.min():

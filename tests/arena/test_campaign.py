@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from arena.support import LENGTH, serpenoid_table
-from serpenoid.arena.campaign import run_campaign
+from serpenoid.arena.campaign import another, run_campaign
 from serpenoid.arena.protocol import Protocol, load_protocol
 from serpenoid.arena.trial import plans, schedule
+from serpenoid.cli.claim import move_aside
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 
@@ -218,6 +219,8 @@ def test_another_protocol_is_not_mixed_into_a_folder(protocol_file, tmp_path):
         run_campaign(protocol.model_copy(update={"seed": 6}), tables, folder)
     with pytest.raises(InputError, match="not empty"):
         run_campaign(protocol, tables, tmp_path)
+    move_aside(folder)  # as --force does
+    assert another(protocol.model_copy(update={"seed": 6}), tables, folder) is None
 
 
 @pytest.mark.parametrize(

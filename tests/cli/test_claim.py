@@ -71,3 +71,19 @@ def test_a_folder_with_other_things_is_no_answer(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     assert simulated(tmp_path) == 0
     assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_an_export_does_not_take_the_place_of_another_gaits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    gaits, out = [tmp_path / "one", tmp_path / "two"], tmp_path / "out"
+    assert simulated(gaits[0]) == 0
+    assert simulated(gaits[1], "--set", "gait.a=4") == 0
+    words = [["export", str(gait), "--format", "csv", "--out", str(out)] for gait in gaits]
+    assert main(words[0]) == 0
+    assert main(words[0]) == 0  # the same again
+    first = (out / "joint_table.csv").read_bytes()
+    assert main(words[1]) == 2
+    assert "holds another joint_table.csv" in capsys.readouterr().err
+    assert (out / "joint_table.csv").read_bytes() == first
+    assert main([*words[1], "--force"]) == 0
+    assert (out / "earlier-1" / "joint_table.csv").read_bytes() == first
+    assert (out / "joint_table.csv").read_bytes() != first

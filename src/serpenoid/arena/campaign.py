@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import tempfile
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -39,7 +40,10 @@ def run_campaign(
 ) -> Path:
     """Play what is not yet in `folder` and describe all of it in campaign.toml; raise StopRequested on Ctrl-C."""
     mujoco_module()
-    _claim(folder, short_hash(protocol.model_dump(), {name: table.tolist() for name, table in tables.items()}))
+    if (other := another(protocol, tables, folder)) is not None:
+        raise InputError(f"--out {folder}: {other}. Name another folder, or move what is in it aside by --force.")
+    write_json(folder / RECEIPT, _receipt(protocol, tables))
+    _sweep(folder)
     for name, table in tables.items():
         write_table(folder / "gaits" / f"{name}.csv", table)
     wanted = plans(protocol)
@@ -61,19 +65,24 @@ def run_campaign(
     return folder
 
 
-def _claim(folder: Path, fingerprint: str) -> None:
-    """Refuse a folder that holds something else; clear one that was left in the middle."""
+def another(protocol: Protocol, tables: dict[str, Floats], folder: Path) -> str | None:
+    """What else `folder` holds; None where it is free, or a campaign of this protocol was begun in it."""
     receipt = folder / RECEIPT
     if receipt.is_file():
-        if read_json(receipt) != {"protocol": fingerprint}:
-            raise InputError(
-                f"{folder}: holds a campaign of another protocol. Name another folder, or remove this one."
-            )
-        _sweep(folder)
-        return
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder}: is not empty and not a campaign of the arena. Name another folder.")
-    write_json(receipt, {"protocol": fingerprint})
+        mine = read_json(receipt) == _receipt(protocol, tables)
+        return None if mine else "holds a campaign of another protocol"
+    if folder.exists() and (not folder.is_dir() or any(not _moved(path) for path in folder.iterdir())):
+        return "is not empty and not a campaign of the arena"
+    return None
+
+
+def _receipt(protocol: Protocol, tables: dict[str, Floats]) -> dict[str, str]:
+    return {"protocol": short_hash(protocol.model_dump(), {name: table.tolist() for name, table in tables.items()})}
+
+
+def _moved(path: Path) -> bool:
+    """Whether it is what --force moved aside."""
+    return path.name.startswith("earlier-")
 
 
 def _sweep(folder: Path) -> None:
@@ -85,9 +94,8 @@ def _sweep(folder: Path) -> None:
 def run_trial(protocol: Protocol, plan: Plan, table: Floats, folder: Path, truth: Path | None) -> str:
     """Play one trial and put its folder in place, whole."""
     recording = play(protocol, plan, table)
-    part = folder / f"{UNFINISHED}{plan.name}"
-    shutil.rmtree(part, ignore_errors=True)
-    part.mkdir()
+    part = Path(tempfile.mkdtemp(prefix=f"{UNFINISHED}{plan.name}-", dir=folder))
+    part.chmod(0o755)
     cameras, logs = protocol.cameras, protocol.logs
     tracks = film(recording.markers, marker_names(protocol.robot), cameras, randomness(protocol, plan, 3))
     write_motive(part / "motion.csv", tracks, cameras.frames_per_second, plan.name, "2025-01-01 12.00.00.000 PM")
@@ -95,7 +103,12 @@ def run_trial(protocol: Protocol, plan: Plan, table: Floats, folder: Path, truth
     write_power_log(part / "power.csv", recording, logs, randomness(protocol, plan, 5))
     if truth is not None:
         _write_truth(truth / f"{plan.name}.npz", recording)
-    part.rename(folder / plan.name)
+    try:
+        part.rename(folder / plan.name)
+    except OSError:
+        if not (folder / plan.name).is_dir():
+            raise
+        shutil.rmtree(part, ignore_errors=True)  # a worker that outlived its command was quicker: the same trial
     return plan.name
 
 

@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 
 from serpenoid.cli import options
-from serpenoid.cli.claim import claim, content_of
+from serpenoid.cli.claim import claim, content_of, move_aside
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
@@ -43,6 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="what is played, on which robot and floor")
     played.add_argument("--out", metavar="FOLDER", type=Path, help="campaign folder (default: results/<protocol>)")
     played.add_argument("--truth", metavar="FOLDER", type=Path, help="also write the noise-free motion, elsewhere")
+    played.add_argument("--force", action="store_true", help="move what else is in the folder aside")
     used = actions.add_parser(
         "use", help="play a diagnosis' optimal gaits, before and after", description=USE, formatter_class=plain
     )
@@ -65,12 +66,16 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from serpenoid.arena.campaign import run_campaign
+    from serpenoid.arena.campaign import another, run_campaign
     from serpenoid.arena.protocol import load_protocol
     from serpenoid.arena.trial import plans
 
     protocol, tables = load_protocol(args.protocol)
     folder = args.out or Path("results") / args.protocol.stem
+    for place in (folder, *([args.truth] if args.truth else [])):
+        options.check_writable(place)
+    if args.force and folder.is_dir() and another(protocol, tables, folder):
+        move_aside(folder)
     total = len(plans(protocol))
     with options.progress_bar(args, "trials", total) as advance:
         run_campaign(protocol, tables, folder, workers=options.workers(args), truth=args.truth, report=advance)

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files import clear_unfinished, short_hash, write_json
+from serpenoid.files import atomic, clear_unfinished, short_hash, write_json
 from serpenoid.inputs import RECORDING_BYTES, read_bytes, read_json
 
 REQUEST = "request.json"
 # what tells a folder of results from any other
 RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json", "compare.json", "diagnosis.json",
-           "in-use.json", "play.json", "campaign.toml", REQUEST)  # fmt: skip
+           "in-use.json", "play.json", "campaign.toml", ".arena.json", REQUEST)  # fmt: skip
 EARLIER = "earlier"
 
 
@@ -36,10 +37,31 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
                 f"--out {folder}: holds {_words(folder, held)}. Name another folder, or move that answer to "
                 f"{_aside(folder)} by --force."
             )
-        _move_aside(folder)
+        move_aside(folder)
     clear_unfinished(folder)
     args.requests = [*getattr(args, "requests", []), (folder, request)]
     return folder
+
+
+def place(args: argparse.Namespace, made: Path, folder: Path) -> list[Path]:
+    """Move the files in `made` into `folder`; refuse where others of their names are, or move those aside (--force)."""
+    names = sorted(path.name for path in made.iterdir())
+    others = [n for n in names if (folder / n).exists() and not _alike(folder / n, made / n)]
+    if others and not args.force:
+        raise InputError(
+            f"--out {folder}: holds another {' and '.join(others)}. Name another folder, or move it to "
+            f"{_aside(folder)} by --force."
+        )
+    if others:
+        move_aside(folder, [folder / name for name in others])
+    for name in names:
+        with atomic(folder / name) as temporary:
+            shutil.copyfile(made / name, temporary)
+    return [folder / name for name in names]
+
+
+def _alike(one: Path, other: Path) -> bool:
+    return one.is_file() and one.read_bytes() == other.read_bytes()
 
 
 def sign(args: argparse.Namespace) -> None:
@@ -87,12 +109,13 @@ def _names(folder: Path) -> Iterator[Path]:
         number += 1
 
 
-def _move_aside(folder: Path) -> None:
-    """All but what was moved before: nothing is lost, and no figure of the earlier answer stays beside.
+def move_aside(folder: Path, found: Sequence[Path] | None = None) -> None:
+    """These files, or all but what was moved before: nothing is lost, and no figure of an earlier answer stays beside.
 
     A sweep's solved points stay: each is checked against the problem when it is taken up.
     """
-    found = [path for path in folder.iterdir() if not path.name.startswith((f"{EARLIER}-", "chain"))]
+    if found is None:
+        found = [path for path in folder.iterdir() if not path.name.startswith((f"{EARLIER}-", "chain"))]
     place = _aside(folder)
     place.mkdir()
     for path in found:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import campaigns, options
+from serpenoid.cli.claim import content_of, content_of_campaign
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv, write_json
 from serpenoid.version import __version__
@@ -29,8 +30,10 @@ def run_many(args: argparse.Namespace) -> int:
     """Diagnose all, write diagnoses.csv, report; exit code 1 where a campaign could not be diagnosed."""
     from serpenoid.parallel import results
 
-    folder = options.output_folder(args, Path("results") / "diagnoses")
     names = [campaigns.name_of(c) for c in args.campaign]
+    model = content_of(Path(args.model)) if args.model else None
+    earlier = content_of_campaign(args.reference) if args.reference else None
+    folder = options.output_folder(args, Path("results") / "diagnoses", names, model, earlier, sorted(args.without))
     if len(set(names)) < len(names):
         raise InputError("two of the campaigns have the same name and would write to the same folder: name each once.")
     tasks = [

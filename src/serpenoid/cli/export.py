@@ -17,9 +17,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from serpenoid.cli.claim import place
+from serpenoid.cli.options import check_writable
 from serpenoid.cli.robot_arguments import (
     add_robot,
     add_table,
@@ -39,13 +42,14 @@ from serpenoid.robot.firmware import sketch
 from serpenoid.robot.plan import Plan, check_repetition, make_plan
 from serpenoid.robot.table import JointTable, read_table, write_table
 
-Exporter = Callable[[argparse.Namespace, JointTable, Robot | None], list[Path]]
+Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     add_table(parser)
     parser.add_argument("--format", required=True, choices=list(EXPORTERS), help="see above")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files")
+    parser.add_argument("--force", action="store_true", help="move other files of their names aside")
     add_robot(parser, required=False)
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="openrb, ros2: cycles to play (default 1)")
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="openrb, ros2: rest after each cycle [s]")
@@ -58,10 +62,10 @@ def run(args: argparse.Namespace) -> int:
     if refusals:
         warn("refused, nothing was written:", *refusals)
         return 1
-    try:
-        paths = EXPORTERS[args.format](args, table, robot)
-    except OSError as error:
-        raise InputError(f"--out {args.out}: cannot be written ({error.strerror}).") from None
+    check_writable(args.out)
+    with tempfile.TemporaryDirectory() as made:
+        EXPORTERS[args.format](args, table, robot, Path(made))
+        paths = place(args, Path(made), args.out)
     sys.stdout.writelines(f"{path}\n" for path in paths)
     return 0
 
@@ -76,35 +80,28 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
     return table, None, check_finite(table.angles) or body_refusals(args, table, duration)
 
 
-def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None) -> list[Path]:
-    path = args.out / "joint_table.csv"
-    write_table(path, table.angles)
-    return [path]
+def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None, folder: Path) -> None:
+    write_table(folder / "joint_table.csv", table.angles)
 
 
-def _ticks(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> list[Path]:
-    path = args.out / "ticks.csv"
+def _ticks(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
     plan = _plan(args, table, robot)
     header = [f"servo_{servo_id}" for servo_id in plan.robot.ids]
-    write_csv(path, header, plan.ticks.tolist())
-    return [path]
+    write_csv(folder / "ticks.csv", header, plan.ticks.tolist())
 
 
-def _openrb(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> list[Path]:
+def _openrb(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
     """The Arduino tools want a sketch in a folder of its own name."""
-    path = args.out / f"{args.out.resolve().name}.ino"
-    write_text(path, sketch(_plan(args, table, robot), args.power_stream))
-    return [path]
+    name = f"{args.out.resolve().name}.ino"
+    write_text(folder / name, sketch(_plan(args, table, robot), args.power_stream))
 
 
-def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> list[Path]:
+def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
     duration = cycle_duration(args, table, robot)
     check_repetition(args.cycles, args.pause)
     trajectory = ros.make_trajectory(table.angles, duration, args.cycles, args.pause)
-    paths = [args.out / "joint_trajectory.mcap", args.out / "joint_trajectory.yaml"]
-    ros.write_mcap(paths[0], trajectory)
-    ros.write_yaml(paths[1], trajectory)
-    return paths
+    ros.write_mcap(folder / "joint_trajectory.mcap", trajectory)
+    ros.write_yaml(folder / "joint_trajectory.yaml", trajectory)
 
 
 def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> Plan:

@@ -31,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Find, play, compare, write."""
     from serpenoid.arena.campaign import run_campaign
+    from serpenoid.compare.start import refuse_effects
     from serpenoid.compare.study import compare_campaign
     from serpenoid.errors import InputError
     from serpenoid.files import examples
@@ -41,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
     if min(args.gaits, args.trials) < 1:
         raise InputError("--gaits and --trials need a positive number.")
     problem = load(args.problem or examples() / "snake10.toml", args.set)
+    refuse_effects(problem.model)
     folder = options.output_folder(args, Path("results/reproduce"), problem.hash, args.gaits, args.trials, args.seed)
     with options.progress_bar(args, "gaits", args.gaits) as advance:
         tables = gait_tables(folder / "gaits", problem, args.gaits, args.seed, advance)

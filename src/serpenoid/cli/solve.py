@@ -172,7 +172,9 @@ def _climb(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.optimise.ladder import climb
     from serpenoid.results import default_folder, write_solution
 
-    folder = options.output_folder(args, default_folder(problem, "ladder", args.starts, args.seed))
+    folder = options.output_folder(
+        args, default_folder(problem, "ladder", args.starts, args.seed), problem.hash, args.starts, args.seed
+    )
     with options.progress_bar(args, "families", 4) as advance:
         steps = climb(problem, args.starts, args.seed, advance)
     for number, step in enumerate(steps, start=1):

@@ -19,6 +19,7 @@ from serpenoid.compare.intervals import likelihood_intervals, mean_intervals
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.segments import trial_segments
+from serpenoid.compare.start import refuse_effects
 from serpenoid.compare.three import simulate_path
 from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign
@@ -78,6 +79,7 @@ def calibrate(
     campaign: Campaign, model: Model, names: tuple[str, ...], progress: Callable[[int, int, str], None] | None = None
 ) -> Calibration:
     """Fit every trial with motion, then all of them jointly."""
+    refuse_effects(model)
     usable = [trial for trial in campaign.trials if trial.motion is not None and trial.passages]
     segments: list[Segment] = []
     fits = []

@@ -9,6 +9,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.compare.ratios import RatioStatistics, ratio_statistics
+from serpenoid.compare.start import refuse_effects
 from serpenoid.compare.three import Comparison, compare_passage
 from serpenoid.compare.transport import CostPoint, CyclePower, PowerModel, cost_points, cycle_power, fit_power
 from serpenoid.measure.load import Campaign
@@ -37,6 +38,7 @@ def compare_campaign(
     campaign: Campaign, model: Model, progress: Callable[[int, int, str], None] | None = None
 ) -> Study:
     """Compare every passage of every trial. The mean over a gait's passages is its performance, as in the paper."""
+    refuse_effects(model)
     comparisons, cycles, notes = [], [], []
     for index, trial in enumerate(campaign.trials):
         if progress is not None:
