@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Find, play, compare, write."""
     from serpenoid.arena.campaign import run_campaign
-    from serpenoid.compare.start import refuse_effects
+    from serpenoid.compare.plain import refuse_effects
     from serpenoid.compare.study import compare_campaign
     from serpenoid.errors import InputError
     from serpenoid.files import examples

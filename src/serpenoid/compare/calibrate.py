@@ -18,8 +18,8 @@ from serpenoid.body import Floats
 from serpenoid.compare.intervals import likelihood_intervals, mean_intervals
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit
 from serpenoid.compare.parameters import bounds, changed, start_values
+from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.segments import trial_segments
-from serpenoid.compare.start import refuse_effects
 from serpenoid.compare.three import simulate_path
 from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign

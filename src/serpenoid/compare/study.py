@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.ratios import RatioStatistics, ratio_statistics
-from serpenoid.compare.start import refuse_effects
 from serpenoid.compare.three import Comparison, compare_passage
 from serpenoid.compare.transport import CostPoint, CyclePower, PowerModel, cost_points, cycle_power, fit_power
 from serpenoid.measure.load import Campaign
