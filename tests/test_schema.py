@@ -205,3 +205,12 @@ def test_an_empty_list_inside_a_section_is_named_and_a_faulty_entry_is_one_fault
     with pytest.raises(InputError) as caught:
         schema.load(Listed, written(tmp_path, "[start]\nheadings = ['north']\n"))
     assert len(str(caught.value).splitlines()) == 1
+
+
+def test_values_are_equal_by_their_fields_whatever_was_computed_from_them() -> None:
+    one, same, other = (Body(vertices=n, edge_lengths=(0.1,) * (n - 1)) for n in (5, 5, 6))
+    assert one.edges.sum() == pytest.approx(1)  # kept beside the fields from now on, an array
+    assert same.edges.sum() == pytest.approx(1)
+    assert (one, hash(one)) == (same, hash(same))
+    assert one != other
+    assert {one: "found"}[same] == "found"

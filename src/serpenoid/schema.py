@@ -85,6 +85,12 @@ class Record(BaseModel):
         _strict(found)
         return found
 
+    def __eq__(self, other: object) -> bool:
+        """Field by field: values kept beside them (cached properties, arrays among them) are no part of it."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
 
 R = TypeVar("R", bound=Record)
 MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
