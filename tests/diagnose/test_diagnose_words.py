@@ -53,11 +53,29 @@ def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tup
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:
-    eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226}}
+    eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226, "at_bound": False}}
     earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}
     assert ratio(eps | {"reference": None, "effects": []}) == "0.02871 calibrated alone"
     said = ratio(eps | {"reference": earlier, "effects": [{}]})
     assert said == "0.0195 in healthy, 0.02871 calibrated alone, 0.0226 with what is named"
+    stuck = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"at_bound": True}}
+    assert ratio(stuck | {"reference": None, "effects": []}).endswith("a warning that the law is another)")
+
+
+def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_first_and_no_part_is_to_be_replaced(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    record = diagnosed[1]
+    assert not any(e["stand_in"] for e in record["effects"])
+    assert any("What to do" in text for text in cards(record)[1].sentences)
+    doubtful = record | {"discrepancy_m": 0.0031, "effects": [e | {"stand_in": True} for e in record["effects"]]}
+    said = [text for text in lines(doubtful) if text.startswith(("first", "verdict"))]
+    assert said[0].startswith("first             the model is inadequate by 3.1 mm a window")
+    verdict, cause, _ = cards(doubtful)
+    assert verdict.sentences[0].startswith("The model is inadequate by 3.1 mm a window")
+    assert not any("What to do" in text for text in cause.sentences)
+    assert all(f"{title(e)} ({e['strength_floors']:.1f} floors), perhaps a stand-in" in "\n".join(lines(doubtful))
+               for e in record["effects"])  # fmt: skip
 
 
 def test_what_is_left_is_gathered_by_stage() -> None:

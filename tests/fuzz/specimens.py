@@ -179,11 +179,18 @@ def _diagnosis(path: Path) -> None:
     gain = {key: {"before": 0.05, "after": 0.02, "before_interval": [0.04, 0.06], "after_interval": [0.01, 0.03]}
             for key in ("path_rms_m", "displacement_error_m", "heading_error_rad", "s", "log_likelihood")}  # fmt: skip
     seizure = {"value": 0.5, "interval": [0.4, 0.6], "unit": "1", "at_bound": False}
-    effect = {"name": "worn_wheel", "place": 2, "strength_floors": 3.0, "parameters": {"seizure": seizure}}
+    effect = {
+        "name": "worn_wheel",
+        "place": 2,
+        "strength_floors": 3.0,
+        "stand_in": False,
+        "parameters": {"seizure": seizure},
+    }
     step = {"rung": "motion", "compares": "shape against motion", "before": 0.05, "after": 0.02, "floor": 0.01,
             "unit": "m", "share_above_floor_before": 0.96, "share_above_floor_after": 0.75}  # fmt: skip
     record = {"campaign": "two", "verdict": "explained", "effects": [effect], "gain": gain, "noise_floor_m": 0.001,
-              "anisotropy_ratio": {"before": 0.2, "after": 0.21}, "provenance": {"written": "today"}, "ladder": [step],
+              "anisotropy_ratio": {"before": 0.2, "after": 0.21, "at_bound": False}, "provenance": {"written": "today"},
+              "ladder": [step], "discrepancy_m": 0.003,
               "reference": None, "alternatives": [effect | {"separation_floors": 2.0}], "below_the_floor": [],
               "untestable": {"slope": "one heading alone"}, "skipped": {}, "next_experiment": None,
               "residual_pattern": ["motion: repeats"], "used_s": 11.5, "dropped_s": 0.5, "remarks": []}  # fmt: skip

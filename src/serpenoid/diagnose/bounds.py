@@ -24,6 +24,12 @@ def held_at_bounds(model: Model, effects: Sequence[ActiveEffect], evidence: Evid
     return evidence
 
 
+def ratio_at_bound(model: Model) -> bool:
+    """Whether eps ended at a bound: a warning that the law is not the body's."""
+    low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
+    return not low * (1 + AT_BOUND) < model.medium.anisotropy_ratio < high * (1 - AT_BOUND)
+
+
 def overstrained(model: Model, effect: ActiveEffect) -> bool:
     """Whether a parameter ended at a bound other than its neutral value: the data ask for more than it can be."""
     resting = [p.resting for p in effect.effect.parameters]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from serpenoid.diagnose.words import MEANINGS, Record, faint, parameter, shown, title
+from serpenoid.diagnose.words import MEANINGS, Record, faint, inadequacy, parameter, shown, title
 from serpenoid.effects.catalogue import find
 from serpenoid.pages import Card
 
@@ -12,6 +12,7 @@ GAINS = {
     "log_likelihood": ("log-likelihood per trial", "1"),
 }  # fmt: skip
 WORSE = 1.02  # an error that does not come closer
+NO_ADVICE = "It may stand in for another cause: no part should be replaced for it."
 TONES = {"nothing": "good", "explained": "good"}
 
 
@@ -21,7 +22,8 @@ def cards(record: Record) -> list[Card]:
 
 
 def _verdict(record: Record) -> Card:
-    said = [f"{MEANINGS[record['verdict']].capitalize()}."]
+    said = [f"{text.capitalize()}." for text in inadequacy(record)]
+    said.append(f"{MEANINGS[record['verdict']].capitalize()}.")
     rows = [(s["rung"], times_noise(s["after"], s["floor"])) for s in record["ladder"]]
     rows += [(rung, "skipped") for rung in record["skipped"]]
     return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,
@@ -33,7 +35,7 @@ def _cause(record: Record) -> Card:
     rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
     said = [
         f"{title(e)} ({e['strength_floors']:.1f} times the noise level): {find(e['name']).looks_like}. "
-        f"What to do: {find(e['name']).what_to_do}."
+        + (NO_ADVICE if e["stand_in"] else f"What to do: {find(e['name']).what_to_do}.")
         for e in effects
     ]
     others = [title(e) for e in record["alternatives"]]

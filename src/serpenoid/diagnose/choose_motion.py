@@ -17,12 +17,13 @@ from serpenoid.diagnose.motion import Motion, Noise
 from serpenoid.diagnose.noise import path_draws, path_error, residuals, window_noise
 from serpenoid.diagnose.observation import Observation
 from serpenoid.diagnose.recording import Recording
-from serpenoid.diagnose.residual_words import pattern
+from serpenoid.diagnose.residual_words import discrepancy, pattern
 from serpenoid.diagnose.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
 from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.diagnose.untestable import beyond_bounds, left_out
-from serpenoid.diagnose.windows import Track
+from serpenoid.diagnose.windows import Prediction, Track
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
@@ -116,11 +117,19 @@ def finding(found: Selection) -> MotionFinding:
     faint = [faint_of(f.attempt, floor) for f in found.faint]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else faint).append(jumps)
-    words = _left_over(found, mend=jumps is not None)
+    words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
+    if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
+        named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
     if jumps is not None and jumps in named:
         after = path_error(motion, best.predictions, mend=True)
-    rung = Rung("motion", tuple(named), tuple(s.rival for s in swaps), tuple(faint), after / floor, words)
+    rivals = tuple(s.rival for s in swaps)
+    rung = Rung("motion", tuple(named), rivals, tuple(faint), after / floor, words, discrepancy_m=missed_m)
     return MotionFinding(rung, found, swaps, before, after)
+
+
+def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
+    motion, fit = found.fullest
+    return motion, fit.predictions
 
 
 def faint_of(t: Try, floor_m: float) -> Named:
@@ -130,8 +139,7 @@ def faint_of(t: Try, floor_m: float) -> Named:
 
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too faint to be named account for; mend: steps across gaps are known."""
-    motion, fullest = found.fullest
-    predictions = fullest.predictions
+    motion, predictions = _fullest(found)
     after_m = path_error(motion, predictions, mend)
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.floor_m)

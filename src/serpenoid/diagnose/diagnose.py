@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.bounds import ratio_at_bound
 from serpenoid.diagnose.choose_actuation import choose_actuation
 from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.choose_observation import choose_observation
@@ -152,7 +153,9 @@ def record(d: Diagnosis) -> dict[str, Any]:
         ],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
+            "at_bound": ratio_at_bound(found.best.model),
         },
+        "discrepancy_m": d.motion.rung.discrepancy_m,
         "gain": gain_record(d.before, d.after),
         "noise_floor_m": found.floor_m,
         "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),

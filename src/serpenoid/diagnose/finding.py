@@ -14,12 +14,16 @@ BAND = 25.0  # chi squared: as much as an effect must gain to be named, a rival 
 
 @dataclass(frozen=True)
 class Named:
-    """An effect, 95 % intervals by parameter, its strength in floors, and parameters that ended at a bound."""
+    """An effect, 95 % intervals by parameter, its strength in floors, and parameters that ended at a bound.
+
+    stand_in: what the model misses repeats, so that a cause which the catalogue does not hold may be behind it.
+    """
 
     effect: ActiveEffect
     intervals: dict[str, tuple[float | None, float | None]]
     strength: float
     at_bound: tuple[str, ...] = ()
+    stand_in: bool = False
 
     def record(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""
@@ -33,7 +37,7 @@ class Named:
         effect = self.effect
         return {
             "name": effect.name, "site": effect.effect.site, "place": effect.place, "parameters": parameters,
-            "strength_floors": self.strength,
+            "strength_floors": self.strength, "stand_in": self.stand_in,
         }  # fmt: skip
 
 
@@ -74,6 +78,7 @@ def excludable(chi2: float, least: float, count: float, slack: float = 0.0) -> b
 class Rung:
     """What one rung says: effects named, rivals that cannot be excluded, effects too faint to name, what is left.
 
+    discrepancy_m: what repeats share and no effect accounts for, RMS of a window [m]; 0 where chance is all.
     left: remaining misfit in floors (1 = chance alone); words: its pattern, empty where there is none. skipped: why
     the recordings say nothing on this rung, empty where they do; untestable: effects that were no candidates, and why.
     """
@@ -86,6 +91,7 @@ class Rung:
     words: tuple[str, ...] = field(default=())
     skipped: str = ""
     untestable: dict[str, str] = field(default_factory=dict)
+    discrepancy_m: float = 0.0
 
     @property
     def settled(self) -> bool:

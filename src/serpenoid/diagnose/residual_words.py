@@ -48,6 +48,26 @@ def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
     return float(top.sum() / bottom.sum()), top / bottom
 
 
+def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
+    """RMS [m] of what repeats share of a window's displacement; 0 where that is no more than chance and doubt.
+
+    m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2.
+    """
+    left = residuals(motion.tracks, predictions)
+    if repeatable(motion, left)[0] <= RATIO:
+        return 0.0
+    squares = [
+        x[:, :2] ** 2 - motion.noise.of(t)[:, :2] ** 2
+        for t, x in zip(motion.tracks, left, strict=True)
+        if t.noise is not None
+    ]
+    for a, b in [] if squares else pairs(motion.tracks):
+        n = min(len(left[a]), len(left[b]))
+        one, other = left[a][:n, :2], left[b][:n, :2]
+        squares.append(one * other)  # m^2 - d^2 / 4
+    return float(np.sqrt(max(0.0, 2 * float(np.nanmean(np.concatenate(squares))))))
+
+
 def pattern(
     motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
 ) -> tuple[str, ...]:

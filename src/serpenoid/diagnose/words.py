@@ -18,6 +18,20 @@ MEANINGS = {
 }
 
 
+STAND_IN = ", perhaps a stand-in"
+
+
+def inadequacy(record: Record) -> list[str]:
+    """Where names may be stand-ins: by how much the model is inadequate, before all else."""
+    if not any(e["stand_in"] for e in record["effects"]):
+        return []
+    size = shown(record["discrepancy_m"], "m", 2)
+    return [
+        f"the model is inadequate by {size} a window, and what it misses repeats: names of the medium take a part "
+        "of that away, but may stand in for a cause that the catalogue does not hold"
+    ]
+
+
 def title(effect: Record) -> str:
     """Name and place, as `worn_wheel at vertex 4`."""
     place = effect.get("place")
@@ -82,7 +96,8 @@ def ratio(record: Record) -> str:
     eps, earlier = record["anisotropy_ratio"], record["reference"]
     said = [f"{earlier['anisotropy_ratio']['after']:.4g} in {earlier['campaign']}"] if earlier else []
     said.append(f"{eps['before']:.4g} calibrated alone")
-    return ", ".join([*said, f"{eps['after']:.4g} with what is named"] if record["effects"] else said)
+    said += [f"{eps['after']:.4g} with what is named"] if record["effects"] else []
+    return ", ".join(said) + (" (at its bound: a warning that the law is another)" if eps["at_bound"] else "")
 
 
 def seconds(record: Record) -> str:
@@ -93,9 +108,10 @@ def seconds(record: Record) -> str:
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"reference         {text}" for text in reference(record)]
+    found += [f"first             {text}" for text in inadequacy(record)]
     found.append(f"verdict           {record['verdict']}")
     for e in record["effects"]:
-        found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors)")
+        found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors){STAND_IN if e['stand_in'] else ''}")
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
     found += [f"  or {title(e)} ({e['separation_floors']:.1f} floors apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in faint(record)]

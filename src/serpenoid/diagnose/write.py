@@ -7,6 +7,7 @@ from typing import Any
 
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.experiment import Laboratory, next_experiment
+from serpenoid.diagnose.finding import BAND
 from serpenoid.diagnose.recording import Recording
 from serpenoid.files import provenance, write_json
 from serpenoid.measure.campaign import CampaignFile
@@ -39,7 +40,7 @@ def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
     if not swaps or not all(isinstance(t.recording, Recording) for t in found.motion.tracks):  # animals play no tables
         return None
     best = next_experiment(Laboratory.of(found.best, [s.fit for s in swaps], found.motion))
-    if best is None:
+    if best is None or best.chi2.max(initial=0.0) < BAND:  # expected to exclude none of them
         return None
     schedule = best.plan.schedule
     write_table(folder / "next-experiment.csv", schedule.table)
