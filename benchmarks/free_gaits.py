@@ -19,7 +19,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from serpenoid.optimise.multistart import as_solution
-from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.solver import Carried, GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from specimens import problem
 
@@ -68,8 +68,8 @@ def by_lbfgs(words: tuple[str, ...], target: float) -> list[tuple[float, float]]
     """(seconds, objective above the target) of each seed."""
     asked = problem(*words)
     solver = GaitSolver(asked)
-    nlp, ipopt = solver.prepared(0)
-    p, n, made = solver.parameters(asked.task.c, []), 3 * solver.steps, ipopt.functions
+    _, ipopt = solver.prepared(Carried())
+    p, n, made = solver.parameters(asked.task.c, ()), 3 * solver.steps, ipopt.functions
     results = []
     for q in random_gaits(solver, RIVALS, seed=0):
         begin, best = clock(), [np.inf]

@@ -15,7 +15,9 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.optimise import joint_blocks, motion_law, serpenoid_blocks
 from serpenoid.optimise.asked import Customise, asked
+from serpenoid.optimise.between import GapField
 from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.optimise.watch import Watch, Watched, every_vertex
 from serpenoid.problem import Problem, Task, load
 from serpenoid.simulation import steps
 from serpenoid.trajectory import Trajectory
@@ -54,7 +56,13 @@ def nlp_of(
     """The gait NLP of a model; for ellipses, and the displacement, unless `gait` and `task` say otherwise."""
     family = (gait or EllipseGait()).of(model.body.joint_count, steps)
     law = motion_law.motion_law(model, family)
-    return GaitNLP(law, asked(task or Task(), family, customise).criteria, path_rows)
+    criteria, watch = asked(task or Task(), family, customise).criteria, Watch()
+    if criteria.clear_of:
+        between = Watched(0.25, 2, 0.5, 1, 0), Watched(0.75, steps - 1, 0.25, 0, 2)
+        watch = Watch(
+            (*every_vertex(steps, model.body.vertices, GapField(tuple(criteria.clear_of)).convex.size).points, *between)
+        )
+    return GaitNLP(law, criteria, path_rows, watch=watch)
 
 
 def phases_of_rows(phases: Floats, steps: int) -> Floats:

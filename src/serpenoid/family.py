@@ -129,7 +129,7 @@ def _chain(
 def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag: StopFlag) -> Answer:
     """Warm from the neighbour; cold from its gait where that fails; from random gaits at the end of the chain."""
     if last is not None:
-        answer = solver.solve(last.outcome.point, c, rows=last.rows, flag=flag)
+        answer = solver.solve(last.outcome.point, c, carried=last.carried, flag=flag)
         return answer if answer.outcome.status.ok or flag else solver.solve(last.q, c, flag=flag)
     answers = [solver.solve(q, c, flag=flag) for q in gaits]
     good = [a for a in answers if a.outcome.status.ok]

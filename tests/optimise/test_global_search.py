@@ -75,7 +75,7 @@ class Objective:
         return pairs
 
 
-def search(asked: Problem, seed: int, generations: int) -> tuple[Floats, float]:
+def search(asked: Problem, seed: int, generations: int, polishes: int) -> tuple[Floats, float]:
     """Differential evolution, then Nelder-Mead from its best, over the parameters that are free."""
     objective = Objective(asked)
     low, high = np.array(objective.bounds()).T
@@ -99,7 +99,7 @@ def search(asked: Problem, seed: int, generations: int) -> tuple[Floats, float]:
         updating="deferred",
     )
     z = end.x
-    for _ in range(3):  # restarted, in case the simplex collapses
+    for _ in range(polishes):  # restarted, in case the simplex collapses
         local = minimize(
             lambda y: float(batched(np.clip(y, low[free], high[free])[:, None])[0]),
             z,
@@ -112,12 +112,12 @@ def search(asked: Problem, seed: int, generations: int) -> tuple[Floats, float]:
     return q, float(local.fun)
 
 
-def never_beaten(name: str, seed: int, generations: int) -> float:
+def never_beaten(name: str, seed: int, generations: int, polishes: int = 3, starts: int = 12) -> float:
     """Assert it, and return by how much the search fell short of the reported optimum."""
     asked = problem(*VARIANTS[name])
-    best = solve(asked, starts=12, seed=0).best
+    best = solve(asked, starts=starts, seed=0).best
     assert best.status.ok
-    q, cost = search(asked, seed, generations)
+    q, cost = search(asked, seed, generations, polishes)
     assert cost >= best.cost - GAIN
     gait = dict(zip(EllipseGait.NAMES, map(float, q), strict=True))
     table = serpenoid_joint_table(asked.body.edges_m, asked.task.steps, joints=asked.body.joint_vertices, **gait)
@@ -130,7 +130,7 @@ def never_beaten(name: str, seed: int, generations: int) -> float:
 
 @pytest.mark.parametrize("name", ["reference-optimum", "with dissipation", "stiff joints"])
 def test_a_short_global_search_never_beats_the_optimum(name: str) -> None:
-    assert never_beaten(name, seed=1, generations=60) < 0.03  # and it did come near
+    assert never_beaten(name, seed=1, generations=60, polishes=1, starts=3) < 0.03  # and it did come near
 
 
 @pytest.mark.slow

@@ -19,7 +19,9 @@ from serpenoid.gaits.fourier import FourierGait
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import demands, terms
+from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
+from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import clearance
 from serpenoid.optimise.ladder import climb
 from serpenoid.optimise.solution import Solution
@@ -93,20 +95,20 @@ class ToyFamily(GaitFamily):
 
 
 def test_a_family_of_ones_own_is_one_class() -> None:
-    wanted = asked("reference-optimum", c=0.5)
+    wanted = asked("reach", "body.vertices=6", "task.steps=16", objectives=({"kind": "displacement"},), c=0.5)
     found = solve_from(wanted.model_copy(update={"gait": ToyGait()}), ToyGait())
     assert found.status is Status.SOLVED
     assert found.names == ("amplitude",)
     assert found.polishing_gain is not None
-    best = min(amplitude_cost(wanted, a) for a in np.linspace(0.05, 1.0, 96))
+    best = min(amplitude_cost(wanted, a) for a in np.linspace(0.2, 1.0, 33))
     assert found.cost <= best + 1e-9
     assert best - found.cost < 1e-3  # the grid's spacing
 
 
 def amplitude_cost(wanted: Problem, amplitude: float) -> float:
-    family = ToyGait(amplitude=amplitude).of(10, 50)
-    table = amplitude * np.cos(2 * np.pi * (family.data + np.arange(10) / 10))
-    if np.abs(table).max() > np.deg2rad(60):
+    family = ToyGait(amplitude=amplitude).of(4, 16)
+    table = amplitude * np.cos(2 * np.pi * (family.data + np.arange(4) / 4))
+    if np.abs(table).max() > np.deg2rad(63):
         return np.inf
     run = oracle_run(wanted.model, table)
     return float(-run.displacement + 0.5 * run.dissipation)
@@ -122,15 +124,18 @@ def test_a_broken_joint_is_held_and_the_rest_goes_on() -> None:
 TURN = {"objectives": ({"kind": "heading", "target_rad": 1.0, "weight": 5.0},), "c": 0.3}
 
 
-def turned(inside: bool) -> Solution:
+NO_LEAPS = (  # a free table without a speed limit leaps through walls from one row to the next
+    "body.joint_speed_limit_rpm=12.0", "task.cycle_duration_s=10.0", "task.constraints.joint_speed_limits=true",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_box_is_kept_at_every_time_and_place(seed: int) -> None:
     box = {"kind": "box", "half_widths": (0.52, 0.24), "inside": True}
-    return solve(asked("turn-in-a-box", *SMALL, **TURN, demands=(box,) if inside else ()), starts=1, seed=1).best
-
-
-def test_a_box_is_kept_at_every_time_and_place() -> None:
-    found = turned(inside=True)
-    assert found.residuals.largest <= 1e-8
-    assert found.trajectory.heading_change > 0.2  # the walls, hardly wider than the body, leave no more
+    changes = "body.vertices=6", "task.steps=24", *NO_LEAPS
+    found = solve(asked("turn-in-a-box", *changes, **TURN, demands=(box,)), starts=1, seed=seed).best
+    assert found.status is Status.SOLVED
+    assert found.trajectory.heading_change > 0.9  # of the 1 that is asked
     assert found.clearance is not None
     assert found.clearance.proven >= 0
     run = oracle_run(found.problem.model, found.table)
@@ -150,14 +155,18 @@ def between(run: Run, found: Solution) -> Floats:
     return np.abs(group.place(poses, shape_rows(found.problem.model, angles)[0]))
 
 
+def gaps_of(obstacle: Disc, convex: bool = True) -> GapField:
+    return GapField((Gaps(lambda p: ca.vec(obstacle.distances(p)), convex),))
+
+
 def test_proven_clearance_is_a_lower_bound_that_sees_between_rows_and_vertices() -> None:
     model = Model(Body(vertices=3), Medium(anisotropy_ratio=0.5))
     poses, straight = np.array([[0.0, 0, 0], [1.0, 0, 0]]), np.zeros((2, 1))
     ahead = Disc(kind="disc", centre=(0.25, 0.3), radius=0.1)  # beside the middle of an edge on the way
-    found = clearance(model, poses, straight, [lambda p: ca.vec(ahead.distances(p))], wanted=0.19)
+    found = clearance(Between(model, poses[None], straight[None]), gaps_of(ahead), wanted=0.19)
     assert 0.19 <= found.proven <= 0.2 <= found.least + 1e-12
     hit = Disc(kind="disc", centre=(1.75, 0.0), radius=0.1)  # beyond every vertex of both rows
-    found = clearance(model, poses * [3, 1, 1], straight, [lambda p: ca.vec(hit.distances(p))])
+    found = clearance(Between(model, poses[None] * [3, 1, 1], straight[None]), gaps_of(hit))
     assert found.proven < -0.09
 
 
@@ -166,12 +175,13 @@ def test_proven_clearance_is_a_lower_bound_that_sees_between_rows_and_vertices()
     HalfPlane(point=(0.1, 0), normal=(3, 4)),
     Box(half_widths=(0.3, 0.5), inside=True),
 ])  # fmt: skip
-def test_signed_distances_grow_no_faster_than_points_move(obstacle: Disc) -> None:
+def test_signed_distances_are_convex_and_grow_no_faster_than_points_move(obstacle: Disc) -> None:
     rng = np.random.default_rng(1)
     points = rng.uniform(-1, 1, (400, 2))
     steps = 0.05 * rng.normal(size=(400, 2))
-    change = np.abs(obstacle.gap(points + steps) - obstacle.gap(points))
-    assert (change <= np.hypot(*steps.T) + 1e-8).all()
+    before, middle, after = (gaps_of(obstacle).at(points + share * steps)[0] for share in (0.0, 0.5, 1.0))
+    assert (np.abs(after - before) <= np.hypot(*steps.T)[:, None] + 1e-8).all()
+    assert (middle <= (before + after) / 2 + 1e-8).all()
 
 
 def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:

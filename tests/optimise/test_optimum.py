@@ -183,7 +183,7 @@ def test_a_warm_start_from_the_answer_is_the_answer_in_a_few_iterations() -> Non
     (start,) = random_gaits(solver, 1, seed=0)
     cold = solver.solve(start, 1.0)
     assert cold.outcome.status.ok
-    warm = solver.solve(cold.outcome.point, 1.0, rows=cold.rows)
+    warm = solver.solve(cold.outcome.point, 1.0, carried=cold.carried)
     assert warm.outcome.status.ok
     assert warm.outcome.objective == pytest.approx(cold.outcome.objective, abs=SAME_OPTIMUM)
     assert warm.iterations <= 8
@@ -194,7 +194,7 @@ def test_a_warm_start_at_another_c_is_the_cold_answer_there() -> None:
     solver = GaitSolver(problem("reference-optimum"))
     (start,) = random_gaits(solver, 1, seed=0)
     near = solver.solve(start, 1.0)
-    warm, cold = solver.solve(near.outcome.point, 1.1, rows=near.rows), solver.solve(near.q, 1.1)
+    warm, cold = solver.solve(near.outcome.point, 1.1, carried=near.carried), solver.solve(near.q, 1.1)
     assert warm.outcome.status.ok
     assert warm.outcome.objective == pytest.approx(cold.outcome.objective, abs=SAME_OPTIMUM)
     assert warm.outcome.residuals.largest <= KKT
@@ -218,9 +218,9 @@ def test_a_gait_that_is_not_optimal_is_refused_however_it_was_called() -> None:
     answer = solver.solve(start, 0.0)
     x = solver.start(start)
     point = replace(answer.outcome.point, x=x)
-    rows = list(answer.rows)
-    _, ipopt = solver.prepared(len(rows))
-    residuals = ipopt.residuals(point, solver.parameters(0.0, rows), solver.bounds(rows))
+    _, ipopt = solver.prepared(answer.carried)
+    parameters, bounds = solver.parameters(0.0, answer.carried.rows), solver.bounds(answer.carried)
+    residuals = ipopt.residuals(point, parameters, bounds)
     forged = replace(answer, q=start, outcome=replace(answer.outcome, point=point, residuals=residuals))
     assert residuals.largest > KKT
     assert certify(solver, forged, 0.0).status is Status.NOT_STATIONARY

@@ -15,7 +15,16 @@ import casadi as ca
 
 from serpenoid.body import Floats
 
-Gaps = Callable[[ca.SX], ca.SX]
+
+@dataclass(frozen=True)
+class Gaps:
+    """of: points (2, K) to a column of gaps, which change no faster than their point moves.
+
+    convex: each gap is a convex function of its point, as distances to convex obstacles are; proofs are cheaper then.
+    """
+
+    of: Callable[[ca.SX], ca.SX]
+    convex: bool = False
 
 
 @dataclass
@@ -91,9 +100,9 @@ class Criteria:
         """Add `lower <= expression <= upper` (scalars or columns)."""
         self.added.append((ca.vec(ca.SX(expression)), lower, upper))
 
-    def keep_clear(self, gaps: Gaps) -> None:
-        """Keep `gaps` (of the vertices (2, N) in the world, a column) from falling below zero in every row."""
-        self.clear_of.append(gaps)
+    def keep_clear(self, gaps: Callable[[ca.SX], ca.SX], convex: bool = False) -> None:
+        """Keep `gaps` of all points of the body in the world from falling below zero at any time; see `Gaps`."""
+        self.clear_of.append(Gaps(gaps, convex))
 
     @property
     def constraints(self) -> ca.SX:

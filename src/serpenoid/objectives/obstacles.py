@@ -1,7 +1,8 @@
 """What the body must keep clear of: discs, boxes, half-planes; and walls that it must stay within.
 
-Each demand is a signed distance, positive where the body may be; it never grows faster than the point moves, so what
-holds on a fine enough set of points and times holds everywhere (`optimise/clearance.py`). Several demands are a union.
+Each demand is a signed distance, positive where the body may be; it never grows faster than the point moves and is a
+convex function of it, so what holds at some points and times holds around them (`optimise/clearance.py`). Several
+demands are a union.
 Coordinates: body lengths, in the frame of the first row (origin: centroid; x: mean edge direction).
 """
 
@@ -20,6 +21,7 @@ from serpenoid.objectives.term import Demand
 
 Point = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
+TINY = 1e-18  # keeps the derivative of a distance defined where it is zero
 
 
 class Obstacle(Demand):
@@ -39,8 +41,8 @@ class Obstacle(Demand):
         return np.asarray(function.map(len(points))(points.T).full()[0], np.float64)
 
     def require(self, of: Criteria) -> None:
-        """At every vertex of every row; between them the solver's margin does it."""
-        of.keep_clear(lambda points: ca.vec(self.distances(points)) - self.clearance)
+        """At every time and place; distances to convex things (and to straight walls) are convex."""
+        of.keep_clear(lambda points: ca.vec(self.distances(points)) - self.clearance, convex=True)
 
 
 class Disc(Obstacle):
@@ -53,7 +55,7 @@ class Disc(Obstacle):
     def distances(self, points: ca.SX) -> ca.SX:
         """Distance to the centre less the radius."""
         away = points - ca.repmat(ca.DM(self.centre), 1, points.size2())
-        return ca.sqrt(ca.sum1(away**2)) - self.radius
+        return ca.sqrt(ca.sum1(away**2) + TINY) - self.radius
 
 
 class Box(Obstacle):
@@ -76,9 +78,6 @@ class Box(Obstacle):
         beyond = ca.fabs(local) - half
         outer = ca.sqrt(ca.sum1(ca.fmax(beyond, 0) ** 2) + TINY)
         return outer + ca.fmin(ca.fmax(beyond[0, :], beyond[1, :]), 0)
-
-
-TINY = 1e-18  # keeps the derivative of a distance defined where it is zero
 
 
 class HalfPlane(Obstacle):

@@ -1,14 +1,15 @@
-"""Constraints on where the body is in every row: functions of one pose and one shape, mapped over the cycle.
+"""Gaps to obstacles in the NLP: functions of the poses and shapes before and after each watched instant.
 
-    gaps(vertices of row t in the world) >= margin      t = 0 .. T (of a closed gait, row T has the first shape again)
+    gaps(point at `place` behind every vertex, at `share` of the way from row t to row t + 1) >= margin
 
-Legend: T steps, R rows, s coordinates of a shape, c gaps per row.
+At rows (share 0) one pose and one shape are asked, between them two; joints turn at constant rates and the frame moves
+evenly. Legend: T steps, R rows, N vertices, s coordinates of a shape, I instants, c gaps of an instant.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -20,38 +21,47 @@ from serpenoid.model import Structure
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.optimise.assembly import Scatter, scatter
 from serpenoid.optimise.blocks import Cycle, over
+from serpenoid.optimise.watch import Watch
+
+Functions = tuple[ca.Function, ca.Function, ca.Function]
 
 
-def gaps_function(gaps: list[Gaps], structure: Structure) -> ca.Function:
-    """Vertices (2, N) in the world to all gaps (c)."""
-    points = ca.SX.sym("points", 2, structure.vertices)
-    return ca.Function("gaps", [points], [ca.densify(ca.vertcat(*(gap(points) for gap in gaps)))])
+@lru_cache(maxsize=16)
+def gap_functions(
+    gaps: tuple[Gaps, ...], structure: Structure, coordinates: int, serpenoid: bool, portable: bool = False
+) -> GapFunctions:
+    """Functions of instants, kept for as long as the same gaps are asked for."""
+    return GapFunctions(gaps, structure, coordinates, serpenoid, portable)
 
 
 @dataclass(frozen=True)
-class Along:
-    """The gaps of all rows with derivatives by poses and shapes."""
+class GapFunctions:
+    """value, Jacobian, (gradient, Hessian) of one instant by z = (poses, shapes)."""
 
     gaps: tuple[Gaps, ...]
     structure: Structure
-    steps: int
-    rows: int
     coordinates: int
     serpenoid: bool
     portable: bool = False
 
     @cached_property
-    def _functions(self) -> tuple[ca.Function, ca.Function, ca.Function]:
-        g, a = ca.SX.sym("g", 3), ca.SX.sym("a", self.coordinates)
-        parameters = ca.SX.sym("parameters", 2 * self.structure.vertices)
-        edges, weights, _ = split_parameters(parameters, self.structure)
-        angles = kinematics.serpenoid_joint_angles(a, edges, self.structure) if self.serpenoid else a
-        points, _ = kinematics.vertices(angles, edges, weights, self.structure)
-        world = energy.planar_rotation(g[2]) @ points + ca.repmat(g[:2], 1, self.structure.vertices)
-        value = gaps_function(list(self.gaps), self.structure)(world)
-        z, multipliers = ca.vertcat(g, a), ca.SX.sym("multipliers", value.numel())
+    def at_rows(self) -> Functions:
+        """Of one pose and one shape."""
+        return self._of(1)
+
+    @cached_property
+    def between(self) -> Functions:
+        """Of the poses and shapes before and after."""
+        return self._of(2)
+
+    def _of(self, ends: int) -> Functions:
+        s, n = self.coordinates, self.structure.vertices
+        g, a, when = ca.SX.sym("g", 3, ends), ca.SX.sym("a", s, ends), ca.SX.sym("when", 2)
+        parameters = ca.SX.sym("parameters", 2 * n)
+        value = self._value(g, a, when, parameters)
+        z, multipliers = ca.vertcat(ca.vec(g), ca.vec(a)), ca.SX.sym("multipliers", value.numel())
         hessian, gradient = ca.hessian(ca.dot(multipliers, value), z)
-        inputs = [g, a, parameters]
+        inputs = [ca.vec(g), ca.vec(a), when, parameters]
         made = [
             ca.Function("along_value", inputs, [value], CSE),
             ca.Function("along_jacobian", inputs, [ca.densify(ca.jacobian(value, z))], CSE),
@@ -60,70 +70,140 @@ class Along:
         first, second, third = made if self.portable else compiled(made)
         return first, second, third
 
+    def _value(self, g: ca.SX, a: ca.SX, when: ca.SX, parameters: ca.SX) -> ca.SX:
+        """Gaps point by point; when: share of the step, place behind each vertex."""
+        edges, weights, _ = split_parameters(parameters, self.structure)
+        rows = ca.horzsplit(a)
+        if self.serpenoid:
+            rows = [kinematics.serpenoid_joint_angles(row, edges, self.structure) for row in rows]
+        angles, pose = (_mixed(ends, when[0]) for ends in (rows, ca.horzsplit(g)))
+        body, _ = kinematics.vertices(angles, edges, weights, self.structure)
+        world = energy.planar_rotation(pose[2]) @ body + ca.repmat(pose[:2], 1, self.structure.vertices)
+        world += when[1] * (ca.horzcat(world[:, 1:], world[:, -1]) - world)
+        return ca.densify(ca.vertcat(*(gap.of(point) for point in ca.horzsplit(world) for gap in self.gaps)))
+
+
+def _mixed(rows: list[ca.SX], share: ca.SX) -> ca.SX:
+    return rows[0] if len(rows) == 1 else (1 - share) * rows[0] + share * rows[1]
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Instants of one kind: at rows (`ends` 1) or between them (2)."""
+
+    functions: Functions
+    ends: int
+    instants: tuple[tuple[float, int, float], ...]
+    steps: int
+    rows: int
+    coordinates: int
+
     @property
     def count(self) -> int:
         """c."""
-        return int(self._functions[0].size1_out(0))
+        return int(self.functions[0].size1_out(0))
 
     @property
     def total(self) -> int:
-        """Gaps of all rows."""
-        return self.count * (self.steps + 1)
+        """Gaps of all instants."""
+        return self.count * len(self.instants)
 
-    def value(self, cycle: Cycle) -> ca.MX:
-        """All gaps, row by row."""
-        return ca.vec(self._over(self._functions[0], cycle))
-
-    def jacobian(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
-        """Derivatives by poses and by shapes."""
-        blocks = self._over(self._functions[1], cycle)
-        return self._jacobian_places[0](blocks), self._jacobian_places[1](blocks)
-
-    def hessian(self, cycle: Cycle, multipliers: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX, ca.MX]:
-        """Force on the shapes (s, R); Hessian blocks poses by poses (upper), poses by shapes, shapes by shapes."""
-        columns = ca.reshape(multipliers, self.count, self.steps + 1)
-        gradient, blocks = self._over(self._functions[2], cycle, columns)
-        force = ca.reshape(ca.densify(self._force_places(gradient)), self.coordinates, self.rows)
-        uu, uq, qq = (places(blocks) for places in self._hessian_places)
-        return force, uu, uq, qq
-
-    def _over(self, function: ca.Function, cycle: Cycle, *more: ca.MX) -> ca.MX:
-        shapes = ca.horzcat(cycle.shapes, cycle.shapes[:, 0]) if cycle.closed else cycle.shapes
-        return over(function, self.steps + 1, [2], cycle.poses, shapes, cycle.parameters, *more)
+    def over(self, function: ca.Function, cycle: Cycle, *more: ca.MX) -> ca.MX:
+        """`function` at all instants."""
+        poses = ca.vertcat(*(cycle.poses[:, (self._at + end).tolist()] for end in range(self.ends)))
+        shapes = ca.vertcat(*(cycle.shapes[:, ((self._at + end) % self.rows).tolist()] for end in range(self.ends)))
+        when = ca.DM([[share, place] for share, _, place in self.instants]).T
+        return over(function, len(self.instants), [3], poses, shapes, when, cycle.parameters, *more)
 
     @cached_property
-    def _columns(self) -> tuple[np.ndarray, np.ndarray]:
-        """Pose and shape columns of the local variables of every row, shape (T + 1, 3 + s); -1: the other group."""
-        t, s = np.arange(self.steps + 1)[:, None], self.coordinates
-        poses = 3 * (t - 1) + np.arange(3)
-        poses[0] = -1
-        none = np.full((self.steps + 1, 3), -1)
-        return np.hstack([poses, np.full((len(t), s), -1)]), np.hstack([none, s * (t % self.rows) + np.arange(s)])
+    def _at(self) -> np.ndarray:
+        return np.array([step for _, step, _ in self.instants], int)
 
     @cached_property
-    def _jacobian_places(self) -> tuple[Scatter, Scatter]:
-        t, j, i = np.meshgrid(
-            *(np.arange(n) for n in (self.steps + 1, 3 + self.coordinates, self.count)), indexing="ij"
-        )
-        poses, shapes = self._columns[0][t, j], self._columns[1][t, j]
-        rows, sizes = self.count * t + i, (3 * self.steps, self.coordinates * self.rows, 0)
+    def columns(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pose and shape columns of z at every instant, shape (I, (3 + s) ends); -1: of the other group, or fixed."""
+        s, at = self.coordinates, self._at[:, None] + np.arange(self.ends)
+        poses = (3 * (at - 1)[..., None] + np.arange(3)).reshape(len(at), -1)
+        shapes = (s * (at % self.rows)[..., None] + np.arange(s)).reshape(len(at), -1)
         return (
-            scatter(rows, poses, poses >= 0, (self.total, sizes[0])),
-            scatter(rows, shapes, shapes >= 0, (self.total, sizes[1])),
+            np.hstack([np.where(poses < 0, -1, poses), np.full(shapes.shape, -1)]),
+            np.hstack([np.full(poses.shape, -1), shapes]),
         )
 
     @cached_property
-    def _force_places(self) -> Scatter:
-        shapes = self._columns[1]
+    def jacobian_places(self) -> tuple[Scatter, Scatter]:
+        """Of Jacobian blocks, by poses and by shapes."""
+        z = (3 + self.coordinates) * self.ends
+        t, j, i = np.meshgrid(*(np.arange(n) for n in (len(self.instants), z, self.count)), indexing="ij")
+        rows, sizes = self.count * t + i, (3 * self.steps, self.coordinates * self.rows)
+        first, second = (
+            scatter(rows, columns[t, j], columns[t, j] >= 0, (self.total, size))
+            for columns, size in zip(self.columns, sizes, strict=True)
+        )
+        return first, second
+
+    @cached_property
+    def force_places(self) -> Scatter:
+        """Of gradients, by shapes."""
+        shapes = self.columns[1]
         return scatter(shapes, np.zeros_like(shapes), shapes >= 0, (self.coordinates * self.rows, 1))
 
     @cached_property
-    def _hessian_places(self) -> tuple[Scatter, Scatter, Scatter]:
-        n, g, a = 3 + self.coordinates, 3 * self.steps, self.coordinates * self.rows
-        t, j, i = np.meshgrid(*(np.arange(k) for k in (self.steps + 1, n, n)), indexing="ij")
-        (pi, pj), (si, sj) = ((c[t, i], c[t, j]) for c in self._columns)
+    def hessian_places(self) -> tuple[Scatter, Scatter, Scatter]:
+        """Of Hessian blocks: poses by poses (upper), poses by shapes, shapes by shapes."""
+        z, g, a = (3 + self.coordinates) * self.ends, 3 * self.steps, self.coordinates * self.rows
+        t, j, i = np.meshgrid(*(np.arange(k) for k in (len(self.instants), z, z)), indexing="ij")
+        (pi, pj), (si, sj) = ((c[t, i], c[t, j]) for c in self.columns)
         return (
             scatter(pi, pj, (pi >= 0) & (pj >= pi), (g, g)),
             scatter(pi, sj, (pi >= 0) & (sj >= 0), (g, a)),
             scatter(si, sj, (si >= 0) & (sj >= 0), (a, a)),
         )
+
+
+@dataclass(frozen=True)
+class Along:
+    """The gaps of all watched instants with derivatives by poses and shapes."""
+
+    functions: GapFunctions
+    watch: Watch
+    steps: int
+    rows: int
+
+    @cached_property
+    def _groups(self) -> list[_Group]:
+        at_rows = [i for i in self.watch.instants if i[0] == 0]
+        between = [i for i in self.watch.instants if i[0] > 0]
+        shape = self.steps, self.rows, self.functions.coordinates
+        return [
+            _Group(self.functions.between if ends == 2 else self.functions.at_rows, ends, tuple(instants), *shape)
+            for ends, instants in ((1, at_rows), (2, between))
+            if instants
+        ]
+
+    @property
+    def total(self) -> int:
+        """Gaps of all instants."""
+        return sum(group.total for group in self._groups)
+
+    def value(self, cycle: Cycle) -> ca.MX:
+        """All gaps, instant by instant."""
+        return ca.vertcat(*(ca.vec(group.over(group.functions[0], cycle)) for group in self._groups))
+
+    def jacobian(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
+        """Derivatives by poses and by shapes."""
+        pairs = []
+        for group in self._groups:
+            blocks = group.over(group.functions[1], cycle)
+            pairs.append([places(blocks) for places in group.jacobian_places])
+        return ca.vertcat(*(pair[0] for pair in pairs)), ca.vertcat(*(pair[1] for pair in pairs))
+
+    def hessian(self, cycle: Cycle, multipliers: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX, ca.MX]:
+        """Force on the shapes (s, R); Hessian blocks poses by poses (upper), poses by shapes, shapes by shapes."""
+        parts, ends = [], np.cumsum([0, *(group.total for group in self._groups)]).tolist()
+        for group, on_group in zip(self._groups, ca.vertsplit(multipliers, ends), strict=True):
+            columns = ca.reshape(on_group, group.count, len(group.instants))
+            gradient, blocks = group.over(group.functions[2], cycle, columns)
+            parts.append([ca.densify(group.force_places(gradient)), *(p(blocks) for p in group.hessian_places)])
+        force, uu, uq, qq = (sum(same[1:], same[0]) for same in zip(*parts, strict=True))
+        return ca.reshape(force, self.functions.coordinates, self.rows), uu, uq, qq

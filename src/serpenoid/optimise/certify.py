@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
+from serpenoid.optimise.solver import Answer, Carried, GaitBounds, GaitSolver
 from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
@@ -61,7 +61,7 @@ def certify(
 
 
 def gait_costs(
-    solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds, margin: float = 0.0
+    solver: GaitSolver, gaits: Floats, c: float, penalty: float, gait_bounds: GaitBounds, carried: Carried | None = None
 ) -> Floats:
     """The objective of gaits (B, n) by forward simulation, plus `penalty` times every violation."""
     lower, upper = gait_bounds
@@ -70,7 +70,8 @@ def gait_costs(
     batch = solver.batch(tables)
     cost, outside = solver.asked.evaluate(batch, tables, inside, c)
     outside = outside + np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
-    outside = outside + solver.too_near(tables, batch, margin - FEASIBLE)
+    carried = carried or Carried()
+    outside = outside + solver.obstacles.too_near(carried.watch, tables, batch, carried.margin)
     if solver.limits.any:
         outside += np.maximum(solver.excess(tables).max(axis=(-2, -1)) - FEASIBLE, 0)
     target = solver.heading_target()
@@ -95,12 +96,12 @@ def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: Ga
     lower, upper = gait_bounds
     width = np.where(upper > lower, solver.family.widths, 0.0)
     rng = np.random.default_rng(0)
-    best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds, answer.margin)[0])
+    best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds, answer.carried)[0])
     lowest = first
     for distance in DISTANCES:
         trials = best + distance * width * rng.standard_normal((TRIALS, best.size))
         trials = np.clip(trials, lower, upper)
-        costs = gait_costs(solver, trials, c, penalty, gait_bounds, answer.margin)
+        costs = gait_costs(solver, trials, c, penalty, gait_bounds, answer.carried)
         if costs.min() < lowest:
             lowest, best = float(costs.min()), trials[costs.argmin()]
     return first - lowest

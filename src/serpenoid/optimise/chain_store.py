@@ -13,7 +13,8 @@ from serpenoid.errors import InputError
 from serpenoid.files import atomic
 from serpenoid.inputs import read_bytes
 from serpenoid.optimise.ipopt import Outcome, Point
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import Answer, Carried, GaitSolver
+from serpenoid.optimise.watch import Watch, Watched
 from serpenoid.status import Status
 
 STATIONARY = 1e-8  # what a certificate asks for
@@ -28,10 +29,12 @@ class ChainStore:
 
     def save(self, c: float, answer: Answer) -> None:
         """Write one point, whole or not at all."""
-        p, rows = answer.outcome.point, np.array(answer.rows, int)
+        p, carried = answer.outcome.point, answer.carried
+        rows, watch = np.array(carried.rows, int), np.array(carried.watch.points, float)
         stream = io.BytesIO()
         np.savez(
-            stream, x=p.x, lam_x=p.lam_x, lam_g=p.lam_g, rows=rows, iterations=answer.iterations, seconds=answer.seconds
+            stream, x=p.x, lam_x=p.lam_x, lam_g=p.lam_g, rows=rows, watch=watch, margin=carried.margin,
+            iterations=answer.iterations, seconds=answer.seconds,
         )  # fmt: skip
         content = stream.getvalue()
         with atomic(self._path(c)) as target:
@@ -42,13 +45,15 @@ class ChainStore:
         try:
             with np.load(io.BytesIO(_whole(read_bytes(self._path(c))))) as data:
                 point = Point(data["x"], data["lam_x"], data["lam_g"])
-                rows, iterations = tuple(data["rows"].tolist()), int(data["iterations"])
+                watch = Watch(tuple(Watched(a, int(t), b, int(v), int(k)) for a, t, b, v, k in data["watch"].tolist()))
+                carried = Carried(tuple(data["rows"].tolist()), watch, float(data["margin"]))
+                iterations = int(data["iterations"])
                 seconds = float(data["seconds"])
         except (InputError, KeyError, ValueError):
             return None
-        _, ipopt = solver.prepared(len(rows))
-        parameters = solver.parameters(c, list(rows))
-        bounds = solver.bounds(list(rows))
+        _, ipopt = solver.prepared(carried)
+        parameters = solver.parameters(c, carried.rows)
+        bounds = solver.bounds(carried)
         if point.x.shape != bounds.lbx.shape or point.lam_g.shape != bounds.lbg.shape:
             return None
         residuals = ipopt.residuals(point, parameters, bounds)
@@ -56,7 +61,7 @@ class ChainStore:
             return None  # an answer, but to another problem
         objective = float(ipopt.functions["f"](point.x, parameters))
         outcome = Outcome(Status.SOLVED, "Stored", point, objective, residuals, iterations, {"total": seconds})
-        return Answer(outcome, point.x[-solver.family.size :], iterations, seconds, rows)
+        return Answer(outcome, point.x[-solver.family.size :], iterations, seconds, carried)
 
     def _path(self, c: float) -> Path:
         return self.folder / f"{self.chain}-{c!r}.npz"

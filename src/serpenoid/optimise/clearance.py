@@ -1,26 +1,22 @@
 """Whether the body keeps clear between rows and between vertices, proven by interval halving.
 
-Between two rows the joints turn at constant rates and the body frame moves evenly, as a robot plays a table. A point of
-the body then moves at most  reach = |d(x, y)| + (|d heading| + sum |d angle|) * length  during a step, and no two
-points of an edge are farther apart than its length. A signed distance never changes faster than its point moves, so
-the value at the middle of an interval of time and edge, less half of what either can change, bounds it in the whole
-interval; intervals that are neither safe nor proven to hold nothing nearer than was found are halved.
+Between two rows the joints turn at constant rates and the body frame moves evenly, as a robot plays a table
+(`between.py`). In an interval of time and edge (half widths h, k about the middle) a point lies within h velocity + k
+edge of the middle's, but for second-order terms that have bounds. A convex gap is above its tangent plane, so there it
+is at least its value in the middle less |h gradient . velocity| + |k gradient . edge| and the rest; any other gap
+changes no faster than the point moves. Intervals that are neither safe nor small are halved.
 
-Legend: T steps, V vertices, I intervals.
+Legend: T steps, n edges, I intervals, c gaps.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
-from serpenoid import group
 from serpenoid.body import Floats
-from serpenoid.model import Model
-from serpenoid.objectives.criteria import Gaps
-from serpenoid.simulation.steps import shape_rows
+from serpenoid.optimise.between import Between, GapField, Moments
 
 RESOLUTION = 1e-4  # body lengths: a tenth of a millimetre on a robot of one metre
 MOST = 2_000_000  # intervals that are looked at
@@ -39,48 +35,20 @@ class Clearance:
         return f"{self.proven:.2e} body lengths proven at every time and place, {self.least:.2e} where it was looked"
 
 
-@dataclass(frozen=True)
-class _Path:
-    """Rows of poses (T + 1, 3) and realised angles (T + 1, m) of one motion."""
-
-    model: Model
-    poses: Floats
-    angles: Floats
-
-    def edges(self, step: np.ndarray, share: Floats, edge: np.ndarray, place: Floats) -> Floats:
-        """Points (I, 2) on edges at places in [0, 1], at shares of steps."""
-        late = share[:, None]
-        pose = (1 - late) * self.poses[step] + late * self.poses[step + 1]
-        angles = (1 - late) * self.angles[step] + late * self.angles[step + 1]
-        shapes, _ = shape_rows(self.model, angles)
-        points = group.place(pose, shapes)
-        index = np.arange(len(step))
-        tail, head = points[index, edge], points[index, edge + 1]
-        return np.asarray((1 - place[:, None]) * tail + place[:, None] * head)
-
-    @property
-    def reach(self) -> Floats:
-        """How far any point moves in each step at most, shape (T,)."""
-        moved = np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1)
-        turned = np.abs(np.diff(self.poses[:, 2])) + np.abs(np.diff(self.angles, axis=0)).sum(1)
-        return np.asarray(moved + turned)
-
-
-def clearance(model: Model, poses: Floats, angles: Floats, gaps: list[Gaps], wanted: float = 0.0) -> Clearance:
-    """Clearance of a motion: poses (T + 1, 3) [body lengths], realised joint angles (T + 1, m) [rad].
+def clearance(path: Between, field: GapField, wanted: float = 0.0) -> Clearance:
+    """Clearance of one motion.
 
     Intervals proven to be above `wanted` are not looked at again, so `proven` says no more than that where it is.
     """
-    path, function = _Path(model, poses, angles), _one_point(gaps)
-    steps, edges = len(poses) - 1, len(model.body.edges)
+    steps, edges = path.steps, path.phi.shape[2]
     step, edge = (x.ravel() for x in np.meshgrid(np.arange(steps), np.arange(edges), indexing="ij"))
     time, place = np.full(step.size, 0.5), np.full(step.size, 0.5)
     half_time, half_place = np.full(step.size, 0.5), np.full(step.size, 0.5)
-    reach, lengths, least, proven, seen = path.reach, model.body.edges, np.inf, np.inf, 0
+    least, proven, seen = np.inf, np.inf, 0
     while step.size:
-        value = function.map(step.size)(path.edges(step, time, edge, place).T).full().min(0)
-        by_time, by_place = half_time * reach[step], half_place * lengths[edge]
-        bound, seen = value - by_time - by_place, seen + step.size
+        value, by_time, by_place = _around(path, field, Moments(step, time, edge, place), half_time, half_place)
+        bound, seen = (value - by_time - by_place).min(1), seen + step.size
+        by_time, by_place = by_time.max(1), by_place.max(1)
         least = min(least, float(value.min()))
         final = (by_time + by_place <= RESOLUTION) | (seen > MOST)
         open_ = ~((bound >= min(wanted, least - RESOLUTION)) | final)
@@ -93,13 +61,26 @@ def clearance(model: Model, poses: Floats, angles: Floats, gaps: list[Gaps], wan
     return Clearance(least, min(proven, least))
 
 
+def _around(
+    path: Between, field: GapField, at: Moments, half_time: Floats, half_place: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Gaps (I, c) in the middle of the intervals, and how much lower they can be by time and by place, (I, c) each."""
+    value, slope = field.at(path.points(at)[0])
+    by_time, by_both = (x[0] for x in path.bends(at))
+    late = _steepness(slope, path.velocities(at)[0], field) * half_time[:, None]
+    far = _steepness(slope, path.along(at)[0], field) * half_place[:, None]
+    rest = by_time * half_time**2 / 2 + by_both * half_time * half_place / 2
+    return value, late + rest[:, None], far + (by_both * half_time * half_place / 2)[:, None]
+
+
+def _steepness(slope: Floats, way: Floats, field: GapField) -> Floats:
+    """How fast each gap can change along a way (I, 2), shape (I, c)."""
+    along = np.abs(np.einsum("ick,ik->ic", slope, way))
+    return np.where(field.convex, along, np.linalg.norm(way, axis=1)[:, None])
+
+
 def _halved(middle: Floats, half: Floats, which: np.ndarray) -> tuple[Floats, Floats]:
     """Intervals twice over; those of `which` as their two halves."""
     quarter = np.where(which, half / 2, 0.0)
     both = np.stack([middle - quarter, middle + quarter], -1).ravel()
     return both, np.repeat(half - quarter, 2)
-
-
-def _one_point(gaps: list[Gaps]) -> ca.Function:
-    point = ca.SX.sym("point", 2)
-    return ca.Function("gaps_of_a_point", [point], [ca.densify(ca.vertcat(*(gap(point) for gap in gaps)))])

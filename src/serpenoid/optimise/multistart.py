@@ -13,7 +13,7 @@ from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.mesh import study_mesh
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import Answer, GaitBounds, GaitSolver
+from serpenoid.optimise.solver import Answer, Carried, GaitBounds, GaitSolver
 from serpenoid.shown import Shown
 from serpenoid.status import Status
 
@@ -63,10 +63,10 @@ def solve_one(
     polish: bool = False,
     flag: StopFlag | None = None,
     watch: Callable[[float], None] | None = None,
-    rows: tuple[int, ...] = (),
+    carried: Carried | None = None,
 ) -> tuple[Solution, Answer]:
     """Optimise from one start and certify the answer."""
-    answer = solver.solve(start, c, gait_bounds, rows, flag, watch)
+    answer = solver.solve(start, c, gait_bounds, carried, flag, watch)
     return as_solution(solver, answer, c, polish, gait_bounds), answer
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
 
@@ -18,5 +19,6 @@ def gait_nlp(
 ) -> GaitNLP:
     """The NLP of `problem` in the family of `gait` (default the problem's); see GaitNLP."""
     family = problem.family_of(gait)
-    law = motion_law(problem.model, family, portable)
-    return GaitNLP(law, asked(problem.task, family, customise).criteria, path_rows, portable)
+    law, criteria = motion_law(problem.model, family, portable), asked(problem.task, family, customise).criteria
+    obstacles = Obstacles(tuple(criteria.clear_of), problem.model, law.steps, family.closed)
+    return GaitNLP(law, criteria, path_rows, portable, watch=obstacles.first())

@@ -6,51 +6,58 @@ Legend: T steps, m joints, K path rows, q gait parameters (n,).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.mechanics.tables import family_tables
-from serpenoid.optimise.along import gaps_function
 from serpenoid.optimise.asked import Customise, asked
-from serpenoid.optimise.clearance import RESOLUTION, Clearance, clearance
+from serpenoid.optimise.clearance import RESOLUTION, Clearance
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, violations
 from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.softening import ITERATIONS, softer
 from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.optimise.watch import MARGIN, Watch
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch, simulate_joint_angles
 from serpenoid.simulation.problem import gait_parameters
 from serpenoid.simulation.rollout import Batch
-from serpenoid.simulation.servos import realise_gait
-from serpenoid.simulation.steps import shape_rows
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
-EXCHANGES = 8  # of limit rows, and recoveries
+EXCHANGES = 16  # of limit rows and watched points, and recoveries
+MOST_PREPARED = 6  # NLPs kept for another start
 RECOVERIES = 2
 SLIPPED = 1e-3  # far above the tolerance of the poses (1e-8), far below another root (some tenths of a radian)
 GaitBounds = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True)
-class Answer:
-    """IPOPT's outcome with the gait it found, total iterations over all exchanges, and the rows that carried limits.
+class Carried:
+    """What an NLP carries of conditions at all times: rows with limits, points watched for obstacles, their margin."""
 
-    margin: what vertices kept from obstacles so that nothing comes too near between them; clearance: what is proven.
+    rows: tuple[int, ...] = ()
+    watch: Watch = Watch()
+    margin: float = MARGIN
+
+
+@dataclass(frozen=True)
+class Answer:
+    """IPOPT's outcome with the gait it found, total iterations over all exchanges, and what the last NLP carried.
+
+    clearance: what is proven of obstacles.
     """
 
     outcome: Outcome
     q: Floats
     iterations: int
     seconds: float
-    rows: tuple[int, ...]
-    margin: float = 0.0
+    carried: Carried
     clearance: Clearance | None = None
 
 
@@ -68,7 +75,9 @@ class GaitSolver:
         self.limits = path_limits(problem)
         soft = softer(problem)
         self._softer = None if soft is None else GaitSolver(soft, customise, gait)
-        self._prepared: dict[tuple[int, bool], tuple[GaitNLP, Ipopt]] = {}
+        gaps = tuple(self.asked.criteria.clear_of)
+        self.obstacles = Obstacles(gaps, self.model, self.steps, self.family.closed)
+        self._prepared: dict[tuple[int, bool, Watch], tuple[GaitNLP, Ipopt]] = {}
 
     def gait_bounds(self) -> GaitBounds:
         """Lower and upper bounds of q: the problem's; joint limits too where the parameters are the angles."""
@@ -102,19 +111,6 @@ class GaitSolver:
         """The motions of tables (B, R, m)."""
         return simulate_batch(self.model, tables, self.family.closed)
 
-    def too_near(self, tables: Floats, batch: Batch, margin: float) -> Floats:
-        """By how much vertices come nearer to obstacles than `margin`, summed over the rows: shape (B,)."""
-        if not self.asked.criteria.clear_of:
-            return np.zeros(len(tables))
-        closed = self.family.closed
-        angles = np.array([realise_gait(self.model, table) if closed else table for table in tables])
-        rows = np.concatenate([angles, angles[:, :1]], axis=1) if closed else angles
-        shapes, _ = shape_rows(self.model, rows.reshape(-1, rows.shape[2]))
-        points = group.place(batch.poses.reshape(-1, 3), shapes)
-        gaps = gaps_function(self.asked.criteria.clear_of, self.model.structure)
-        value = gaps.map(len(points))(points.transpose(2, 0, 1).reshape(2, -1)).full()
-        return np.maximum(margin - value, 0).sum(0).reshape(len(tables), -1).sum(1)
-
     def excess(self, tables: Floats) -> Floats:
         """How far joint angles and their changes exceed the limits, shape (B, rows, 2 m)."""
         return violations(tables, self.limits, self.family.closed)
@@ -122,9 +118,13 @@ class GaitSolver:
     def prepare(self, q: Floats) -> None:
         """Compile what solving from gait q calls: done before Ctrl-C is caught, so that it ends a compile at once."""
         self.start(q)
-        self.prepared(len(self._first_rows()))
+        self.prepared(self.first())
         if self._softer is not None:
             self._softer.prepare(q)
+
+    def first(self) -> Carried:
+        """What the first NLP of a search carries."""
+        return Carried(tuple(self._first_rows()), self.obstacles.first())
 
     def _first_rows(self) -> list[int]:
         """Rows that carry limits: a few, exchanged later; of a sparse family all, where something is left to limit."""
@@ -153,47 +153,64 @@ class GaitSolver:
         start: Floats | Point,
         c: float,
         gait_bounds: GaitBounds | None = None,
-        rows: tuple[int, ...] = (),
+        carried: Carried | None = None,
         flag: StopFlag | None = None,
         watch: Callable[[float], None] | None = None,
     ) -> Answer:
-        """Optimise from gait parameters (n,) or warm from a Point whose constraints had `rows`."""
+        """Optimise from gait parameters (n,) or warm from a Point of an NLP that had `carried`."""
         if self._softer is not None and not isinstance(start, Point):
             price = c if self._softer.model.law.degree == self.model.law.degree else 0.0  # drag has another scale
-            soft = self._softer.solve(start, price, gait_bounds, (), flag)
+            soft = self._softer.solve(start, price, gait_bounds, None, flag)
             start = soft.q if soft.outcome.status.ok else start
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
-        chosen = list(rows) or self._first_rows()
-        iterations, seconds, recoveries, margin, clear = 0, 0.0, RECOVERIES, 0.0, None
+        carried, iterations, seconds, recoveries, clear = carried or self.first(), 0, 0.0, RECOVERIES, None
         for _ in range(EXCHANGES):
-            _, ipopt = self.prepared(len(chosen), penalised=c > 0 or self.asked.always_dissipation)
-            parameters = self.parameters(c, chosen)
-            outcome = ipopt.solve(current, parameters, self.bounds(chosen, gait_bounds, margin), flag, watch)
+            _, ipopt = self.prepared(carried, penalised=c > 0 or self.asked.always_dissipation)
+            outcome = ipopt.solve(
+                current, self.parameters(c, carried.rows), self.bounds(carried, gait_bounds), flag, watch
+            )
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
             q = outcome.point.x[-self.family.size :]
             again = self._recovery(outcome, gait_bounds) if recoveries else None
             if again is not None:
                 recoveries, current = recoveries - 1, again
-            elif outcome.status.ok and not self.family.sparse and self._violated(q):
-                chosen, current = exchange(chosen, self.table(q), self.limits, self.steps), outcome.point.x
-            elif outcome.status.ok and (clear := self.clearance(q)) is not None and clear.proven < 0:
-                margin, current = margin - clear.proven + RESOLUTION, outcome.point.x
-            else:
+                continue
+            following, clear = self._exchanged(carried, q) if outcome.status.ok else (carried, None)
+            if following == carried:
                 break
-        return Answer(outcome, q, iterations, seconds, tuple(chosen), margin, clear)
+            same_rows = carried.rows == following.rows
+            current = self._moved(outcome.point, carried, following) if same_rows else outcome.point.x
+            carried = following
+        return Answer(outcome, q, iterations, seconds, carried, clear)
 
-    def clearance(self, q: Floats) -> Clearance | None:
-        """How near gait q comes to obstacles at any time, None where there are none."""
-        gaps = self.asked.criteria.clear_of
-        if not gaps:
-            return None
+    def _moved(self, point: Point, before: Carried, after: Carried) -> Point:
+        """The point with multipliers for the next NLP, whose watched points are others."""
+        size = self.model.structure.vertices, self.obstacles.field.convex.size
+        old, new = before.watch.places(*size), after.watch.places(*size)
+        nlp, _ = self.prepared(after)
+        lam_g = np.zeros(sum(nlp.constraint_counts))
+        first = lam_g.size - len(after.watch.instants) * size[0] * size[1]
+        lam_g[:first] = point.lam_g[:first]
+        for watched in old.keys() & new.keys():
+            lam_g[first + new[watched]] = point.lam_g[first + old[watched]]
+        return Point(point.x, point.lam_x, lam_g)
+
+    def _exchanged(self, carried: Carried, q: Floats) -> tuple[Carried, Clearance | None]:
+        """What the next NLP must carry, the same where gait q keeps all limits and clear of obstacles, as is proven."""
         table = self.table(q)
-        angles = realise_gait(self.model, table) if self.family.closed else table
-        rows = np.concatenate([angles, angles[:1]]) if self.family.closed else angles
-        return clearance(self.model, self.simulate(table).poses, rows, gaps)
-
-    def _violated(self, q: Floats) -> bool:
-        return self.limits.any and float(self.excess(self.tables(q[None])).max()) > TOLERANCE
+        if not self.family.sparse and self.limits.any and float(self.excess(table[None]).max()) > TOLERANCE:
+            rows = exchange(list(carried.rows), table, self.limits, self.steps)
+            return replace(carried, rows=tuple(rows)), None
+        if not self.obstacles.gaps:
+            return carried, None
+        poses = self.simulate(table).poses
+        watch = self.obstacles.after(carried.watch, poses, table, carried.margin)
+        if set(watch.points) - set(carried.watch.points):
+            return replace(carried, watch=watch), None
+        clear = self.obstacles.clearance(poses, table)
+        if clear is None or clear.proven >= 0:
+            return carried, clear
+        return replace(carried, watch=watch, margin=carried.margin - clear.proven + RESOLUTION), clear
 
     def _recovery(self, outcome: Outcome, gait_bounds: GaitBounds | None) -> Floats | None:
         """A new start where IPOPT went astray, else None.
@@ -212,39 +229,48 @@ class GaitSolver:
             return None if (opened == q).all() else self.start(opened)
         return None
 
-    def prepared(self, path_rows: int, penalised: bool = True) -> tuple[GaitNLP, Ipopt]:
-        """The NLP with `path_rows` limit rows, with or without dissipation in the objective, and its solver."""
-        key = path_rows, penalised
+    def prepared(self, carried: Carried, penalised: bool = True) -> tuple[GaitNLP, Ipopt]:
+        """The NLP that carries this, with or without dissipation in the objective, and its solver."""
+        rows, watch = len(carried.rows), carried.watch
+        key = rows, penalised, watch
         if key not in self._prepared:
             law = motion_law(self.model, self.family)
-            nlp = GaitNLP(law, self.asked.criteria, path_rows, penalised=penalised)
-            limited = np.tile(self._limited, path_rows)
-            motion, _, added = nlp.constraint_counts
-            kept = np.concatenate([np.full(motion, True), limited, np.full(added, True)])
+            nlp = GaitNLP(law, self.asked.criteria, rows, penalised=penalised, watch=watch)
+            motion, path, added = nlp.constraint_counts
+            columns = self.obstacles.field.convex.size if watch.points else 0
+            gaps = watch.kept(self.model.structure.vertices, columns)
+            others = motion + path + self.asked.bounds[0].size
+            kept = np.concatenate([np.arange(motion), motion + np.flatnonzero(np.tile(self._limited, rows)),
+                                   np.arange(motion + path, others), others + gaps])  # fmt: skip
             options = None if self._softer is None else {"ipopt.max_iter": ITERATIONS}
-            self._prepared[key] = nlp, Ipopt(nlp, np.flatnonzero(kept), options)
+            while len(self._prepared) >= MOST_PREPARED:
+                del self._prepared[next(iter(self._prepared))]
+            self._prepared[key] = nlp, Ipopt(nlp, kept, options)
         return self._prepared[key]
 
-    def parameters(self, c: float, rows: list[int]) -> Floats:
+    def parameters(self, c: float, rows: tuple[int, ...]) -> Floats:
         """Numbers for the NLP's parameters."""
         data = np.concatenate([self.family.data, self.family.data[:1]])
-        ends = np.hstack([data[rows], data[np.array(rows, int) + 1]])
+        chosen = np.array(rows, int)
+        ends = np.hstack([data[chosen], data[chosen + 1]])
         return np.concatenate([[c], ends.ravel(), self.model.parameters])
 
-    def bounds(self, rows: list[int], gait_bounds: GaitBounds | None = None, margin: float = 0.0) -> Bounds:
-        """Bounds of all variables and constraints; vertices keep `margin` from obstacles."""
+    def bounds(self, carried: Carried, gait_bounds: GaitBounds | None = None) -> Bounds:
+        """Bounds of all variables and constraints."""
         lower, upper = gait_bounds or self.gait_bounds()
-        nlp, _ = self.prepared(len(rows))
+        nlp, _ = self.prepared(carried)
         n = 3 * self.steps
         lbx = np.concatenate([np.full(n + nlp.lifted, -np.inf), lower])
         ubx = np.concatenate([np.full(n + nlp.lifted, np.inf), upper])
         turn = self.heading_target()
         if turn is not None:
             lbx[n - 1] = ubx[n - 1] = turn
-        path, zero = np.tile(self.limits.upper, len(rows)), np.zeros(n + nlp.lifted)
+        path, zero = np.tile(self.limits.upper, len(carried.rows)), np.zeros(n + nlp.lifted)
         least, most = self.asked.bounds
         gaps = nlp.constraint_counts[2] - least.size
-        least, most = np.append(least, np.full(gaps, margin)), np.append(most, np.full(gaps, np.inf))
+        free = np.full(gaps, -np.inf)
+        free[carried.watch.kept(self.model.structure.vertices, self.obstacles.field.convex.size)] = carried.margin
+        least, most = np.append(least, free), np.append(most, np.full(gaps, np.inf))
         return Bounds(lbx, ubx, np.concatenate([zero, -path, least]), np.concatenate([zero, path, most]))
 
     def heading_target(self) -> float | None:

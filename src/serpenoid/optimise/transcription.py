@@ -23,12 +23,13 @@ import casadi as ca
 
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.optimise.along import Along
+from serpenoid.optimise.along import Along, gap_functions
 from serpenoid.optimise.assembly import Places
 from serpenoid.optimise.blocks import Cycle
 from serpenoid.optimise.layer import Layer
 from serpenoid.optimise.motion_law import MotionLaw, path_layer, table_layer
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
+from serpenoid.optimise.watch import Watch
 
 Names = tuple[list[str], list[str]]
 
@@ -38,8 +39,9 @@ class GaitNLP:
 
     variables: MX (3 T + [1] + n); parameters: MX (1 + 2 d K + 2 N): c, the data of the K path rows and of those
     after them, model parameters. `penalised=False` leaves the dissipation out of the derivatives (faster where its
-    weight is zero). `portable` Functions are self-contained: they can be saved, loaded elsewhere and generated as C;
-    the others call libraries compiled on this machine, and are faster.
+    weight is zero). `watch`: what is kept clear of obstacles, and when. `portable` Functions are self-contained: they
+    can be saved, loaded elsewhere and generated as C; the others call libraries compiled on this machine, and are
+    faster.
     """
 
     def __init__(
@@ -49,11 +51,12 @@ class GaitNLP:
         path_rows: int = 0,
         portable: bool = False,
         penalised: bool = True,
+        watch: Watch | None = None,
     ) -> None:
         self.law, self.family, self.criteria, self.penalised = law, law.family, criteria, penalised
         self.steps, self.path_rows, self.portable = law.steps, path_rows, portable
         self.lifted = not criteria.separable
-        self.structure = law.structure
+        self.structure, self.watch = law.structure, watch or Watch()
         d = self.family.data.shape[1]
         self.variables = ca.MX.sym("variables", 3 * self.steps + self.lifted + self.family.size)
         self.parameters = ca.MX.sym("parameters", 1 + 2 * d * path_rows + 2 * self.structure.vertices)
@@ -70,7 +73,7 @@ class GaitNLP:
 
     @property
     def constraint_counts(self) -> tuple[int, int, int]:
-        """Numbers of (motion, path, added) constraints; added ones: the criteria's, then gaps row by row."""
+        """Numbers of (motion, path, added) constraints; added ones: the criteria's, then gaps, instant by instant."""
         path = 2 * len(self.structure.joints) * self.path_rows
         added = self.criteria.constraints.numel() + (self._along.total if self._along else 0)
         return 3 * self.steps + self.lifted, path, added
@@ -105,12 +108,13 @@ class GaitNLP:
 
     @cached_property
     def _along(self) -> Along | None:
-        if not self.criteria.clear_of:
+        if not self.watch.points:
             return None
-        law, rows = self.law, self.family.rows
+        law = self.law
         serpenoid = law.coordinates == 3 and isinstance(law.blocks, SerpenoidBlocks)
         gaps = tuple(self.criteria.clear_of)
-        return Along(gaps, law.structure, self.steps, rows, law.coordinates, serpenoid, self.portable)
+        functions = gap_functions(gaps, law.structure, law.coordinates, serpenoid, self.portable)
+        return Along(functions, self.watch, self.steps, self.family.rows)
 
     @property
     def _gaps(self) -> list[ca.MX]:

@@ -1,0 +1,65 @@
+"""Obstacles of a task as numbers: motions between rows, what an NLP watches, what is proven of the answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.model import Model
+from serpenoid.objectives.criteria import Gaps
+from serpenoid.optimise.between import Between, GapField
+from serpenoid.optimise.clearance import Clearance, clearance
+from serpenoid.optimise.watch import Watch, every_vertex, exchanged
+from serpenoid.simulation.rollout import Batch
+from serpenoid.simulation.servos import realise_gait
+
+FEASIBLE = 1e-9  # body lengths
+
+
+@dataclass(frozen=True)
+class Obstacles:
+    """What must be kept clear of by gaits of `steps` steps; none where `gaps` is empty."""
+
+    gaps: tuple[Gaps, ...]
+    model: Model
+    steps: int
+    closed: bool
+
+    @cached_property
+    def field(self) -> GapField:
+        """The gaps of single points."""
+        return GapField(self.gaps)
+
+    def path(self, poses: Floats, tables: Floats) -> Between:
+        """Motions with poses (B, T + 1, 3) of joint tables (B, R, m)."""
+        if not self.closed:
+            return Between(self.model, poses, tables)
+        angles = np.array([realise_gait(self.model, table) for table in tables])
+        return Between(self.model, poses, np.concatenate([angles, angles[:, :1]], axis=1))
+
+    def first(self) -> Watch:
+        """What the first NLP watches."""
+        return every_vertex(self.steps, self.model.structure.vertices, self.field.convex.size) if self.gaps else Watch()
+
+    def after(self, watch: Watch, poses: Floats, table: Floats, margin: float) -> Watch:
+        """What the next NLP watches."""
+        return exchanged(watch, self.path(poses[None], table[None]), self.field, margin)
+
+    def clearance(self, poses: Floats, table: Floats) -> Clearance | None:
+        """How near a motion comes to obstacles at any time, None where there are none."""
+        if not self.gaps:
+            return None
+        return clearance(self.path(poses[None], table[None]), self.field)
+
+    def too_near(self, watch: Watch, tables: Floats, batch: Batch, margin: float) -> Floats:
+        """How much nearer than `margin` watched points come, and vertices of any row than allowed, summed: (B,)."""
+        if not self.gaps:
+            return np.zeros(len(tables))
+        path, slack = self.path(batch.poses, tables), FEASIBLE
+        watched, vertices = (w.values(path, self.field) if w.points else np.zeros((len(tables), 0))
+                             for w in (watch, self.first()))  # fmt: skip
+        excess = np.maximum(margin - slack - watched, 0).sum(1) + np.maximum(-slack - vertices, 0).sum(1)
+        return np.asarray(excess)
