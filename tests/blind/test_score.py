@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from blind import table
-from blind.campaign import Campaign, make
+from blind.campaign import COMBINATIONS, Campaign, make
 from blind.catalogue import CATALOGUE, Effect
 from blind.handful import HANDFUL
 from blind.score import Name, answer, confusion, errors, judge, wilson
@@ -22,9 +22,14 @@ SLOPE = Effect("slope", None, {"pull_x": 0.003, "pull_y": 0.001})
 ZERO = Effect("zero_offset", 1, {"offset": 0.03})
 
 
+def short(hidden: list[Effect] | int) -> Campaign:
+    """A campaign of three settings."""
+    return make(5, hidden, "short", COMBINATIONS[:3])
+
+
 @pytest.fixture(scope="module")
 def sloping() -> Campaign:
-    return make(5, [SLOPE])
+    return short([SLOPE])
 
 
 @pytest.fixture(scope="module")
@@ -34,12 +39,12 @@ def slope_floor(sloping: Campaign) -> float:
 
 def test_the_floor_is_a_matter_of_millimetres_and_the_null_has_no_strength(slope_floor: float) -> None:
     assert 1e-4 < slope_floor < 5e-3
-    assert strength(make(5, 0), Effect("toe", None, {"angle": 0.0}), slope_floor) < 0.02
+    assert strength(short(0), Effect("toe", None, {"angle": 0.0}), slope_floor) < 0.02
 
 
 def test_the_floor_does_not_depend_on_what_is_hidden(slope_floor: float) -> None:
-    assert floor(make(5, [ZERO])) == pytest.approx(slope_floor, rel=0.25)
-    assert floor(make(5, [Effect("frame_drift", None, {"velocity_x": 0.004, "velocity_y": 0})])) < 1.25 * slope_floor
+    assert floor(short([ZERO])) == pytest.approx(slope_floor, rel=0.25)
+    assert floor(short([Effect("frame_drift", None, {"velocity_x": 0.004, "velocity_y": 0})])) < 1.25 * slope_floor
 
 
 def test_a_rival_with_the_same_name_leaves_nothing(sloping: Campaign, slope_floor: float) -> None:
@@ -55,7 +60,7 @@ def test_an_unrelated_rival_leaves_almost_everything(sloping: Campaign, slope_fl
 
 
 def test_tail_marker_and_first_joints_zero_cannot_be_told_apart() -> None:
-    c = make(5, [ZERO])
+    c = short([ZERO])
     assert strength(c, ZERO, 1e-3) > 3
     assert separation(c, ZERO, "marker_offset", 0, 1e-3) < 1
     assert separation(c, ZERO, "marker_offset", 5, 1e-3) > 3
