@@ -6,7 +6,7 @@ Vertices, edges and joints are numbered along the body from the tail (0) to the 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +18,21 @@ Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
 Length = Annotated[float, Field(ge=1e-9, le=1e6)]  # metres, or any unit: sums and ratios stay finite
 Weight = Annotated[float, Field(ge=1e-9, le=1e9)]
+ANIMALS = ("swimmer", "crawler")
 MOST_VERTICES = 1000  # compiling takes minutes beyond
+Kind = Literal["wheeled robot", "swimmer", "crawler"]
+Part = Literal["servos", "wheels", "ground", "water"]
+PARTS: dict[Kind, frozenset[Part]] = {
+    "wheeled robot": frozenset({"servos", "wheels", "ground"}),
+    "swimmer": frozenset({"water"}),
+    "crawler": frozenset({"ground"}),
+}
 
 
 class Body(Record):
     """A chain of N vertices. Lengths in metres (or any unit, if no hardware is meant), weights on any scale."""
 
-    kind: Literal["wheeled robot", "swimmer", "crawler"] | None = Field(
+    kind: Kind | None = Field(
         default=None, description="wheeled robot | swimmer | crawler: decides words, default weights, effects on offer"
     )
     vertices: int = Field(
@@ -88,7 +96,12 @@ class Body(Record):
     @property
     def is_animal(self) -> bool:
         """Whether it has no wheels, servos or mounted weights."""
-        return self.kind in ("swimmer", "crawler")
+        return self.kind in ANIMALS
+
+    @property
+    def parts(self) -> frozenset[Part]:
+        """What it has, and what is around it: everything, where nobody says."""
+        return frozenset(get_args(Part)) if self.kind is None else PARTS[self.kind]
 
     def uniform(self) -> Body:
         """The same body with its weight spread evenly along its length, half an edge's at either end of it."""

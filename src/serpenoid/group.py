@@ -29,3 +29,15 @@ def accumulate(relative: Floats, start: Floats | None = None) -> Floats:
 def place(poses: Floats, points: Floats) -> Floats:
     """Body-frame points (..., N, 2) in the world: shape (..., N, 2)."""
     return np.einsum("...ij,...nj->...ni", rotation(poses[..., 2]), points) + poses[..., None, :2]
+
+
+def compose(first: Floats, second: Floats) -> Floats:
+    """Poses `second` (..., 3), given in the frames of `first` (..., 3), in the frame that those are given in."""
+    moved = np.einsum("...ij,...j->...i", rotation(first[..., 2]), second[..., :2])
+    return np.concatenate([first[..., :2] + moved, (first[..., 2] + second[..., 2])[..., None]], -1)
+
+
+def inverse(poses: Floats) -> Floats:
+    """The frames that poses (..., 3) are given in, seen from those poses."""
+    back = -np.einsum("...ji,...j->...i", rotation(poses[..., 2]), poses[..., :2])
+    return np.concatenate([back, -poses[..., 2:]], -1)

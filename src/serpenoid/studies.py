@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from serpenoid.compare.calibrate import Calibration, calibrate
+from serpenoid.compare.calibrate import Calibration, calibrate, drag_ratio
 from serpenoid.compare.start import compared_model, neutral_model
 from serpenoid.compare.study import Study, compare_campaign
 from serpenoid.diagnose.campaign import diagnose_campaign
@@ -43,6 +43,11 @@ class Fitted(Shown):
     campaign: Campaign
     model: Model
     calibration: Calibration
+
+    @property
+    def drag_ratio(self) -> tuple[float, float, float]:
+        """K = 1 / eps of all trials together, and its 95 % interval."""
+        return drag_ratio(self.calibration.joint, self.model)
 
     def summary(self) -> str:
         """Every number with its 95 % interval."""

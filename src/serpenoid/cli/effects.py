@@ -62,6 +62,8 @@ def record(effect: Effect) -> dict[str, Any]:
         ],
         "looks_like": effect.looks_like,
         "what_to_do": effect.what_to_do,
+        "needs": sorted(effect.needs),
+        "of_animals": None if effect.of_animals is None else vars(effect.of_animals),
         "does_not_apply": dict(effect.reasons),
     }
 
@@ -83,6 +85,9 @@ def _lines(effect: Effect) -> list[str]:
     lines = [f"{effect.name} ({effect.site}{place})"]
     lines += [f"  {_parameter(p)}: {p.meaning}" for p in effect.parameters]
     lines += [f"  looks like: {effect.looks_like}", f"  what to do: {effect.what_to_do}"]
+    if effect.of_animals:
+        lines += [f"  of animals: {effect.of_animals.looks_like}", f"  what to do: {effect.of_animals.what_to_do}"]
+    lines += [f"  needs: {', '.join(sorted(effect.needs))}"] if effect.needs else []
     return lines + [f"  not in {use}: {reason}" for use, reason in effect.reasons.items()]
 
 

@@ -91,8 +91,8 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
             text = f"95 % {low:.6g} .. {high:.6g}, SD {calibration.spread[i]:.2g}"
             found.append(f"  mean of trials  {calibration.mean[i]:.6g}   {text}")
     if "anisotropy_ratio" in calibration.names:
-        ratio, least, most = drag_ratio(together)
-        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (noise)")
+        ratio, least, most = drag_ratio(together, model)
+        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g}")
         spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
         bound = ", at a bound" if any(fit.at_bound for fit in calibration.trials) else ""
         found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})")

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
-from serpenoid.compare.intervals import likelihood_intervals, mean_intervals
-from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit
+from serpenoid.compare.intervals import Z95, likelihood_intervals, mean_intervals
+from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.segments import trial_segments
@@ -114,11 +114,13 @@ def anisotropy(campaign: Campaign, model: Model) -> Estimate:
     return estimate(model, segments, ("anisotropy_ratio",))
 
 
-def drag_ratio(found: Estimate) -> tuple[float, float, float]:
-    """K = 1 / eps and its 95 % interval: at least 1, where eps reaches 1."""
+def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
+    """K = 1 / eps and its 95 % interval, of noise or robust, whichever is wider; within the bounds of eps."""
     i = found.names.index("anisotropy_ratio")
+    eps, wider = float(found.values[i]), Z95 * float(found.robust_sd[i])
+    least, most = model.medium.limits(LOWEST, HIGHEST)
     low, high = found.interval[i]
-    return 1 / float(found.values[i]), 1 / float(high), 1 / float(low)
+    return 1 / eps, 1 / min(max(float(high), eps + wider), most), 1 / max(min(float(low), eps - wider), least)
 
 
 def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
@@ -129,7 +131,7 @@ def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]
 def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
-    sd = np.sqrt(np.diag(solution.covariance)) * scale
+    sd = np.hypot(np.sqrt(np.diag(solution.covariance)) * scale, curve_sd(model, segments, solution))
     interval = likelihood_intervals(model, segments, solution, sd)
     correlation = solution.covariance / np.outer(*(2 * [np.sqrt(np.diag(solution.covariance))]))
     return Estimate(
@@ -137,6 +139,16 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
         robust_sd(solution), correlation, solution.noise_scale, autocorrelation(solution.segments),
         _complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
+
+
+def curve_sd(model: Model, segments: tuple[Segment, ...], solution: Solution) -> Floats:
+    """Standard error (P,) from not knowing how an animal's body runs between its points: two ways, one SD apart."""
+    if not model.body.is_animal:
+        return np.zeros(len(solution.values))
+    other = whiten(model, segments, solution.names, solution.values, ends="natural")
+    pull = [w.by_parameters.reshape(-1, len(solution.values)).T @ (o.defect - w.defect).ravel()
+            for w, o in zip(solution.segments, other, strict=True)]  # fmt: skip
+    return np.asarray(np.abs(solution.covariance @ np.sum(pull, axis=0)))
 
 
 def robust_sd(solution: Solution) -> Floats:

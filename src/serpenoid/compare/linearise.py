@@ -21,13 +21,14 @@ from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Model, Structure
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.simulation.curve import Ends, simulate_curve
 
 
 @dataclass(frozen=True)
 class Linearised:
     """Per step: defect (S, 3) and its derivatives, all in units of relative motion (forward, left, turn)."""
 
-    defect: Floats  # (S, 3)
+    defect: Floats  # (S, 3); of an animal from the curve through its points, derivatives from the chain
     by_before: Floats  # (S, 3, 3 + m): pose and joint angles before the step
     by_after: Floats  # (S, 3, 3 + m)
     by_parameters: Floats  # (S, 3, 2 N): edges, weights, anisotropy ratio
@@ -61,16 +62,19 @@ def relative_poses(poses: Floats) -> Floats:
     return np.stack([c * step[:, 0] + s * step[:, 1], c * step[:, 1] - s * step[:, 0], step[:, 2]], axis=1)
 
 
-def linearise(model: Model, joint_angles: Floats, poses: Floats) -> Linearised:
+def linearise(model: Model, joint_angles: Floats, poses: Floats, ends: Ends = "not-a-knot") -> Linearised:
     """Defects of the steps between successive rows of joint angles (R, m) and poses (R, 3) [body lengths]."""
     steps = len(poses) - 1
     relative = relative_poses(poses)
-    modelled = relative_poses(simulate_joint_angles(model, joint_angles, closed=False).poses)
+    motion = simulate_joint_angles(model, joint_angles, closed=False)
+    modelled = relative_poses(motion.poses)
     inputs = (joint_angles[:-1].T, joint_angles[1:].T, modelled.T, np.tile(model.parameters[:, None], steps))
     results = _mapped(model.structure, steps)(*inputs)
     by_pose, by_angles, by_after, by_parameters = (_stack(result, steps) for result in results)
     solve = np.linalg.inv(by_pose)
     pose_before, pose_after = _relative_derivatives(poses, relative)
+    if model.body.is_animal:
+        modelled = relative_poses(simulate_curve(model, motion.vertices, ends=ends).poses)
     return Linearised(
         relative - modelled,
         np.concatenate([pose_before, solve @ by_angles], axis=2),

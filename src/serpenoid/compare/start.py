@@ -39,7 +39,7 @@ def compared_model(campaign: Campaign, eps: float | None = None, dissipation: st
     if not any(trial.passages for trial in campaign.trials):
         return start, "nothing to fit it to"
     found = anisotropy(campaign, start)
-    ratio, low, high = drag_ratio(found)
+    ratio, low, high = drag_ratio(found, start)
     how_sure = (
         f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g}; K = {ratio:.4g}, {low:.4g} .. {high:.4g}"
     )

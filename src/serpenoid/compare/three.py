@@ -20,6 +20,7 @@ from serpenoid.measure.trial import Motion, Passage, Trial
 from serpenoid.measure.usage import whole_pieces
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.simulation.curve import simulate_curve
 from serpenoid.store import remember
 
 DRAWS = 12  # shape-noise replicates: the standard deviation is then known to a fifth
@@ -137,8 +138,10 @@ def joined(paths: list[Path]) -> Path:
 
 
 def simulate_path(model: Model, joint_angles: Floats, start: Floats) -> Path:
-    """Shapes (R, m) played once from a pose."""
+    """Shapes (R, m) played once from a pose; an animal's as the smooth curves that its points stand for."""
     found = simulate_joint_angles(model, joint_angles, start=start, closed=False)
+    if model.body.is_animal:
+        found = simulate_curve(model, found.vertices, start)
     return Path(found.poses, found.vertices, found.step_energy)
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.recording import read_recordings
@@ -13,6 +15,7 @@ from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import load_campaign
+from serpenoid.model import Model
 
 Reading = Callable[[int, int, str], None]  # trials read, of how many, name of the next
 
@@ -33,8 +36,13 @@ def diagnose_campaign(
     if is_tracked_only(file):
         if earlier is not None:
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
-        tracked = tracked_recordings(load_campaign(campaign, reading))
-        return file, diagnose_tracked(tracked, Baseline(baseline(model, file, tracked[0].body), without=without), say)
+        read = load_campaign(campaign, reading)
+        tracked = tracked_recordings(read)
+        begun = baseline(model, file, tracked[0].body)
+        found = diagnose_tracked(tracked, Baseline(begun, without=without), say)
+        plain = Model(read.body, begun.medium)
+        ratio = drag_ratio(anisotropy(read, plain), plain)
+        return file, replace(found, drag_ratio=ratio)
     check_body(model, file)
     known = earlier or Baseline(baseline(model, file, file.body), without=without)
     known.check(file.body)

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
-from serpenoid.diagnose.words import MEANINGS, Record, faint, inadequacy, parameter, shown, title
-from serpenoid.effects.catalogue import find
+from serpenoid.diagnose.words import (
+    MEANINGS,
+    Record,
+    advice,
+    drag_ratio,
+    faint,
+    inadequacy,
+    parameter,
+    shown,
+    title,
+)
 from serpenoid.pages import Card
 
 GAINS = {
@@ -34,14 +43,16 @@ def _cause(record: Record) -> Card:
     effects = record["effects"]
     rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
     said = [
-        f"{title(e)} ({e['strength_floors']:.1f} times the noise level): {find(e['name']).looks_like}. "
-        + (NO_ADVICE if e["stand_in"] else f"What to do: {find(e['name']).what_to_do}.")
+        f"{title(e)} ({e['strength_floors']:.1f} times the noise level): {advice(record, e).looks_like}. "
+        + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
         for e in effects
     ]
     others = [title(e) for e in record["alternatives"]]
     said += [f"The data cannot tell this from {', '.join(others)}."] if others else []
     said += [f"{text.capitalize()}." for text in faint(record)]
-    if not effects:
+    if record["drag_ratio"]:
+        said.append(f"Drag across over drag along the body, K = 1 / eps: {drag_ratio(record)}.")
+    elif not effects:
         said.append(f"The anisotropy ratio was calibrated to {record['anisotropy_ratio']['after']:.4g}.")
     return Card("Cause and place", ", ".join(title(e) for e in effects) or "none named", said, rows)
 

@@ -20,7 +20,7 @@ from serpenoid.diagnose.recording import Recording
 from serpenoid.diagnose.residual_words import discrepancy, pattern
 from serpenoid.diagnose.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
 from serpenoid.diagnose.tracks import make_tracks
-from serpenoid.diagnose.untestable import beyond_bounds, left_out
+from serpenoid.diagnose.untestable import beyond_bounds, left_out, not_on_offer
 from serpenoid.diagnose.windows import Prediction, Track
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
@@ -70,8 +70,9 @@ def choose_on_tracks(
     """
     model = baseline.model
     barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
+    absent = frozenset(barred) | not_on_offer(model.body)
     for _ in range(2):
-        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, frozenset(barred), baseline.ratio)
+        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
         model = fit_eps(motion, model).model
     found = finding(select(motion, model, track, say, rule))
     return replace(found, rung=replace(found.rung, untestable=barred))

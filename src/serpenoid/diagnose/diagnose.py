@@ -38,7 +38,8 @@ class Diagnosis:
 
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
     baseline: what was taken for granted; seen: the observation model; extension: the fit that the extended model takes
-    over, with what is too faint to be named where paths of held-out gaits need it.
+    over, with what is too faint to be named where paths of held-out gaits need it. drag_ratio: of an animal, K and its
+    95 % interval if drag is all there is, as `fit` says.
     """
 
     verdict: str
@@ -51,6 +52,7 @@ class Diagnosis:
     after: Scores
     held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
     ladder: tuple[Step, ...]
+    drag_ratio: tuple[float, float, float] | None = None
 
     @property
     def named(self) -> tuple[Named, ...]:
@@ -156,6 +158,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "at_bound": ratio_at_bound(found.best.model),
         },
         "discrepancy_m": d.motion.rung.discrepancy_m,
+        "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
         "noise_floor_m": found.floor_m,
         "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),

@@ -10,7 +10,7 @@ Legend: R rows of a part's time mesh, B boundaries of windows, N vertices.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,10 +22,14 @@ from serpenoid.diagnose.windows import Track, coasting, predict
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign
-from serpenoid.measure.trial import Trial
+from serpenoid.measure.trial import SHORTEST_RUN, Trial
 from serpenoid.model import Model
+from serpenoid.simulation.curve import simulate_curve
+from serpenoid.simulation.rollout import simulate_vertices
 
 PARTS = 4  # of all recordings together, at least
+MOST_PERIODS = 20  # of all recordings together
+LEAST_PART = 0.5  # periods
 WINDOWS_PER_PERIOD = 8
 STEPS_PER_WINDOW = 12
 LEAST_FRAMES = 2  # in a window
@@ -60,20 +64,30 @@ def is_tracked_only(file: CampaignFile) -> bool:
 
 
 def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
-    """Every stretch of every trial in which the body's shape is known for a period of its motion or longer."""
-    return tuple(piece for trial in campaign.trials for piece in _pieces(trial))
+    """Every stretch of every trial in which the body's shape is known for a period of its motion or longer.
+
+    Of more than MOST_PERIODS together the beginnings: work goes with their number, errors only with its square root.
+    """
+    found = [piece for trial in campaign.trials for piece in _pieces(trial)]
+    share = MOST_PERIODS / sum(p.smoothed.states.time[-1] / p.smoothed.states.period for p in found)
+    cut = [piece for trial in campaign.trials for piece in _pieces(trial, share)] if share < 1 else []
+    return tuple(cut or found)
 
 
-def _pieces(trial: Trial) -> list[TrackedRecording]:
+def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     if trial.motion is None or not trial.passages:
         raise InputError(f"trial `{trial.name}`: a diagnosis needs a motion file that shows the whole body.")
     body = trial.body if trial.metres is not None else _in_body_lengths(trial.body)
-    times = [trial.motion.time_s[run] for run in trial.motion.runs]
+    runs = [slice(run.start, run.start + int(share * (run.stop - run.start))) for run in trial.motion.runs]
+    times = [trial.motion.time_s[run] for run in runs if run.stop - run.start >= SHORTEST_RUN]
+    runs = [run for run in runs if run.stop - run.start >= SHORTEST_RUN]
     smoothed = [
         from_points(body, time - time[0], trial.motion.markers[run] * body.total_length_m)
-        for time, run in zip(times, trial.motion.runs, strict=True)
+        for time, run in zip(times, runs, strict=True)
     ]
-    long = [i for i, piece in enumerate(smoothed) if _most_parts(piece.states)]
+    long = [i for i, piece in enumerate(smoothed) if _mesh(piece.states)[2] >= WINDOWS_PER_PERIOD]
+    if not long and share < 1:
+        return []
     if not long:
         longest = max(smoothed, key=lambda piece: piece.states.time[-1]).states
         raise InputError(
@@ -83,9 +97,11 @@ def _pieces(trial: Trial) -> list[TrackedRecording]:
     spans = [float(time[-1] - time[0]) for time in times]
     promised = [spans[i] for i in long]
     promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
+    cut = f"the first {sum(spans[i] for i in long):.3g} s are used; `from_s` and `to_s` choose others"
+    notes = (*trial.notes, cut) if share < 1 else trial.notes
     names = [trial.name if len(long) == 1 else f"{trial.name}, from {times[i][0]:.4g} s" for i in long]
     return [
-        TrackedRecording(name, trial.gait, body, smoothed[i], seconds, trial.notes if i == long[0] else ())
+        TrackedRecording(name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else ())
         for name, i, seconds in zip(names, long, promised, strict=True)
     ]
 
@@ -103,8 +119,8 @@ def tracker(recordings: Sequence[TrackedRecording]) -> Callable[[Model], tuple[T
     if sum(parts) < PARTS:
         names = " and ".join(f"`{r.name}`" for r in recordings)
         raise InputError(
-            f"{names}: {sum(spans):.3g} s are too short to be cut into {PARTS} parts of a period "
-            f"({recordings[0].smoothed.states.period:.3g} s) each."
+            f"{names}: {sum(spans):.3g} s are too short to be cut into {PARTS} parts of half a period "
+            f"({recordings[0].smoothed.states.period:.3g} s) each; `fit` needs less."
         )
     return lambda model: tuple(t for r, n in zip(recordings, parts, strict=True) for t in _parts(r, n, model))
 
@@ -119,8 +135,8 @@ def _mesh(states: States) -> tuple[float, float, int]:
 
 
 def _most_parts(states: States) -> int:
-    """Parts of a period each that a stretch has."""
-    return _mesh(states)[2] // WINDOWS_PER_PERIOD
+    """Parts of half a period each that a stretch has."""
+    return int(_mesh(states)[2] // (LEAST_PART * WINDOWS_PER_PERIOD))
 
 
 def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track]:
@@ -136,7 +152,19 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
     least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     noise = [np.maximum(np.sqrt(np.mean([np.square(d[i]) for d in draws], axis=0)), least) for i in range(pieces)]
-    return [Track(**(vars(t) | {"noise": n})) for t, n in zip(tracks, noise, strict=True)]
+    return [_along_curve(model, replace(t, noise=n)) for t, n in zip(tracks, noise, strict=True)]
+
+
+def _along_curve(model: Model, track: Track) -> Track:
+    """The track with what drag along the smooth curve through an animal's points adds, and what is not known of it."""
+    if not model.body.is_animal:
+        return track
+    scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    plain, chains = Model(model.body, model.medium), track.vertices / model.body.total_length_m
+    curve, other = (simulate_curve(plain, chains, ends=ends).poses for ends in ("not-a-knot", "natural"))
+    paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
+    moved = [relative(p[:-1], p[1:]) for p in paths]
+    return replace(track, offset=moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
 
 
 def _run(states: States, first: float, step: float, windows: int) -> Run:

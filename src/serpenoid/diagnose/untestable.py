@@ -10,12 +10,18 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from serpenoid.body import Body
 from serpenoid.diagnose.windows import Track
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model
 
 ONE_WAY = 0.9  # mean resultant length of all headings: an SD of 26 degrees
+
+
+def not_on_offer(body: Body) -> frozenset[str]:
+    """Names of effects that need what this kind of body does not have: nobody asks for a swimmer's wheels."""
+    return frozenset(k.name for k in catalogue().values() if not k.needs <= body.parts)
 
 
 def left_out(names: Collection[str]) -> dict[str, str]:

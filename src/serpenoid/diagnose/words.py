@@ -6,12 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from serpenoid.body import ANIMALS
+from serpenoid.effects.base import Advice
 from serpenoid.effects.catalogue import find
 
 Record = Mapping[str, Any]
 SCALES = {"m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s")}
 MEANINGS = {
-    "nothing": "nothing that stands clear of what chance makes of repeated trials",
+    "nothing": "drag alone explains this recording within its noise",
     "explained": "what the model got wrong has a name, and nothing beyond chance is left",
     "partly explained": "what is named below is part of the cause; more is left than chance explains",
     "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
@@ -30,6 +32,11 @@ def inadequacy(record: Record) -> list[str]:
         f"the model is inadequate by {size} a window, and what it misses repeats: names of the medium take a part "
         "of that away, but may stand in for a cause that the catalogue does not hold"
     ]
+
+
+def advice(record: Record, effect: Record) -> Advice:
+    """What a named effect looks like and what to do about it, in words that fit the kind of body."""
+    return find(effect["name"]).words(record["kind"] in ANIMALS)
 
 
 def title(effect: Record) -> str:
@@ -105,6 +112,13 @@ def seconds(record: Record) -> str:
     return f"{record['used_s']:.4g} s used, {record['dropped_s']:.2g} s dropped"
 
 
+def drag_ratio(record: Record) -> str:
+    """K of an animal with its interval, if drag is all there is."""
+    ratio = record["drag_ratio"]
+    low, high = ratio["interval"]
+    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) if drag is all there is"
+
+
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"reference         {text}" for text in reference(record)]
@@ -123,6 +137,7 @@ def lines(record: Record) -> list[str]:
     rms = record["gain"]["path_rms_m"]
     found.append(f"held-out gaits    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
     found.append(f"anisotropy ratio  {ratio(record)}")
+    found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
     if record["next_experiment"]:
         e = record["next_experiment"]
         pose = e["start_pose"]

@@ -21,7 +21,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     reference: what the earlier campaign showed.
     """
     data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
-    data["reference"] = reference
+    data |= {"kind": file.body.kind, "reference": reference}
     comment = f"what the diagnosis of {file.name} found: {d.verdict}"
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
     before = d.motion.selection.null.model

@@ -14,7 +14,7 @@ from typing import Literal
 
 import casadi as ca
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Part
 from serpenoid.effects.element import Drag, Element
 from serpenoid.effects.view import View
 
@@ -60,12 +60,21 @@ class Parameter:
         return self.coordinate(self.typical if self.neutral is None else self.neutral)
 
 
+@dataclass(frozen=True)
+class Advice:
+    """What a reader is told about an effect that was found."""
+
+    looks_like: str
+    what_to_do: str
+
+
 @dataclass(frozen=True, eq=False)
 class Effect:
     """Description of one physical effect; each file of the catalogue makes one instance, called EFFECT.
 
-    reasons: for each use (simulate, nlp, fit, diagnose) that does not apply, why not. rank: in what order contributions
-    are applied where it matters. single: at most one in a model (else: one per place).
+    needs: what must be there for it to act (see `Body.parts`). of_animals: its words where a body is one; None: the
+    same. reasons: for each use (simulate, nlp, fit, diagnose) that does not apply, why not. rank: in what order
+    contributions are applied where it matters.
     """
 
     name: str
@@ -73,6 +82,8 @@ class Effect:
     parameters: tuple[Parameter, ...]
     looks_like: str
     what_to_do: str
+    needs: frozenset[Part] = frozenset()
+    of_animals: Advice | None = None
     reasons: Mapping[str, str] = field(default_factory=dict)
     rank: int = 10
 
@@ -80,6 +91,10 @@ class Effect:
     def site(self) -> Site:
         """Where it sits between command and data."""
         raise NotImplementedError
+
+    def words(self, animal: bool) -> Advice:
+        """What it looks like and what to do, of a robot or of an animal."""
+        return self.of_animals if animal and self.of_animals else Advice(self.looks_like, self.what_to_do)
 
     def applies_to(self, use: str) -> bool:
         """Whether it can be used to `simulate`, in the `nlp`, in a `fit`, in `diagnose`."""

@@ -10,12 +10,13 @@ def uses_table() -> str:
     """Every effect against simulate, NLP, fit and diagnose; numbers refer to the reasons below."""
     reasons = _reasons()
     lines = [
-        "| effect | site | place | simulate | NLP | fit | diagnose |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
+        "| effect | site | place | needs | simulate | NLP | fit | diagnose |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for effect in catalogue().values():
         cells = [_cell(effect, use, reasons) for use in USES]
-        lines.append(f"| `{effect.name}` | {effect.site} | {effect.place or ''} | {' | '.join(cells)} |")
+        needs = ", ".join(sorted(effect.needs))
+        lines.append(f"| `{effect.name}` | {effect.site} | {effect.place or ''} | {needs} | {' | '.join(cells)} |")
     lines.append("")
     lines += [f"{number}. {reason[0].upper()}{reason[1:]}." for number, reason in enumerate(reasons, start=1)]
     return "\n".join(lines)

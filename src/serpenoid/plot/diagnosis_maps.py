@@ -88,12 +88,14 @@ def against(
 
 def body_figure(w: Windows, extended: bool, scores: Scores) -> Figure:
     """Residual velocity of every vertex across and along the body; what an effect at each vertex would gain."""
-    fig = figure(9.6, 2.9)
-    axes = fig.subplots(1, 3)
+    placed = any(place is not None for _, place, _ in scores)
+    fig = figure(9.6 if placed else 6.6, 2.9)
+    axes = fig.subplots(1, 3 if placed else 2)
     for ax, component, name in ((axes[0], 1, "across the body"), (axes[1], 0, "along the body")):
         vertex_speeds(w, extended, component, name, ax)
     fig.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False, fontsize=SMALL)
-    vertex_scores(scores, axes[2])
+    if placed:
+        vertex_scores(scores, axes[2])
     return fig
 
 

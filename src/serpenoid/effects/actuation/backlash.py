@@ -48,6 +48,7 @@ EFFECT = Backlash(
     parameters=(Parameter("width", "rad", 0.0, 3.0, 0.0, 0.05, "full width of the gap"),),
     looks_like="one joint's wave has flat tops and is late by the same angle at every speed",
     what_to_do="replace the horn or its screw; preload the joint",
+    needs=frozenset({"servos"}),
     rank=2,
     memory=True,
 )

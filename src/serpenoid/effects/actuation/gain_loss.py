@@ -21,5 +21,6 @@ EFFECT = GainLoss(
     parameters=(Parameter("loss", "1", 0.0, 1.0, 0.0, 0.2, "share of the angle that is missing"),),
     looks_like="one joint's wave is smaller than commanded, in the same proportion in every gait",
     what_to_do="check that servo's supply and gains, or stiffen its bracket",
+    needs=frozenset({"servos"}),
     rank=3,
 )

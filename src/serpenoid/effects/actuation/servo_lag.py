@@ -48,6 +48,7 @@ EFFECT = ServoLag(
     parameters=(Parameter("lag", "s", 0.0, 5.0, 0.0, 0.08, "time constant"),),
     looks_like="every servo reads a smaller and later wave than commanded; quick cycles suffer most",
     what_to_do="raise the servos' gain, lower the load, or play more slowly",
+    needs=frozenset({"servos"}),
     rank=0,
     memory=True,
     needs_seconds=True,

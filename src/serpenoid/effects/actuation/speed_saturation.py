@@ -31,6 +31,7 @@ EFFECT = SpeedSaturation(
     parameters=(Parameter("max_speed", "rad/s", 1e-2, float("inf"), float("inf"), 0.5, "no joint turns faster", -1),),
     looks_like="triangle waves instead of sines in quick cycles; slow cycles are unharmed",
     what_to_do="charge the battery, or limit the gait's joint speed",
+    needs=frozenset({"servos"}),
     rank=1,
     memory=True,
     needs_seconds=True,

@@ -21,5 +21,6 @@ EFFECT = StuckJoint(
     parameters=(Parameter("angle", "rad", -3.2, 3.2, None, 0.1, "where it is stuck"),),
     looks_like="one joint reads the same angle all the time",
     what_to_do="look for the servo's error light; reboot or replace it",
+    needs=frozenset({"servos"}),
     rank=4,
 )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element, left
 
 
@@ -26,5 +26,10 @@ EFFECT = AddedMass(
     parameters=(Parameter("relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "added mass over drag level"),),
     looks_like="thrust out of phase with drag: a swimmer gets farther than any drag ratio allows; quick cycles show it",
     what_to_do="no fault: keep it in the model",
+    needs=frozenset({"water"}),
+    of_animals=Advice(
+        looks_like="a swimmer gets farther than any ratio of drags allows, most so in quick beats",
+        what_to_do="no fault: water that must be accelerated; keep it in the model",
+    ),
     knows=frozenset({"speed", "history"}),
 )

@@ -27,5 +27,6 @@ EFFECT = ContactOffset(
     parameters=(Parameter("offset", "m", -0.2, 0.2, 0.0, 0.018, "> 0: behind the joint, towards the tail"),),
     looks_like="head-first gaits and tail-first gaits differ, at every speed alike, more so for wide waves",
     what_to_do="measure how far the wheels sit from the joint axes and put it into the model",
+    needs=frozenset({"wheels"}),
     rank=5,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag
 
 
@@ -22,6 +22,11 @@ EFFECT = DryFriction(
     parameters=(Parameter("crossover_speed", "m/s", 0.0, 5.0, 0.0, 0.05, "speed at which both parts are equal"),),
     looks_like="slow cycles carry the body elsewhere than quick ones; slow vertices hold, fast ones let go",
     what_to_do="expect it with rubber on a hard floor; compare two cycle durations to be sure",
+    needs=frozenset({"ground"}),
+    of_animals=Advice(
+        looks_like="slow beats carry the body elsewhere than quick ones; slow parts hold, fast ones let go",
+        what_to_do="expect it on dry ground; compare slow and quick beats to be sure",
+    ),
     rank=31,
     knows=frozenset({"speed"}),
     laws=frozenset({"viscous"}),

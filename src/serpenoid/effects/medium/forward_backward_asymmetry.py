@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag, soft_sign
 
 
@@ -22,6 +22,10 @@ EFFECT = ForwardBackwardAsymmetry(
     parameters=(Parameter("asymmetry", "1", -1.0, 1.0, 0.0, 0.3, "> 0: easier head first"),),
     looks_like="head-first gaits go farther and tail-first gaits less far than predicted (or the reverse)",
     what_to_do="look for bent scales, ratcheting axles, or a nap of the carpet along the body",
+    of_animals=Advice(
+        looks_like="moves head first go farther and moves tail first less far than predicted (or the reverse)",
+        what_to_do="expect it where scales or bristles lie along the skin",
+    ),
     rank=30,
     knows=frozenset({"speed"}),
     scales_ratio=True,

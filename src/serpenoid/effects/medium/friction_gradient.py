@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
 
 
@@ -28,6 +28,11 @@ EFFECT = FrictionGradient(
     ),
     looks_like="the body turns towards the side of the floor that grips, depending on its heading there",
     what_to_do="look at how the mats lie and where they are worn",
+    needs=frozenset({"ground"}),
+    of_animals=Advice(
+        looks_like="the body turns towards the side of the ground that resists more, depending on its heading there",
+        what_to_do="look how ground or agar change from one side to the other: moisture, thickness, food",
+    ),
     rank=25,
     knows=frozenset({"place"}),
 )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
 
 
@@ -31,6 +31,11 @@ EFFECT = FrictionPatch(
     ),
     looks_like="residuals gather at one place on the floor, whichever vertex is there",
     what_to_do="clean the floor there, or move the arena",
+    needs=frozenset({"ground"}),
+    of_animals=Advice(
+        looks_like="residuals gather at one place on the ground, whichever part of the body is there",
+        what_to_do="look at the ground there: moisture, food, a scratch",
+    ),
     rank=25,
     knows=frozenset({"place"}),
 )

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag
 
 
@@ -31,6 +31,11 @@ EFFECT = GripSaturation(
     ),
     looks_like="quick cycles and wide waves slip sideways and lose way; slow ones follow the baseline",
     what_to_do="clean or change the tyres, or play the gait more slowly",
+    needs=frozenset({"ground"}),
+    of_animals=Advice(
+        looks_like="quick cycles and wide waves slip sideways and lose way; slow ones follow the baseline",
+        what_to_do="no fault: the ground gives way; keep it in the model, or offer a rougher one",
+    ),
     rank=30,
     knows=frozenset({"speed"}),
 )

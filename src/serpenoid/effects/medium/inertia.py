@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
 
 
@@ -23,5 +23,9 @@ EFFECT = Inertia(
     parameters=(Parameter("relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag level"),),
     looks_like="the body lags behind its shape, overshoots, and coasts into the pauses; quick cycles show it most",
     what_to_do="no fault: keep it in the model, or play the gait more slowly",
+    of_animals=Advice(
+        looks_like="the body lags behind its shape, overshoots, and glides on when bending stops; quick beats show it",
+        what_to_do="no fault: keep it in the model",
+    ),
     knows=frozenset({"speed", "history"}),
 )

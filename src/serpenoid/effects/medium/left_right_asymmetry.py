@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag, soft_sign
 
 
@@ -22,6 +22,10 @@ EFFECT = LeftRightAsymmetry(
     parameters=(Parameter("asymmetry", "1", -1.0, 1.0, 0.0, 0.3, "> 0: harder to the left"),),
     looks_like="all gaits, head first or tail first, drift to the same side of the body",
     what_to_do="look for tyres worn on one side, or a body that leans",
+    of_animals=Advice(
+        looks_like="the body drifts to the same side whichever way it swims or crawls",
+        what_to_do="look whether it leans, or rubs along a wall on one side",
+    ),
     rank=30,
     knows=frozenset({"speed"}),
     scales_ratio=True,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from serpenoid.body import Body
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols, Values
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols, Values
 from serpenoid.effects.element import Element
 
 
@@ -34,5 +34,10 @@ EFFECT = Load(
     parameters=(Parameter("share", "1", -1.0, 10.0, 0.0, 0.1, "of the body's weight, added at the vertex"),),
     looks_like="motions pivot nearer to one vertex (payload) or it swings wide (contact lost), at every speed alike",
     what_to_do="weigh the modules; check that every wheel touches the floor",
+    needs=frozenset({"ground"}),
+    of_animals=Advice(
+        looks_like="motions pivot nearer to one part of the body (it presses harder) or that part swings wide (lifted)",
+        what_to_do="film from the side: does the animal lift or press down this part?",
+    ),
     rank=20,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag
 
 REFERENCE_SPEED = 0.1  # m/s; a unit only: the path does not depend on it
@@ -24,6 +24,10 @@ EFFECT = PowerLawDrag(
     parameters=(Parameter("exponent", "1", 0.0, 3.0, 1.0, 0.6, "of the speed in the force"),),
     looks_like="fast vertices count for more (> 1) or less (< 1) than with linear drag, at every speed alike",
     what_to_do="no fault: the material of floor or skin; keep the exponent in the model",
+    of_animals=Advice(
+        looks_like="fast parts of the body count for more (> 1) or less (< 1) than with linear drag, at every speed",
+        what_to_do="no fault: how water, mucus or ground resist; keep the exponent in the model",
+    ),
     rank=30,
     knows=frozenset({"speed"}),
     laws=frozenset({"viscous"}),

@@ -24,6 +24,7 @@ EFFECT = RollingResistance(
     parameters=(Parameter("crossover_speed", "m/s", 0.0, 5.0, 0.0, 0.05, "speed at which both parts are equal"),),
     looks_like="slow cycles slip back more than quick ones, though nothing slides sideways; slopes do not matter",
     what_to_do="clean and oil the axles; expect it with ball bearings and soft tyres",
+    needs=frozenset({"wheels"}),
     rank=31,
     knows=frozenset({"speed"}),
     laws=frozenset({"viscous"}),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
 
 
@@ -27,5 +27,10 @@ EFFECT = Slope(
     ),
     looks_like="all trials drift the same way on the floor, more so the slower they are, and in pauses too",
     what_to_do="put a level on the floor",
+    needs=frozenset({"ground"}),
+    of_animals=Advice(
+        looks_like="the body drifts the same way on the ground, more so the slower it moves, and while it rests",
+        what_to_do="put a level on the ground; in a dish, look for flow",
+    ),
     knows=frozenset({"speed", "place"}),
 )

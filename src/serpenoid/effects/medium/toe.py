@@ -23,5 +23,6 @@ EFFECT = Toe(
     parameters=(Parameter("angle", "rad", -0.8, 0.8, 0.0, 0.05, "left > 0"),),
     looks_like="the body crabs: displacement turns against the heading by the same angle in every gait",
     what_to_do="square the wheel mounts to the links",
+    needs=frozenset({"wheels"}),
     rank=20,
 )

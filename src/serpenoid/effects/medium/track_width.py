@@ -25,5 +25,6 @@ EFFECT = TrackWidth(
     parameters=(Parameter("half_track", "m", 0.0, 0.5, 0.0, 0.1, "from the middle of the axle to a wheel", 2),),
     looks_like="the body turns less than it should where it bends most, in every gait and at every speed alike",
     what_to_do="measure the distance of the wheels; narrow the axles, or let both wheels of a pair turn freely",
+    needs=frozenset({"wheels"}),
     rank=20,
 )

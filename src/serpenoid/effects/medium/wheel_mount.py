@@ -29,5 +29,6 @@ EFFECT = WheelMount(
     parameters=(Parameter("share", "1", -1.0, 1.0, 0.0, 0.5, "1: along the link behind, -1: along the link ahead"),),
     looks_like="head-first gaits and tail-first gaits differ, at every speed alike, more so for wide waves",
     what_to_do="look to which link the wheels are screwed and put it into the model",
+    needs=frozenset({"wheels"}),
     rank=5,
 )

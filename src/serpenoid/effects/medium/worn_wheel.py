@@ -25,5 +25,6 @@ EFFECT = WornWheel(
     parameters=(Parameter("seizure", "1", 0.0, 1.0, 0.0, 0.5, "0 = rolls as the others, 1 = does not roll"),),
     looks_like="the body is held back and turns about one vertex, in every gait and at every speed alike",
     what_to_do="look for hair and dirt in the axle of that wheel; replace it",
+    needs=frozenset({"wheels"}),
     rank=20,
 )

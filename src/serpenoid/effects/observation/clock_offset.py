@@ -22,6 +22,7 @@ EFFECT = ClockOffset(
     parameters=(Parameter("rate", "s/s", -0.5, 0.5, 0.0, 5e-3, "> 0: the servo's clock is fast"),),
     looks_like="shapes from the servo log run ahead of the cameras' more and more within a trial",
     what_to_do="use one clock, or a flash and a wink of a joint at both ends of a trial",
+    needs=frozenset({"servos"}),
     reasons={"nlp": "clocks do not change how the body moves: the optimal gait is the same with and without it"},
     rank=4,
 )

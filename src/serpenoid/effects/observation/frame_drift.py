@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from serpenoid.effects.base import ObservationEffect, Parameter, Values
+from serpenoid.effects.base import Advice, ObservationEffect, Parameter, Values
 from serpenoid.effects.view import View
 
 
@@ -29,6 +29,10 @@ EFFECT = FrameDrift(
     ),
     looks_like="everything moves slowly the same way, in pauses too and whatever the body's heading",
     what_to_do="calibrate again with warm cameras; add fixed markers to the floor",
+    of_animals=Advice(
+        looks_like="everything moves slowly the same way, whatever the body's heading, and while it rests",
+        what_to_do="look for flow, a stage that creeps, or a camera that warms up",
+    ),
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=1,
 )

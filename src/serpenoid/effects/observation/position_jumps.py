@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from serpenoid.effects.base import ObservationEffect, Parameter, Values
+from serpenoid.effects.base import Advice, ObservationEffect, Parameter, Values
 from serpenoid.effects.view import View
 
 
@@ -27,6 +27,10 @@ EFFECT = PositionJumps(
     parameters=(Parameter("size", "m", 0.0, 1.0, 0.0, 0.01, "length of each jump"),),
     looks_like="the path breaks where all markers were lost, and nowhere else",
     what_to_do="fit every stretch between gaps with a start of its own; add cameras",
+    of_animals=Advice(
+        looks_like="the path breaks where all points were lost, and nowhere else",
+        what_to_do="track every stretch between gaps by itself",
+    ),
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=3,
 )

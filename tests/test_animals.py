@@ -1,0 +1,128 @@
+"""A worm by drag alone, continuous and independent of the package: what its points tell whoever asks for K = 12."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from serpenoid.body import Body
+from serpenoid.compare.calibrate import anisotropy, drag_ratio
+from serpenoid.compare.start import neutral_model
+from serpenoid.diagnose.tracked import MOST_PERIODS, tracked_recordings
+from serpenoid.diagnose.untestable import not_on_offer
+from serpenoid.effects.catalogue import catalogue, find
+from serpenoid.measure.load import load_campaign
+
+K = 12.0
+POINTS, FINE = 12, 89  # points seen; 8 pieces of the curve between two of them
+RATE, FRAMES_PER_SECOND, NOISE = 0.55, 30.0, 3e-4  # beats a second; body lengths
+
+
+@dataclass(frozen=True)
+class Worm:
+    """Resistive force theory on a smooth curve: no net force, no net moment, at every moment."""
+
+    arc = np.linspace(0, 1, FINE)
+
+    def curve(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points (FINE, 2) about their mean and unit tangents."""
+        wave = 0.65 * np.sin(2 * np.pi * (RATE * t - 1.2 * (1 - self.arc)))
+        angle = wave + 0.3 * np.sin(0.5 * t) * (2 * self.arc - 1)
+        tangent = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        points = np.concatenate([np.zeros((1, 2)), np.cumsum(tangent[1:] + tangent[:-1], axis=0) / 2 / (FINE - 1)])
+        return points - np.trapezoid(points, self.arc, axis=0), tangent
+
+    def velocity(self, t: float) -> np.ndarray:
+        """(3,): of the body frame, in the body frame."""
+        points, tangent = self.curve(t)
+        bending = (self.curve(t + 1e-5)[0] - self.curve(t - 1e-5)[0]) / 2e-5
+        normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+        drag = np.einsum("ki,kj->kij", tangent, tangent) / K + np.einsum("ki,kj->kij", normal, normal)
+        moves = np.zeros((FINE, 2, 3))
+        moves[:, 0, 0] = moves[:, 1, 1] = 1
+        moves[:, :, 2] = np.stack([-points[:, 1], points[:, 0]], axis=1)
+        resist = np.trapezoid(np.einsum("kia,kij,kjb->kab", moves, drag, moves), self.arc, axis=0)
+        thrust = np.trapezoid(np.einsum("kia,kij,kj->ka", moves, drag, bending), self.arc, axis=0)
+        return -np.linalg.solve(resist, thrust)
+
+    def film(self, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times (F,) and points (F, POINTS, 2) with noise; midpoint rule, four steps a frame."""
+        step, pose, points = 1 / FRAMES_PER_SECOND / 4, np.zeros(3), []
+        for i in range(int(seconds * FRAMES_PER_SECOND) * 4):
+            if i % 4 == 0:
+                points.append(self.curve(i * step)[0][:: (FINE - 1) // (POINTS - 1)] @ turning(pose[2]).T + pose[:2])
+            moved = self.velocity((i + 0.5) * step) * step
+            middle = turning(pose[2] + moved[2] / 2)
+            pose = pose + np.concatenate([middle @ moved[:2], moved[2:]])
+        seen = np.array(points) + np.random.default_rng(1).normal(0, NOISE, (len(points), POINTS, 2))
+        return np.arange(len(seen)) / FRAMES_PER_SECOND, seen
+
+
+def turning(angle: float) -> np.ndarray:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def write(folder: Path, time: np.ndarray, points: np.ndarray) -> Path:
+    """A campaign of a crawler in micrometres, a millimetre long."""
+    folder.mkdir()
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(POINTS))
+    rows = np.column_stack([time, 1000 * points.reshape(len(time), -1)])
+    np.savetxt(folder / "worm.csv", rows, fmt="%.5f", delimiter=",", header=header, comments="")
+    (folder / "campaign.toml").write_text(
+        f'format = 1\nname = "worm"\n[body]\nvertices = {POINTS}\nkind = "crawler"\n'
+        '[motion]\nformat = "tidy"\nlength_unit = "um"\n[[trial]]\nname = "crawl"\nmotion = "worm.csv"\n'
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def film() -> tuple[np.ndarray, np.ndarray]:
+    return Worm().film(2.5)
+
+
+@pytest.fixture(scope="module")
+def worm(film: tuple[np.ndarray, np.ndarray], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("worms") / "worm", *film)
+
+
+def fitted(worm: Path, dissipation: str) -> tuple[tuple[float, float, float], float]:
+    """K with its interval, and what is left over noise."""
+    campaign = load_campaign(worm)
+    model = neutral_model(campaign, dissipation=dissipation)
+    found = anisotropy(campaign, model)
+    return drag_ratio(found, model), found.noise_scale
+
+
+def test_k_is_within_its_interval_and_where_drag_sits_does_not_matter_to_a_smooth_body(worm: Path) -> None:
+    (value, low, high), left = fitted(worm, "vertex")
+    assert low < K < high
+    assert value == pytest.approx(K, rel=0.03)
+    assert 0.7 < left < 1.4  # times the points' noise; chains of straight links leave 5 times as much
+    assert fitted(worm, "edge")[0][0] == pytest.approx(value, rel=0.01)  # of straight links: K = 11.1 and 15.3
+
+
+def test_a_long_recording_is_used_for_twenty_beats(film: tuple[np.ndarray, np.ndarray], tmp_path: Path) -> None:
+    beats = 2 * MOST_PERIODS
+    time = np.arange(int(beats / RATE * FRAMES_PER_SECOND)) / FRAMES_PER_SECOND
+    still = np.stack([Worm().curve(t)[0][:: (FINE - 1) // (POINTS - 1)] for t in time])
+    noise = np.random.default_rng(2).normal(0, NOISE, still.shape)
+    (kept,) = tracked_recordings(load_campaign(write(tmp_path / "long", time, still + noise)))
+    assert kept.smoothed.states.time[-1] == pytest.approx(MOST_PERIODS / RATE, rel=0.1)  # a beat's length is estimated
+    assert any("the first" in text and "`from_s`" in text for text in kept.remarks)
+
+
+@pytest.mark.parametrize("kind", ["swimmer", "crawler"])
+def test_an_animal_is_offered_no_wheels_and_advised_of_no_tyres(kind: str) -> None:
+    offered = set(catalogue()) - not_on_offer(Body(kind=kind, vertices=5))
+    assert {"inertia", "left_right_asymmetry"} <= offered
+    assert ("added_mass" in offered) == (kind == "swimmer")
+    said = " ".join(f"{find(n).words(animal=True)}" for n in offered if find(n).site == "medium")
+    for part in ("wheel", "tyre", "axle", "servo", "robot", "mat", "pause", "gait"):
+        assert part not in said.replace("material", ""), part
+
+
+def test_a_body_of_no_stated_kind_is_offered_everything() -> None:
+    assert not not_on_offer(Body(vertices=5))
