@@ -36,6 +36,20 @@ def test_another_question_is_refused_and_nothing_is_touched(tmp_path: Path, caps
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
 
 
+def test_a_command_ended_amid_its_answer_may_be_given_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "out"
+
+    def ended(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("serpenoid.cli.options.report", ended)  # all is written but the summary
+        assert simulated(out) == 130
+    assert (out / "solution.json").exists()
+    assert simulated(out, "--set", "gait.a=4") == 2
+    assert simulated(out) == 0
+
+
 def test_force_moves_the_earlier_answer_aside_with_its_figures(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert simulated(out) == 0

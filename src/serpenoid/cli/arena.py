@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 
 from serpenoid.cli import options
-from serpenoid.cli.claim import claim, content_of, move_aside
+from serpenoid.cli.claim import claim, content_of, move_aside, sign
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
@@ -99,6 +99,7 @@ def _use(args: argparse.Namespace) -> int:
     folder = args.out or args.diagnosis / "in-use"
     models = content_of(*(args.diagnosis / name for name in in_use.MODELS.values()))
     claim(args, folder, models, load(problem).hash, protocol.model_dump(mode="json"))
+    sign(args)
     with options.progress_bar(args, "gaits", len(in_use.MODELS)) as advance:
         gaits = in_use.optimal_gaits(problem, args.diagnosis, advance)
         advance(len(gaits), "")

@@ -27,7 +27,7 @@ EARLIER = "earlier"
 def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     """Refuse a folder that answers another request, or move what is in it aside (--force); returns it.
 
-    key: what the answer depends on, JSON values. request.json is written by `sign`, after the answer.
+    key: what the answer depends on, JSON values. request.json is written by `sign`.
     """
     request = {"verb": args.verb, "request": short_hash(*key)}
     held = [name for name in RECORDS if (folder / name).exists()]
@@ -65,10 +65,9 @@ def _alike(one: Path, other: Path) -> bool:
 
 
 def sign(args: argparse.Namespace) -> None:
-    """Write what was asked beside the answer."""
+    """Write what was asked, before the answer's first file: who is killed or runs out of disk amid it may go on."""
     for folder, request in getattr(args, "requests", []):
-        if folder.is_dir():
-            write_json(folder / REQUEST, request)
+        write_json(folder / REQUEST, request)
 
 
 def content_of(*paths: Path) -> list[str]:

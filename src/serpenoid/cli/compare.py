@@ -15,6 +15,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import campaigns, options
+from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
     from serpenoid.compare.study import Study
@@ -43,6 +44,7 @@ def run(args: argparse.Namespace) -> int:
     if not study.comparisons:
         raise InputError("no trial has a motion file with a whole cycle in it. " + " ".join(study.notes))
     record = study_record(study, campaign, origin)
+    sign(args)
     with options.progress_bar(args, "drawing", len(study.comparisons)) as advance:
         write_study(folder, study, campaign, record, not args.no_figures, advance)
         advance(len(study.comparisons))

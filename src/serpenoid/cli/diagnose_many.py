@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import campaigns, options
-from serpenoid.cli.claim import content_of, content_of_campaign
+from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.errors import InputError
 from serpenoid.files import write_csv, write_json
 from serpenoid.version import __version__
@@ -42,6 +42,7 @@ def run_many(args: argparse.Namespace) -> int:
     ]
     for task in tasks:
         task[0].pop("run")
+    sign(args)
     rows: dict[int, dict[str, Any]] = {}
     with options.progress_bar(args, "campaigns", len(tasks)) as advance:
         for index, row in results(diagnose_one, tasks, options.workers(args)):

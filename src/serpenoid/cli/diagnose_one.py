@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import campaigns, options
-from serpenoid.cli.claim import content_of, content_of_campaign
+from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
             file, then = _diagnosed(args, args.reference, None, work)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
         file, found = _diagnosed(args, campaign, earlier, work)
+        sign(args)
         record = write(folder, file, found, before)
         if not args.no_figures:
             work.draw()

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
+from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
     from serpenoid.compare.calibrate import Calibration
@@ -60,6 +61,7 @@ def run(args: argparse.Namespace) -> int:
         "source": campaign.file.source,
         "provenance": provenance(),
     }
+    sign(args)
     write_json(folder / "fit.json", record)
     if not args.no_figures:
         draw(folder, campaign, model, calibration)

@@ -15,6 +15,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
+from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
     from serpenoid.measure.trial import Trial
@@ -34,6 +35,7 @@ def run(args: argparse.Namespace) -> int:
     campaign = campaigns.read(args)
     folder = campaigns.folder(args, "measure")
     record = campaign_record(campaign) | {"provenance": provenance(campaign=campaign.file.name)}
+    sign(args)
     write_json(folder / "campaign.json", record)
     if not args.no_figures:
         from serpenoid.plot.figures import save

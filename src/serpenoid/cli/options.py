@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from serpenoid.parallel import Workers
 
-from serpenoid.cli.claim import claim, sign
+from serpenoid.cli.claim import claim
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
@@ -106,7 +106,6 @@ def _whole(text: str, least: int, most: int) -> int:
 
 def report(args: argparse.Namespace, record: Any, lines: list[str], folder: Path | None = None) -> None:
     """Print the record (--json), nothing (--quiet) or the summary; keep the summary in the folder, and --open it."""
-    sign(args)
     if args.json:
         sys.stdout.write(json.dumps(record, indent=2) + "\n")
     elif not args.quiet:

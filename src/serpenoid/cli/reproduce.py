@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import sign
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -44,6 +45,7 @@ def run(args: argparse.Namespace) -> int:
     problem = load(args.problem or examples() / "snake10.toml", args.set)
     refuse_effects(problem.model)
     folder = options.output_folder(args, Path("results/reproduce"), problem.hash, args.gaits, args.trials, args.seed)
+    sign(args)
     with options.progress_bar(args, "gaits", args.gaits) as advance:
         tables = gait_tables(folder / "gaits", problem, args.gaits, args.seed, advance)
         advance(args.gaits)

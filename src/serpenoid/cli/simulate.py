@@ -14,6 +14,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -35,6 +36,7 @@ def run(args: argparse.Namespace) -> int:
     problem = load(args.problem, args.set, args.model)
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
     result = simulate(problem)
+    sign(args)
     record = write_simulation(folder, result, figures=not args.no_figures and result.trajectory.status.ok)
     motion = result.trajectory
     if not motion.status.ok:

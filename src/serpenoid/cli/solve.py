@@ -25,6 +25,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -81,6 +82,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         )
     best = refine(result.best) if args.refine else result.best
     figures = not args.no_figures and best.trajectory.status.ok
+    sign(args)
     record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
     if figures:
         from serpenoid.plot.figures import multistart_figures
@@ -157,6 +159,7 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     folder = options.output_folder(args, default_folder(problem, *key), problem.hash, *key)
     with options.progress_bar(args, "gaits", args.improve) as advance:
         pairs = improve(problem, args.improve, args.within, args.seed, advance)
+    sign(args)
     record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})
     lines = [f"{'gait':8}{'random':>10}{'improved':>10}  [body lengths per cycle]"]
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
@@ -177,6 +180,7 @@ def _climb(args: argparse.Namespace, problem: Problem) -> int:
     )
     with options.progress_bar(args, "families", 4) as advance:
         steps = climb(problem, args.starts, args.seed, advance)
+    sign(args)
     for number, step in enumerate(steps, start=1):
         write_solution(folder / f"{number}-{step.solution.gait.family}", step.solution, not args.no_figures)
     rows = [

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
-from serpenoid.cli.claim import claim
+from serpenoid.cli.claim import claim, sign
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -76,6 +76,7 @@ def run(args: argparse.Namespace) -> int:
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
+    sign(args)
     if args.cluster is None and (len(problems) == 1 or args.jobs <= 1):
         summaries = []
         for problem, folder in zip(problems, folders, strict=True):
