@@ -28,3 +28,19 @@ def serpenoid_table(rows: int, a: float = 6.0, xi: float = 1.0, turn: float = 0.
     s, k = (np.arange(11) + 0.5) / 11, 2 * np.pi * xi
     w1, w2 = a * np.cos(phase) + turn, a * np.sin(phase)
     return np.diff(w1 * (1 - np.cos(k * s)) / k + w2 * np.sin(k * s) / k, axis=1)
+
+
+def write_c3d(path: Path, hidden: tuple[int, int] | None = None) -> None:
+    """Two markers at (1, 1, 1) m in five frames, in millimetres; hidden: (marker, frame) that is not seen."""
+    import ezc3d
+
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [120.0]
+    file["parameters"]["POINT"]["LABELS"]["value"] = ["a", "b"]
+    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
+    points = np.ones((4, 2, 5)) * 1000.0
+    points[3] = 1.0
+    if hidden is not None:
+        points[:3, hidden[0], hidden[1]] = np.nan
+    file["data"]["points"] = points
+    file.write(str(path))

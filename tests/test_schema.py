@@ -71,7 +71,7 @@ def test_a_list_whose_entries_are_faulty_is_not_called_empty_as_well(tmp_path: P
     with pytest.raises(InputError) as caught:
         schema.load(Listing, written(tmp_path, "[[entry]]\nnumber = 1\nnumbr = 1\n"))
     assert len(str(caught.value).splitlines()) == 1
-    with pytest.raises(InputError, match="at least 1 item"):
+    with pytest.raises(InputError, match="needs 1 entry or more"):
         schema.load(Listing, written(tmp_path, "entry = []\n"))
 
 
@@ -200,7 +200,7 @@ class ListedStart(schema.Record):
 
 
 def test_an_empty_list_inside_a_section_is_named_and_a_faulty_entry_is_one_fault(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"\[start\] headings: .*at least 1 item"):
+    with pytest.raises(InputError, match=r"\[start\] headings: .*needs 1 entry or more"):
         schema.load(Listed, written(tmp_path, "[start]\nheadings = []\n"))
     with pytest.raises(InputError) as caught:
         schema.load(Listed, written(tmp_path, "[start]\nheadings = ['north']\n"))

@@ -175,6 +175,9 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     shown = "" if isinstance(fault["input"], dict) else f", got {_short(fault['input'])}"
     if fault["type"] == "model_type":
         return f"{place}: must be a section, [{place}] and its keys below it{shown}."
+    if fault["type"] == "too_short":
+        least = fault["ctx"]["min_length"]
+        return f"{place}: needs {least} {'entry' if least == 1 else 'entries'} or more{shown}."
     message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
     if not place:
         return f"{message}."

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from rehearsal import serpenoid_table
+from rehearsal import serpenoid_table, write_c3d
 from serpenoid.arena.protocol import load_protocol
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
@@ -156,19 +156,6 @@ def _sleap(path: Path) -> None:
     path.write_text("track,frame_idx,instance.score,a.x,a.y,a.score,b.x,b.y,b.score\n" + rows)
 
 
-def _c3d(path: Path) -> None:
-    import ezc3d
-
-    file = ezc3d.c3d()
-    file["parameters"]["POINT"]["RATE"]["value"] = [120.0]
-    file["parameters"]["POINT"]["LABELS"]["value"] = ["a", "b"]
-    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
-    points = np.ones((4, 2, 5)) * 1000.0
-    points[3] = 1.0
-    file["data"]["points"] = points
-    file.write(str(path))
-
-
 def _result(path: Path) -> None:
     problem = path.parent / "small.toml"
     problem.write_text(SMALL)
@@ -265,7 +252,7 @@ SPECIMENS = {
     "tidy": Specimen("tidy.csv", _tidy, lambda p: _motion(read_tidy(p)), True),
     "long": Specimen("long.csv", _long, lambda p: _motion(read_long(p, COLUMNS, "m")), True),
     "sleap": Specimen("sleap.csv", _sleap, lambda p: _motion(read_sleap(p, 60.0)), True),
-    "c3d": Specimen("points.c3d", _c3d, lambda p: _motion(read_c3d(p))),
+    "c3d": Specimen("points.c3d", write_c3d, lambda p: _motion(read_c3d(p))),
     "servo log": Specimen("servo.csv", _servo, _servo_values, True),
     "power log": Specimen("power.csv", _power, _power_values, True),
     "played solution": Specimen("solution.json", _result, lambda p: read_results(p.parent).stated.cycle_duration_s),

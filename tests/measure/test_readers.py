@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rehearsal import DATA, ROOT
+from rehearsal import DATA, ROOT, write_c3d
 from serpenoid.errors import InputError
 from serpenoid.measure.logs import read_power_log, read_servo_log
 from serpenoid.measure.motive import read_motive
@@ -165,16 +165,8 @@ def test_power_log_round_trip_and_negative_power(tmp_path):
 
 
 def test_c3d_round_trip_and_a_file_that_is_none(tmp_path):
-    ezc3d = pytest.importorskip("ezc3d")
-    file = ezc3d.c3d()
-    file["parameters"]["POINT"]["RATE"]["value"] = [120.0]
-    file["parameters"]["POINT"]["LABELS"]["value"] = ["a", "b"]
-    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
-    points = np.ones((4, 2, 5)) * 1000.0
-    points[3] = 1.0
-    points[:3, 1, 2] = np.nan
-    file["data"]["points"] = points
-    file.write(str(tmp_path / "a.c3d"))
+    pytest.importorskip("ezc3d")
+    write_c3d(tmp_path / "a.c3d", hidden=(1, 2))
     tracks = read_c3d(tmp_path / "a.c3d")
     assert tracks.names == ("a", "b")
     assert not tracks.seen[2, 1]
