@@ -107,3 +107,17 @@ def test_a_limit_switched_off_in_the_problem_file_is_named_when_its_gait_is_chec
     done = serpenoid("robot", "check", tmp_path / "off", "--robot", ROBOT_FILE)
     assert done.returncode == 0
     assert "joint limit of 30 degrees switched off in the problem file" in done.stderr
+
+
+@pytest.mark.parametrize("verb", ["play", "export without a robot"])
+def test_a_transient_is_not_repeated_unless_its_end_is_its_beginning(tmp_path, verb):
+    angles = gait(40, 0.2)
+    for name, rows in (("open", angles[:25]), ("closed", angles)):
+        (tmp_path / name).mkdir()
+        write_table(tmp_path / name / "joint_table.csv", rows)
+        (tmp_path / name / "solution.json").write_text(json.dumps({"cycle_duration_s": 5.0, "transient": True}))
+    done = serpenoid(*(str(word).format(tmp_path / "open") for word in VERBS[verb]))
+    assert done.returncode == 1
+    assert "a transient" in done.stderr
+    done = serpenoid(*(str(word).format(tmp_path / "closed") for word in VERBS[verb]))
+    assert done.returncode == 0, done.stderr

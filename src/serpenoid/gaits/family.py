@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
+from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.schema import Record
@@ -32,6 +33,18 @@ class GaitBounds(Record):
     def fixed(self, **pairs: tuple[float, float]) -> Self:
         """The same bounds with some of them replaced."""
         return self.model_copy(update=pairs)
+
+
+class AngleBounds(GaitBounds):
+    """Bounds of families whose parameters are joint angles, or coefficients of them."""
+
+    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every joint angle, or coefficient [rad]")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.angle[0] > self.angle[1]:
+            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
+        return self
 
 
 class Gait(Record):

@@ -10,21 +10,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.family import Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
 from serpenoid.gaits.fourier import Orders, waves
 
 
-class JointSeriesBounds(GaitBounds):
+class JointSeriesBounds(AngleBounds):
     """Where the optimiser may look."""
 
     family: Literal["fourier-joints"] = "fourier-joints"
-    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="means and coefficients [rad]")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.angle[0] > self.angle[1]:
-            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
-        return self
 
 
 class JointSeriesGait(Gait):

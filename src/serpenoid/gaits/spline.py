@@ -13,20 +13,13 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.family import Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
 
 
-class SplineBounds(GaitBounds):
+class SplineBounds(AngleBounds):
     """Where the optimiser may look."""
 
     family: Literal["spline"] = "spline"
-    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every control point [rad]")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.angle[0] > self.angle[1]:
-            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
-        return self
 
 
 class SplineGait(Gait):

@@ -13,23 +13,16 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.family import Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
 
 HARMONICS = 3  # of a random start: a smooth table
 SPREAD = 0.3  # rad: standard deviation of a random start's first harmonic
 
 
-class TableBounds(GaitBounds):
+class TableBounds(AngleBounds):
     """Where the optimiser may look: every joint angle, beside the body's own limits."""
 
     family: Literal["table"] = "table"
-    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every joint angle [rad]")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.angle[0] > self.angle[1]:
-            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
-        return self
 
 
 class TableGait(Gait):

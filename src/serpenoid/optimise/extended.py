@@ -27,7 +27,7 @@ from serpenoid.optimise.blocks import StepBlocks
 from serpenoid.optimise.growing_blocks import GrowingBlocks
 from serpenoid.optimise.joint_blocks import JointBlocks, step_functions, with_directions
 from serpenoid.simulation.chain import difference_weights
-from serpenoid.simulation.law import Law, coordinates
+from serpenoid.simulation.law import MediumNumbers, coordinates
 from serpenoid.simulation.servos import coordinates as servo_coordinates
 
 
@@ -47,7 +47,7 @@ def extended_blocks(model: Model, steps: int, portable: bool = False) -> StepBlo
     own, fixed = ((theta,), (False,)) if len(numbers) else ((), ())
     more, shared = (weight, eps, *own, setting), (False, True, *fixed, True)
     energy = share[6] * steps ** (model.law.degree - 2)  # the NLP takes T times their sum
-    law = joint_blocks.Law(frame, before, after, more, shared, share[:6], energy)
+    law = joint_blocks.ElementShare(frame, before, after, more, shared, share[:6], energy)
     structure = model.structure
     functions = step_functions(structure, law, element_parameters(structure), ca.DM(numbers))
     blocks = JointBlocks(structure, functions, 6)
@@ -58,7 +58,7 @@ def extended_blocks(model: Model, steps: int, portable: bool = False) -> StepBlo
 def settings(model: Model, steps: int) -> ca.MX:
     """Settings (6, T) of the steps."""
     times = _times(model, steps)
-    return ca.MX(ca.DM(Law.of(model).settings(np.column_stack([times[:-1], times[1:]]))))
+    return ca.MX(ca.DM(MediumNumbers.of(model).settings(np.column_stack([times[:-1], times[1:]]))))
 
 
 def combination(model: Model, steps: int) -> ca.DM:

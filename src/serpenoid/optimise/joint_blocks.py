@@ -29,7 +29,7 @@ FRAME = 6  # both poses
 
 
 @dataclass(frozen=True)
-class Law:
+class ElementShare:
     """One element's symbolic share: inputs frame (6), w (l), w after (l), *more (numbers of the element and the step).
 
     more: symbols; shared: which of them are the same for all elements. value: SX (v); energy: SX.
@@ -85,13 +85,13 @@ def baseline_blocks(structure: Structure, portable: bool = False) -> JointBlocks
     return JointBlocks(structure, functions if portable else compiled(functions), 3)
 
 
-def _baseline() -> Law:
+def _baseline() -> ElementShare:
     """Half the squared displacement in the element's own metric; the residual is dE/d (second pose)."""
     frame, before, after = ca.SX.sym("frame", FRAME), ca.SX.sym("before", 3), ca.SX.sym("after", 3)
     weight, eps = ca.SX.sym("weight"), ca.SX.sym("eps")
     begin, end = energy.move(frame[:3], with_directions(before)), energy.move(frame[3:], with_directions(after))
     value = energy.element_energy(begin, end, weight, eps)
-    return Law(frame, before, after, (weight, eps), (False, True), ca.gradient(value, frame[3:]), value)
+    return ElementShare(frame, before, after, (weight, eps), (False, True), ca.gradient(value, frame[3:]), value)
 
 
 def with_directions(w: ca.SX) -> ca.SX:
@@ -121,7 +121,7 @@ def placement(structure: Structure, parameters: ca.MX) -> ca.MX:
     return (vertices[1:, :] + vertices[:-1, :]) / 2 if structure.dissipation == "edge" else vertices
 
 
-def step_functions(structure: Structure, law: Law, medium: ca.Function, numbers: ca.DM) -> list[ca.Function]:
+def step_functions(structure: Structure, law: ElementShare, medium: ca.Function, numbers: ca.DM) -> list[ca.Function]:
     """row, value, gradient, jacobian, hessian; see the module's head.
 
     medium: parameters -> the element's own numbers (M) and shared ones; numbers (q, M): constants of each element.
@@ -149,7 +149,7 @@ def _row(structure: Structure, place: int) -> ca.Function:
 class _Step:
     """Symbols of one step, and its functions."""
 
-    def __init__(self, structure: Structure, law: Law, medium: ca.Function, numbers: ca.DM) -> None:
+    def __init__(self, structure: Structure, law: ElementShare, medium: ca.Function, numbers: ca.DM) -> None:
         self.structure, self.law = structure, law
         m, joints, n, size = structure.elements, len(structure.joints), structure.vertices - 1, law.before.numel()
         self.frame = ca.MX.sym("frame", FRAME)

@@ -63,6 +63,21 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
     return [*refusals, Refusal(f"joint_{joint + 1}", value, f"the body's limit is {limit:g} rpm", slower)]
 
 
+def check_closed(angles: NDArray[np.float64], stated: Stated) -> list[Refusal]:
+    """A transient leads from shape to shape: after its last row no player may go on with the first, `angles` (T, m)."""
+    jump = np.abs(angles[0] - angles[-1])
+    usual = np.abs(np.diff(angles, axis=0)).max(initial=0.0)
+    if not stated.transient or jump.max() <= usual * (1 + KEPT):
+        return []
+    joint = int(jump.argmax())
+    value = f"it is {degrees(jump[joint]):.1f} degrees from the first row"
+    limit = (
+        f"this table is a transient, with at most {degrees(usual):.1f} degrees from row to row, and would begin again"
+    )
+    remedy = "Add rows that lead back to the first, in a folder of their own, or solve without `transient`."
+    return [Refusal(f"joint_{joint + 1}, last row", value, limit, remedy)]
+
+
 def check_start(present: NDArray[np.int64], first_row: NDArray[np.int64], robot: Robot) -> list[Refusal]:
     """The way from the `present` positions (m,) [ticks] to the first row."""
     refusals = []

@@ -37,6 +37,7 @@ class Stated(_Part):
     cycle_duration_s: Annotated[float, Field(gt=0, le=LONGEST_CYCLE_S)] | None = None
     body: _Body = _Body()
     limits_held: _Held = _Held()
+    transient: bool = False
 
     @property
     def joint_limit_deg(self) -> float | None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulation.law import Law, evaluate
+from serpenoid.simulation.law import MediumNumbers, evaluate
 from serpenoid.simulation.steps import TOLERANCE, Steps
 
 ITERATIONS = 60
@@ -74,7 +74,7 @@ def _newton(
     strength: float,
 ) -> Steps:
     """Damped Newton for the second poses; `relative` of the answer holds poses on the floor."""
-    law, m = Law.of(model, strength), model.structure.elements
+    law, m = MediumNumbers.of(model, strength), model.structure.elements
     home, count = starts * [1, 1, 0], len(ends)
     settings, carried = law.settings(times), about(coast.carried, home)
     settings[3:5] = home[:, :2].T

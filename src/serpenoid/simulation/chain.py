@@ -16,7 +16,7 @@ from scipy.linalg import LinAlgError, solve_banded
 from serpenoid.body import Floats
 from serpenoid.model import Model
 from serpenoid.simulation.balance import about, compose, relative
-from serpenoid.simulation.law import Law, evaluate
+from serpenoid.simulation.law import MediumNumbers, evaluate
 from serpenoid.simulation.steps import TOLERANCE, Steps
 
 WINDOW = 256
@@ -75,7 +75,7 @@ def difference_weights(times: Floats) -> Floats:
 class Chain:
     """Everything about the steps that does not change: numbers, elements by step (4, S, M), settings, rates (S, 3)."""
 
-    law: Law
+    law: MediumNumbers
     before: Floats
     after: Floats
     settings: Floats
@@ -83,7 +83,7 @@ class Chain:
 
     @classmethod
     def of(cls, model: Model, before: Floats, after: Floats, times: Floats) -> Chain:
-        law, m = Law.of(model), model.structure.elements
+        law, m = MediumNumbers.of(model), model.structure.elements
         settings = law.settings(np.column_stack([times[:-1], times[1:]]))
         rates = difference_weights(times) * settings[1][:, None]  # dt times the coefficients: dimensionless
         return cls(law, before.reshape(4, -1, m), after.reshape(4, -1, m), settings, rates)

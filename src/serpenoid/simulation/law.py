@@ -24,7 +24,7 @@ SOFTER = 3  # power of the strength: at a tenth, friction gives way at a thousan
 
 
 @dataclass(frozen=True)
-class Law:
+class MediumNumbers:
     """medium (2, M): weights above anisotropy ratios; theta (P, M): coordinates, element by element; length [m].
 
     kind: the medium's law; softening: share of the change of shape (Coulomb).
@@ -37,7 +37,7 @@ class Law:
     softening: float = 0.0
 
     @classmethod
-    def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> Law:
+    def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> MediumNumbers:
         """A model's numbers; `strength` between 0 and 1 scales the effects' coordinates (1 = as they are), and makes
         friction softer.
 
@@ -87,7 +87,7 @@ def _enter(block: Floats, resting: Floats, active: ActiveEffect, strength: float
 
 
 def evaluate(
-    which: str, law: Law, before: Floats, after: Floats, poses: Floats, settings: Floats
+    which: str, law: MediumNumbers, before: Floats, after: Floats, poses: Floats, settings: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """`balance` or `coupled` of S steps: drag and momentum (S, 6), energy (S,), derivatives (S, 6, 3 or 6)."""
     count = poses.shape[1]
@@ -96,7 +96,9 @@ def evaluate(
     return value.T, energy[0], slope.T.reshape(count, -1, 6).transpose(0, 2, 1)
 
 
-def sensitivities(law: Law, before: Floats, after: Floats, poses: Floats, settings: Floats) -> tuple[Floats, Floats]:
+def sensitivities(
+    law: MediumNumbers, before: Floats, after: Floats, poses: Floats, settings: Floats
+) -> tuple[Floats, Floats]:
     """Derivatives of drag and momentum by (eps, unplaced parameters): (S, 6, 1 + G); by placed ones: (S, 6, M, L)."""
     count, m = poses.shape[1], law.medium.shape[1]
     function = _mapped("sensitivity", m, law.kind, count)

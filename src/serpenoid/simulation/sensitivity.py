@@ -20,7 +20,7 @@ from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
 from serpenoid.model import Model
 from serpenoid.simulation import balance, servos
 from serpenoid.simulation.chain import difference_weights
-from serpenoid.simulation.law import Law, evaluate, sensitivities
+from serpenoid.simulation.law import MediumNumbers, evaluate, sensitivities
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.steps import elements_of_vertices, solve_steps
 
@@ -132,7 +132,7 @@ class Recorded:
     """A recording's steps, with the law of the model plus resting candidates."""
 
     model: Model
-    law: Law
+    law: MediumNumbers
     before: Floats
     after: Floats
     times: Floats
@@ -144,7 +144,7 @@ class Recorded:
     def of(
         cls, model: Model, before: Floats, after: Floats, times: Floats, floor: Floats, wanted: list[ActiveEffect]
     ) -> Recorded:
-        law = Law.of(model, candidates=[e for e in wanted if e not in model.effects])
+        law = MediumNumbers.of(model, candidates=[e for e in wanted if e not in model.effects])
         rates = difference_weights(times) * np.diff(times)[:, None]
         history = any("history" in e.effect.knows for e in wanted if isinstance(e.effect, MediumEffect))
         return cls(model, law, before, after, times, floor, rates, history)
