@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from blind.protocol import usual
 from serpenoid.diagnose.cards import cards
 from serpenoid.diagnose.report import left_over
 from serpenoid.diagnose.words import faint, lines, parameter, ratio, shown, title
@@ -53,11 +54,11 @@ def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tup
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:
-    eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226, "at_bound": False}}
+    eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226, "interval": [0.021, 0.024], "at_bound": False}}
     earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}
-    assert ratio(eps | {"reference": None, "effects": []}) == "0.02871 calibrated alone"
+    assert ratio(eps | {"reference": None, "effects": []}) == "0.02871 calibrated alone (95 %: 0.021 .. 0.024)"
     said = ratio(eps | {"reference": earlier, "effects": [{}]})
-    assert said == "0.0195 in healthy, 0.02871 calibrated alone, 0.0226 with what is named"
+    assert said == "0.0195 in healthy, 0.02871 calibrated alone, 0.0226 with what is named (95 %: 0.021 .. 0.024)"
     stuck = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"at_bound": True}}
     assert ratio(stuck | {"reference": None, "effects": []}).endswith("a warning that the law is another)")
 
@@ -84,3 +85,12 @@ def test_what_is_left_is_gathered_by_stage() -> None:
         "Not accounted for in the stage of motion: a; c: d.",
         "Not accounted for in the stage of actuation: b.",
     ]
+
+
+def test_the_interval_of_the_anisotropy_ratio_holds_the_true_one_and_is_narrow(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    eps = diagnosed[1]["anisotropy_ratio"]
+    low, high = eps["interval"]
+    assert low < usual(7).eps < high  # the seed of the campaign
+    assert low < eps["after"] < high < 1.05 * low  # what eight trials tell: 2 %

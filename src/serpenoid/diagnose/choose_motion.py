@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.finding import Named, Rung, interval
 from serpenoid.diagnose.groups import Swap, groups
 from serpenoid.diagnose.held_out import LeaveOut, Rule, first_order, held_out_error
@@ -172,6 +173,19 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
     return Named(effect, ends, trace(found.motion, best, base, effect) / found.floor_m, tuple(bound))
+
+
+def ratio_interval(found: Selection) -> tuple[float, float]:
+    """95 % interval of eps with what is named, from the curvature, within its bounds."""
+    best, columns = found.best, range(len(found.best.coordinates))
+    evidence = best.evidence
+    if ratio_at_bound(best.model):  # the fit itself held it
+        evidence, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
+    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    eps, covariance = best.model.medium.anisotropy_ratio, evidence.solve(columns)[1]
+    half = QUANTILE * spread * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
+    low, high = best.model.medium.limits(LEAST_EPS, MOST_EPS)
+    return _clipped(eps - half, low, high), _clipped(eps + half, low, high)
 
 
 def _clipped(value: float, low: float, high: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from serpenoid.diagnose.baseline import Baseline
 from serpenoid.diagnose.bounds import ratio_at_bound
 from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, ratio_interval
 from serpenoid.diagnose.choose_observation import choose_observation
 from serpenoid.diagnose.choose_tracked import choose_tracked
 from serpenoid.diagnose.finding import Named, Rival, Rung
@@ -155,7 +155,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         ],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
-            "at_bound": ratio_at_bound(found.best.model),
+            "interval": list(ratio_interval(found)), "at_bound": ratio_at_bound(found.best.model),
         },
         "discrepancy_m": d.motion.rung.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},

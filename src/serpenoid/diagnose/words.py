@@ -104,7 +104,9 @@ def ratio(record: Record) -> str:
     said = [f"{earlier['anisotropy_ratio']['after']:.4g} in {earlier['campaign']}"] if earlier else []
     said.append(f"{eps['before']:.4g} calibrated alone")
     said += [f"{eps['after']:.4g} with what is named"] if record["effects"] else []
-    return ", ".join(said) + (" (at its bound: a warning that the law is another)" if eps["at_bound"] else "")
+    low, high = eps["interval"]
+    warning = " (at its bound: a warning that the law is another)" if eps["at_bound"] else ""
+    return f"{', '.join(said)} (95 %: {low:.4g} .. {high:.4g}){warning}"
 
 
 def seconds(record: Record) -> str:
