@@ -50,9 +50,9 @@ def test_a_model_file_keeps_the_bounds(tmp_path: Path) -> None:
 def test_a_fit_to_the_lamprey_stops_at_the_bound_and_says_so() -> None:
     campaign = load_campaign(ROOT / "problems" / "campaigns" / "lamprey.toml")
     found = calibrate(campaign, Model(campaign.body, WATER), ("anisotropy_ratio",))
-    assert found.joint.values[0] == 0.5
+    assert found.together.values[0] == 0.5
     assert found.mean_best_rms == pytest.approx(0.5, rel=1e-3)  # tolerance of its search
-    assert any("ran into its bound 0.5" in text for text in found.joint.warnings)
+    assert any("ran into its bound 0.5" in text for text in found.together.warnings)
 
 
 def test_without_stated_bounds_a_fit_may_go_anywhere() -> None:

@@ -119,7 +119,7 @@ def lamprey_water() -> None:
         pytest.skip("the recordings of others are not beside the repository")
     campaign = load_campaign(recording)
     found = calibrate(campaign, Model(campaign.body, problem("lamprey-water").medium), ("anisotropy_ratio",))
-    assert found.joint.values[0] == 0.5
+    assert found.together.values[0] == 0.5
     assert found.mean_best_rms == pytest.approx(0.5, rel=1e-3)  # tolerance of its search
 
 

@@ -42,7 +42,7 @@ def test_what_is_found_again_is_what_was_kept(cache, virtual_machine):
     again = calibrate(second, snake_of(second), ("anisotropy_ratio",))
     assert entries(cache) == kept
     assert len(kept) >= 4  # campaign, trial, estimates, profile
-    assert store.key(second.trials, again.joint) == store.key(first.trials, fitted.joint)  # to the last bit
+    assert store.key(second.trials, again.together) == store.key(first.trials, fitted.together)  # to the last bit
     np.testing.assert_array_equal(again.profile, fitted.profile)
 
 

@@ -38,7 +38,7 @@ class Measured(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Fitted(Shown):
-    """Numbers fitted to a campaign: `calibration.joint` to all trials together, `calibration.trials` one by one."""
+    """Numbers fitted to a campaign: `calibration.together` to all trials together, `calibration.trials` one by one."""
 
     campaign: Campaign
     model: Model
@@ -47,11 +47,11 @@ class Fitted(Shown):
     @property
     def drag_ratio(self) -> tuple[float, float, float]:
         """K = 1 / eps of all trials together, and its 95 % interval."""
-        return drag_ratio(self.calibration.joint, self.model)
+        return drag_ratio(self.calibration.together, self.model)
 
     def summary(self) -> str:
         """Every number with its 95 % interval."""
-        best = self.calibration.joint
+        best = self.calibration.together
         numbers = zip(best.names, best.values, best.interval, strict=True)
         return ", ".join(f"{name} {value:.4g} (95 %: {ends[0]:.4g} .. {ends[1]:.4g})" for name, value, ends in numbers)
 

@@ -49,7 +49,7 @@ def test_fit_prints_json_and_nothing_else(folder, tmp_path, capsys):
     out, err = capsys.readouterr()
     record = json.loads(out)
     assert err == ""
-    assert record["joint"]["values"]["anisotropy_ratio"] == pytest.approx(EPS, rel=0.005)
+    assert record["together"]["values"]["anisotropy_ratio"] == pytest.approx(EPS, rel=0.005)
     assert (tmp_path / "displacement-for-eps.png").exists()
     assert (tmp_path / "calibration.svg").exists()
 

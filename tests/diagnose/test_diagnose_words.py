@@ -1,4 +1,4 @@
-"""Numbers in words: units that people use, digits that an interval deserves, effects too faint to name."""
+"""Numbers in words: units that people use, digits that an interval deserves, effects below detection."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from blind.protocol import usual
 from serpenoid.diagnose.cards import cards
 from serpenoid.diagnose.report import left_over
-from serpenoid.diagnose.words import faint, lines, parameter, ratio, shown, title
+from serpenoid.diagnose.words import faint, lines, parameter, ratio, shown, times, title
 
 
 @pytest.mark.parametrize(
@@ -45,12 +45,12 @@ def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tup
     trace = {"name": "friction_patch", "site": "medium", "place": None, "parameters": {}, "strength_floors": 1.44}
     trace["in_extended_model"] = False
     record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_the_floor": [trace]}
-    assert faint(record) == ["too faint to name: friction_patch (1.4 floors)"]
-    assert "  too faint to name: friction_patch (1.4 floors)" in lines(record)
+    assert faint(record) == ["below detection: friction_patch (1.4 times the noise)"]
+    assert "  below detection: friction_patch (1.4 times the noise)" in lines(record)
     told = [text for card in cards(record) for text in card.sentences]
-    assert any(text.startswith("Too faint to name: friction_patch (1.4 floors)") for text in told)
+    assert any(text.startswith("Below detection: friction_patch (1.4 times the noise)") for text in told)
     kept = record | {"below_the_floor": [trace | {"in_extended_model": True}]}
-    assert faint(kept) == ["too faint to name, but in the extended model: friction_patch (1.4 floors)"]
+    assert faint(kept) == ["below detection, but in the extended model: friction_patch (1.4 times the noise)"]
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:
@@ -75,7 +75,7 @@ def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_first_and_no_p
     verdict, cause, _ = cards(doubtful)
     assert verdict.sentences[0].startswith("The model is inadequate by 3.1 mm a window")
     assert not any("What to do" in text for text in cause.sentences)
-    assert all(f"{title(e)} ({e['strength_floors']:.1f} floors), perhaps a stand-in" in "\n".join(lines(doubtful))
+    assert all(f"{title(e)} ({times(e['strength_floors'])}), perhaps a stand-in" in "\n".join(lines(doubtful))
                for e in record["effects"])  # fmt: skip
 
 

@@ -65,10 +65,10 @@ def test_displacement_is_the_truth_to_a_tenth_of_a_millimetre(rehearsed):
 
 def test_calibration_recovers_eps_singly_and_jointly(rehearsed):
     found = calibrate(rehearsed[1], snake(0.4), ("anisotropy_ratio",))
-    assert found.joint.values[0] == pytest.approx(EPS, abs=4 * found.joint.sd[0])
+    assert found.together.values[0] == pytest.approx(EPS, abs=4 * found.together.sd[0])
     assert found.mean_best_rms == pytest.approx(EPS, rel=0.01)
     assert len(found.trials) == 4
-    assert found.joint.sd[0] < min(f.estimate.sd[0] for f in found.trials)
+    assert found.together.sd[0] < min(f.estimate.sd[0] for f in found.trials)
 
 
 def test_actuation_and_motion_errors_add_up(study):

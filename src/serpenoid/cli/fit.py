@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
         draw(folder, campaign, model, calibration)
     said = [f"seconds           {used}"]
     options.report(args, record, [*lines(calibration, model), *said, f"written to        {folder}"], folder)
-    complaints = calibration.joint.warnings
+    complaints = calibration.together.warnings
     for complaint in complaints:
         options.complain(complaint)
     return 1 if any("bound" in text or "converge" in text for text in complaints) else 0
@@ -78,7 +78,7 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
     from serpenoid.compare.calibrate import drag_ratio
     from serpenoid.compare.parameters import bounds
 
-    together, lows, highs = calibration.joint, *bounds(calibration.names, model)
+    together, lows, highs = calibration.together, *bounds(calibration.names, model)
     found = [f"dissipation at each {model.medium.dissipation}, {len(calibration.trials)} trial(s)"]
     for i, name in enumerate(calibration.names):
         value, (low, high) = together.values[i], together.interval[i]

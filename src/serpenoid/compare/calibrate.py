@@ -62,11 +62,11 @@ class TrialFit:
 
 @dataclass(frozen=True)
 class Calibration:
-    """All trials singly, their spread, and all jointly."""
+    """All trials singly, their spread, and all together."""
 
     names: tuple[str, ...]
     trials: tuple[TrialFit, ...]
-    joint: Estimate
+    together: Estimate
     mean: Floats  # (P,) of the trials' likelihood estimates
     spread: Floats  # (P,) SD over trials
     mean_interval: Floats  # (P, 2) 95 %, Student
@@ -78,7 +78,7 @@ class Calibration:
 def calibrate(
     campaign: Campaign, model: Model, names: tuple[str, ...], progress: Callable[[int, int, str], None] | None = None
 ) -> Calibration:
-    """Fit every trial with motion, then all of them jointly."""
+    """Fit every trial with motion, then all of them together."""
     refuse_effects(model)
     usable = [trial for trial in campaign.trials if trial.motion is not None and trial.passages]
     segments: list[Segment] = []
@@ -92,16 +92,16 @@ def calibrate(
     if not fits:
         raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
     if progress is not None:
-        progress(len(usable), len(usable) + 1, "all trials jointly")
+        progress(len(usable), len(usable) + 1, "all trials together")
     every = tuple(segments)
-    joint = estimate(model, every, names)
+    together = estimate(model, every, names)
     values = np.array([f.estimate.values for f in fits])
     rms = np.array([f.best_rms_eps for f in fits])
     mean, spread = values.mean(axis=0), _sd(values)
     interval = mean_intervals(values, model, names)
-    profile = remember(lambda: profile_likelihood(model, every, names, joint), "profile", model, every, names)
+    profile = remember(lambda: profile_likelihood(model, every, names, together), "profile", model, every, names)
     return Calibration(
-        names, tuple(fits), joint, mean, spread, interval, float(rms.mean()), float(_sd(rms[:, None])[0]), profile
+        names, tuple(fits), together, mean, spread, interval, float(rms.mean()), float(_sd(rms[:, None])[0]), profile
     )
 
 

@@ -104,7 +104,7 @@ def calibration_record(calibration: Calibration, dissipation: str) -> dict[str, 
     return plain(
         {
             "dissipation": dissipation,
-            "joint": estimate_record(calibration.joint),
+            "together": estimate_record(calibration.together),
             "trials_mean": dict(zip(names, calibration.mean, strict=True)),
             "trials_spread": dict(zip(names, calibration.spread, strict=True)),
             "trials_mean_interval_95": dict(zip(names, calibration.mean_interval, strict=True)),

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
 
 MEASURED = Layer("measured", "#222222", 16, np.empty(0), np.empty(0))
-BASELINE = Layer("baseline, from a fit to the other gaits", "#E69F00", 10, np.empty(0), np.empty(0))
-EXTENDED = Layer("extended model, from a fit to the other gaits", "#0072B2", 4, np.empty(0), np.empty(0))
+BASELINE = Layer("baseline, from a fit to the others", "#E69F00", 10, np.empty(0), np.empty(0))
+EXTENDED = Layer("extended model, from a fit to the others", "#0072B2", 4, np.empty(0), np.empty(0))
 
 
 def animated(d: Diagnosis) -> list[Animated]:
@@ -34,7 +34,9 @@ def animated(d: Diagnosis) -> list[Animated]:
         layers = {"measured": _placed(MEASURED, track, track.poses)}
         layers |= {name: _placed(layer, track, predicted(track, p[i])) for name, (layer, p) in models.items()}
         name = getattr(track.recording, "name", track.recording.gait)
-        found.append(Animated(name, track.time, layers))
+        same = [t for t in tracks if t.recording is track.recording]
+        part = f", part {[t is track for t in same].index(True) + 1}" if len(same) > 1 else ""
+        found.append(Animated(name + part, track.time, layers))
     return found
 
 

@@ -11,7 +11,9 @@ from serpenoid.diagnose.words import (
     inadequacy,
     parameter,
     shown,
+    times,
     title,
+    unseen,
 )
 from serpenoid.pages import Card
 
@@ -34,7 +36,7 @@ def _verdict(record: Record) -> Card:
     said = [f"{text.capitalize()}." for text in inadequacy(record)]
     said.append(f"{MEANINGS[record['verdict']].capitalize()}.")
     rows = [(s["rung"], times_noise(s["after"], s["floor"])) for s in record["ladder"]]
-    rows += [(rung, "skipped") for rung in record["skipped"]]
+    rows += [(rung, "skipped") for rung in record["skipped"] if record["drag_ratio"] is None]
     return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,
                 TONES.get(record["verdict"], "warn"))  # fmt: skip
 
@@ -43,7 +45,7 @@ def _cause(record: Record) -> Card:
     effects = record["effects"]
     rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
     said = [
-        f"{title(e)} ({e['strength_floors']:.1f} times the noise level): {advice(record, e).looks_like}. "
+        f"{title(e)} ({times(e['strength_floors'])}): {advice(record, e).looks_like}. "
         + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
         for e in effects
     ]
@@ -61,13 +63,13 @@ def _gain(record: Record) -> Card:
     rms = record["gain"]["path_rms_m"]
     rows = [(GAINS[key][0].partition(",")[0].partition(" (")[0], _change(record, key)) for key in GAINS]
     rows.append(("noise level", shown(record["noise_floor_m"], "m")))
-    said = ["Every gait predicted from a fit to the others."]
+    said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
     bad = worse(record)
     said.append(f"Worse with the extension: {', '.join(bad)}." if bad else "Nothing became worse.")
     if record["effects"] and "path RMS" in bad:
         said.append("Do not rely on the name without further trials.")
     answer = f"path RMS {shown(rms['before'], 'm')} \N{RIGHTWARDS ARROW} {shown(rms['after'], 'm')}"
-    return Card("Gain on unseen gaits", answer, said, rows, "warn" if bad else "good")
+    return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad else "good")
 
 
 def worse(record: Record) -> list[str]:
@@ -92,5 +94,4 @@ def times_noise(error: float, noise: float) -> str:
     """An error beside its noise level, as `1.3 times the noise`."""
     if noise <= 0:
         return "no noise level"
-    ratio = error / noise
-    return f"{ratio:.1f} times the noise" if ratio < 10 else f"{ratio:.0f} times the noise"
+    return times(error / noise)

@@ -12,7 +12,7 @@ from typing import Any
 
 from serpenoid.animated import Animated, animation_data
 from serpenoid.diagnose.cards import GAINS, cards, times_noise
-from serpenoid.diagnose.words import Record, ends, faint, reference, seconds, shown, title, untestable
+from serpenoid.diagnose.words import Record, ends, faint, reference, seconds, shown, title, unseen, untestable
 from serpenoid.effects.catalogue import find
 from serpenoid.pages import Picture, Table, write_page
 
@@ -56,7 +56,7 @@ def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -
         parameters=_parameters(record),
         alternatives=_alternatives(record),
         faint=[text.capitalize() for text in faint(record)],
-        pictures={place: _pictures(folder, names) for place, names in FIGURES.items()},
+        pictures={place: _pictures(folder, names, unseen(record)) for place, names in FIGURES.items()},
         **_experiment(record["next_experiment"]),
     )
 
@@ -64,7 +64,8 @@ def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -
 def _beside(record: Record) -> list[str]:
     """What was known, skipped, not tested, and what is left without a name."""
     found = [f"{text}." for text in reference(record)]
-    found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
+    if record["drag_ratio"] is None:
+        found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]
     found += [f"Made from the recordings: {seconds(record)}.", *(f"{text}." for text in record["remarks"])]
     return found + left_over(record["residual_pattern"])
@@ -79,8 +80,9 @@ def left_over(sentences: Sequence[str]) -> list[str]:
     return [f"Not accounted for in the stage of {stage}: {'; '.join(what)}." for stage, what in stages.items()]
 
 
-def _pictures(folder: Path, names: Sequence[str]) -> list[Picture]:
-    return [Picture.of(folder / f"{n}.svg", CAPTIONS[n]) for n in names if (folder / f"{n}.svg").exists()]
+def _pictures(folder: Path, names: Sequence[str], unseen: str) -> list[Picture]:
+    there = [n for n in names if (folder / f"{n}.svg").exists()]
+    return [Picture.of(folder / f"{n}.svg", CAPTIONS[n].replace("gaits", unseen)) for n in there]
 
 
 def _gain(record: Record) -> Table:
@@ -88,7 +90,7 @@ def _gain(record: Record) -> Table:
     for key, (name, unit) in GAINS.items():
         g = record["gain"][key]
         rows.append([name, *(_with_interval(g, side, unit) for side in ("before", "after"))])
-    return Table(["on held-out gaits", "before (95 %)", "after (95 %)"], rows)
+    return Table([f"on held-out {unseen(record)}", "before (95 %)", "after (95 %)"], rows)
 
 
 def _with_interval(g: Record, side: str, unit: str) -> str:

@@ -71,7 +71,7 @@ def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
 def pattern(
     motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
 ) -> tuple[str, ...]:
-    """Sentences about what is left, or none. path: its RMS in floors; chance: what it may be without a cause."""
+    """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause."""
     left = residuals(motion.tracks, predictions)
     ratio, by = repeatable(motion, left)
     words = []
@@ -82,7 +82,7 @@ def pattern(
         words += _when(motion, left, worst)
         words += _where(motion, left)
     if path > chance:
-        words.append(f"paths stray {path:.1f} floors from the measured ones")
+        words.append(f"paths stray from the measured ones by {path:.1f} times the noise")
     if len(differences):
         size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
         robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))

@@ -73,10 +73,10 @@ def ends(p: Record) -> tuple[str, str, str]:
 
 
 def faint(record: Record) -> list[str]:
-    """Effects that improve the prediction, but whose trace does not stand clear of chance."""
+    """Effects below detection: they improve the prediction, but chance makes traces as large."""
     kept = {True: ", but in the extended model", False: ""}
     return [
-        f"too faint to name{kept[e['in_extended_model']]}: {title(e)} ({e['strength_floors']:.1f} floors)"
+        f"below detection{kept[e['in_extended_model']]}: {title(e)} ({times(e['strength_floors'])})"
         for e in record["below_the_floor"]
     ]
 
@@ -127,17 +127,18 @@ def lines(record: Record) -> list[str]:
     found += [f"first             {text}" for text in inadequacy(record)]
     found.append(f"verdict           {record['verdict']}")
     for e in record["effects"]:
-        found.append(f"  {title(e)} ({e['strength_floors']:.1f} floors){STAND_IN if e['stand_in'] else ''}")
+        found.append(f"  {title(e)} ({times(e['strength_floors'])}){STAND_IN if e['stand_in'] else ''}")
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
-    found += [f"  or {title(e)} ({e['separation_floors']:.1f} floors apart)" for e in record["alternatives"]]
+    found += [f"  or {title(e)} ({times(e['separation_floors'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in faint(record)]
-    found += [_rung(s) for s in record["ladder"]]
-    found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
+    found += [_stage(s) for s in record["ladder"]]
+    if record["drag_ratio"] is None:  # of an animal nobody expects servos
+        found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
     found += [f"not tested        {text}" for text in untestable(record)]
     found.append(f"seconds           {seconds(record)}")
     found += [f"note              {text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
-    found.append(f"held-out gaits    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
+    found.append(f"held-out {unseen(record)}    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
     found.append(f"anisotropy ratio  {ratio(record)}")
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
     if record["next_experiment"]:
@@ -148,6 +149,17 @@ def lines(record: Record) -> list[str]:
     return found + [f"left              {text}" for text in record["residual_pattern"]]
 
 
-def _rung(s: Record) -> str:
-    before, after, floor = (shown(s[k], s["unit"]) for k in ("before", "after", "floor"))
-    return f"{s['rung']:18}{before} -> {after}, floor {floor}: {s['share_above_floor_after']:.0%} above it"
+def unseen(record: Record) -> str:
+    """What is held out: gaits, or the parts of an animal's recording."""
+    return "gaits" if record["drag_ratio"] is None else "parts"
+
+
+def times(ratio: float) -> str:
+    """A size beside the noise level, as `1.3 times the noise`."""
+    return f"{ratio:.1f} times the noise" if ratio < 10 else f"{ratio:.0f} times the noise"
+
+
+def _stage(s: Record) -> str:
+    before, after, noise = (shown(s[k], s["unit"]) for k in ("before", "after", "floor"))
+    beside = f" ({times(s['after'] / s['floor'])})" if s["floor"] > 0 else ""
+    return f"{s['rung']:18}{before} -> {after}, noise {noise}{beside}"

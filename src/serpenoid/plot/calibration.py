@@ -38,12 +38,12 @@ def displacement_for_eps(
 
 
 def trial_values(calibration: Calibration, ax: Axes) -> Axes:
-    """Every trial's estimate with its interval and its best-RMS eps; the joint value as a band."""
+    """Every trial's estimate with its interval and its best-RMS eps; that of all together as a band."""
     names = [f.trial for f in calibration.trials]
     rows = np.arange(len(names))
-    joint = calibration.joint
-    ax.axvspan(*joint.interval[0], color=BLUE, alpha=0.18, lw=0)
-    ax.axvline(joint.values[0], color=BLUE, lw=1.2, label="joint, 95 %")
+    together = calibration.together
+    ax.axvspan(*together.interval[0], color=BLUE, alpha=0.18, lw=0)
+    ax.axvline(together.values[0], color=BLUE, lw=1.2, label="all trials together, 95 %")
     values = np.array([f.estimate.values[0] for f in calibration.trials])
     robust = np.array([1.96 * f.estimate.robust_sd[0] for f in calibration.trials])
     noise = np.array([1.96 * f.estimate.sd[0] for f in calibration.trials])
@@ -71,15 +71,15 @@ def profile(calibration: Calibration, ax: Axes) -> Axes:
 
 def left_over(calibration: Calibration, ax: Axes) -> Axes:
     """Autocorrelation of the white defects, with the band a right model stays in."""
-    lags = np.arange(1, len(calibration.joint.autocorrelation) + 1)
-    count = sum(w.defect.size for w in calibration.joint.solution.segments)
+    lags = np.arange(1, len(calibration.together.autocorrelation) + 1)
+    count = sum(w.defect.size for w in calibration.together.solution.segments)
     band = 2 / np.sqrt(count)
     ax.axhspan(-band, band, color=BLUE, alpha=0.2, lw=0)
-    ax.vlines(lags, 0, calibration.joint.autocorrelation, color=INK, lw=1.4)
+    ax.vlines(lags, 0, calibration.together.autocorrelation, color=INK, lw=1.4)
     ax.axhline(0, color=GREY, lw=0.8)
-    low = min(-0.1, 1.1 * float(calibration.joint.autocorrelation.min()))
-    ax.set_ylim(low, max(0.1, 1.1 * float(calibration.joint.autocorrelation.max())))
-    return dress(ax, f"What is left: {calibration.joint.noise_scale:.2f} x noise", "lag [frames]", "autocorrelation")
+    low = min(-0.1, 1.1 * float(calibration.together.autocorrelation.min()))
+    ax.set_ylim(low, max(0.1, 1.1 * float(calibration.together.autocorrelation.max())))
+    return dress(ax, f"What is left: {calibration.together.noise_scale:.2f} x noise", "lag [frames]", "autocorrelation")
 
 
 def calibration_figure(calibration: Calibration) -> Figure:
