@@ -219,6 +219,8 @@ def test_another_protocol_is_not_mixed_into_a_folder(protocol_file, tmp_path):
         run_campaign(protocol.model_copy(update={"seed": 6}), tables, folder)
     with pytest.raises(InputError, match="not empty"):
         run_campaign(protocol, tables, tmp_path)
+    (folder / ".arena.json").write_text("{")
+    assert "damaged" in str(another(protocol, tables, folder))
     move_aside(folder)  # as --force does
     assert another(protocol.model_copy(update={"seed": 6}), tables, folder) is None
 

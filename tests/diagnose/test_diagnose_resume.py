@@ -12,6 +12,7 @@ import pytest
 from blind.ground import Ground
 from blind.swimmers import Swimmer, write
 from serpenoid import store
+from serpenoid.cli.main import main
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.tracked import PARTS, tracked_recordings, tracker
@@ -29,6 +30,15 @@ def test_begun_again_no_fit_is_made_twice_and_the_answer_is_the_same(campaign: P
     again = diagnose_campaign(campaign)[1]
     assert {path: path.stat().st_ino for path in store.folder().glob("*.work")} == before
     assert record(again) == record(diagnosed[0])
+
+
+def test_the_answer_without_an_effect_does_not_take_the_place_of_the_whole_one(
+    campaign: Path, diagnosed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["diagnose", str(campaign), "--out", str(tmp_path / "out"), "--no-figures", "--quiet"]
+    assert main(words) == 0  # from fits that are kept
+    assert main([*words, "--without", "worn_wheel"]) == 2
+    assert "holds the answer of another `diagnose`" in capsys.readouterr().err
 
 
 def test_every_second_of_whole_windows_is_used_and_said(diagnosed: Diagnosed) -> None:

@@ -69,7 +69,10 @@ def another(protocol: Protocol, tables: dict[str, Floats], folder: Path) -> str 
     """What else `folder` holds; None where it is free, or a campaign of this protocol was begun in it."""
     receipt = folder / RECEIPT
     if receipt.is_file():
-        mine = read_json(receipt) == _receipt(protocol, tables)
+        try:
+            mine = read_json(receipt) == _receipt(protocol, tables)
+        except InputError:
+            return f"its {RECEIPT} is damaged, so nothing says what it holds"
         return None if mine else "holds a campaign of another protocol"
     if folder.exists() and (not folder.is_dir() or any(not _moved(path) for path in folder.iterdir())):
         return "is not empty and not a campaign of the arena"

@@ -27,7 +27,7 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
     sizes = [len(load_campaign_file(c)[0].trial) for c in wanted]
     default = Path("results") / campaigns.name_of(campaign) / "diagnosis"
     key = [content_of_campaign(c) for c in wanted], content_of(*([Path(args.model)] if args.model else []))
-    folder = options.output_folder(args, default, *key)
+    folder = options.output_folder(args, default, *key, sorted(args.without))
     with options.progress_bar(args, "diagnosing", sum(sizes)) as advance:
         work = Work(sizes, not args.no_figures, advance)
         earlier, before = None, None

@@ -121,7 +121,7 @@ def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], 
 def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> Path:
     from serpenoid.results import default_folder
 
-    key = [values, args.starts, args.seed]
+    key = [values, args.starts, args.seed, args.no_polish]
     if args.out and len(args.problems) > 1:
         options.check_writable(Path(args.out))
         return claim(args, Path(args.out) / problem.name, problem.hash, *key)
