@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -16,6 +17,7 @@ from serpenoid.compare.calibrate import calibrate
 from serpenoid.compare.study import compare_campaign
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
+from serpenoid.gaits.table import TableGait
 from serpenoid.measure.load import load_campaign
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -131,3 +133,23 @@ def test_what_changes_the_recording_alone_is_said(tmp_path: Path, capsys: pytest
     words = ["simulate", str(REFERENCE), "--model", str(model), "--out", str(tmp_path / "out"), "--no-figures"]
     assert main(words) == 0
     assert "`length_scale` changes what cameras record, not how the body moves" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("family", ["ellipse", "table"])
+def test_vertices_of_an_opened_nlp_are_those_of_the_simulation(family: str) -> None:
+    problem = sp.load(REFERENCE, ["task.steps=12"])
+    simulated = sp.simulate(problem)
+    gait = problem.gait if family == "ellipse" else TableGait.from_angles(simulated.table[:12])
+    nlp = sp.gait_nlp(problem, gait)
+    values = problem.gait.parameters if family == "ellipse" else simulated.table[:12].ravel()
+    x = np.concatenate([simulated.trajectory.poses[1:].ravel(), values])
+    p = np.concatenate([[0.0], problem.model.parameters])
+    asked = ca.Function("asked", [nlp.variables, nlp.parameters], [nlp.vertices, nlp.head])
+    vertices, head = (value.full() for value in asked(x, p))
+    first = simulated.trajectory.poses[0]
+    np.testing.assert_array_equal(first, 0.0)
+    expected = simulated.trajectory.vertices
+    np.testing.assert_allclose(vertices.T.reshape(expected.shape), expected, atol=1e-12)
+    np.testing.assert_allclose(head[:, 0], expected[-1, -1], atol=1e-12)
+    assert len(repr(nlp)) < 100
+    assert len(repr(problem)) < 100

@@ -98,6 +98,10 @@ class Problem(Record):
     _folder: Path = PrivateAttr(default=Path("."))
     _name: str = PrivateAttr(default="problem")
 
+    def __repr__(self) -> str:
+        body, task = self.body, self.task
+        return f"<Problem {self._name}: {body.vertices} vertices, {self.gait.family} gait, {task.steps} steps>"
+
     @model_validator(mode="before")
     @classmethod
     def _bounds_of_the_family(cls, data: Any) -> Any:

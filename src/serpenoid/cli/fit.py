@@ -127,5 +127,6 @@ def draw(folder: Path, campaign: Campaign, model: Model, calibration: Calibratio
     measured = np.hypot(*(segment.smooth_poses - segment.smooth_poses[0]).T[:2])
     best = (centre, displacement_curve(at(centre), segment.smooth_angles))
     fig = figure(7.4, 4.4)
+    fig.suptitle(first.trial, x=0.01, ha="left", fontsize="medium")
     displacement_for_eps(segment.time_s - segment.time_s[0], measured, grid, curves, rms, best, fig.add_subplot())
     save(fig, folder, "displacement-for-eps")

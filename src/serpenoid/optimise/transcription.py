@@ -28,6 +28,7 @@ from serpenoid.optimise.assembly import Places
 from serpenoid.optimise.blocks import Cycle
 from serpenoid.optimise.layer import Layer
 from serpenoid.optimise.motion_law import MotionLaw, path_layer, table_layer
+from serpenoid.optimise.placed import placed_vertices
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.watch import Watch
 
@@ -65,6 +66,23 @@ class GaitNLP:
     def gait(self) -> ca.MX:
         """Gait parameters (n)."""
         return self.variables[3 * self.steps + self.lifted :]
+
+    @cached_property
+    def vertices(self) -> ca.MX:
+        """Vertices (2, N (T + 1)) at rows 0 .. T, tail to head, in the body frame of row 0 [body lengths]."""
+        made = self._angles or table_layer(self.law.family, self.structure, self.portable)
+        angles = self.gait if self.family.free else made.value(self.gait, self._data, self.model_parameters)
+        table = ca.reshape(angles, len(self.structure.joints), -1)
+        return placed_vertices(self.structure, self._cycle.poses, table, self.model_parameters)
+
+    @property
+    def head(self) -> ca.MX:
+        """Where the head is after the cycle (2,)."""
+        return self.vertices[:, -1]
+
+    def __repr__(self) -> str:
+        n, g = self.variables.numel(), sum(self.constraint_counts)
+        return f"<GaitNLP {n} variables, {g} constraints, {self.steps} steps, {self.structure.vertices} vertices>"
 
     @property
     def model_parameters(self) -> ca.MX:
