@@ -23,6 +23,7 @@ from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import clearance
+from serpenoid.optimise.coarse import coarser, on_coarser_rows
 from serpenoid.optimise.ladder import climb
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
@@ -129,7 +130,7 @@ NO_LEAPS = (  # a free table without a speed limit leaps through walls from one 
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_box_is_kept_at_every_time_and_place(seed: int) -> None:
     box = {"kind": "box", "half_widths": (0.52, 0.24), "inside": True}
     changes = "body.vertices=6", "task.steps=24", *NO_LEAPS
@@ -182,6 +183,21 @@ def test_signed_distances_are_convex_and_grow_no_faster_than_points_move(obstacl
     before, middle, after = (gaps_of(obstacle).at(points + share * steps)[0] for share in (0.0, 0.5, 1.0))
     assert (np.abs(after - before) <= np.hypot(*steps.T)[:, None] + 1e-8).all()
     assert (middle <= (before + after) / 2 + 1e-8).all()
+
+
+def test_free_tables_are_first_looked_for_on_few_rows_but_not_beside_obstacles() -> None:
+    for name, steps, rough in (
+        ("reach", 80, 20),
+        ("reach", 82, None),
+        ("reach", 40, None),
+        ("disc-obstacle", 200, None),
+    ):
+        wanted = problem(name, f"task.steps={steps}")
+        family = wanted.family_of()
+        found = coarser(wanted, family)
+        assert (found.task.steps if found else None) == rough
+    table = np.arange(24.0).reshape(8, 3)
+    np.testing.assert_array_equal(on_coarser_rows(table.ravel(), TableGait().of(3, 8)).reshape(-1, 3), table[::4])
 
 
 def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:

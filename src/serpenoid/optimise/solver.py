@@ -15,6 +15,7 @@ from serpenoid.gaits import Gait
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.clearance import RESOLUTION, Clearance
+from serpenoid.optimise.coarse import FACTOR, coarser, on_coarser_rows
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, violations
@@ -75,6 +76,8 @@ class GaitSolver:
         self.limits = path_limits(problem)
         soft = softer(problem)
         self._softer = None if soft is None else GaitSolver(soft, customise, gait)
+        rough = coarser(problem, self.family) if gait is None and customise is None and soft is None else None
+        self._coarser = None if rough is None else GaitSolver(rough)
         gaps = tuple(self.asked.criteria.clear_of)
         self.obstacles = Obstacles(gaps, self.model, self.steps, self.family.closed)
         self._prepared: dict[tuple[int, bool, Watch], tuple[GaitNLP, Ipopt]] = {}
@@ -121,6 +124,8 @@ class GaitSolver:
         self.prepared(self.first())
         if self._softer is not None:
             self._softer.prepare(q)
+        if self._coarser is not None:
+            self._coarser.prepare(on_coarser_rows(q, self.family))
 
     def first(self) -> Carried:
         """What the first NLP of a search carries."""
@@ -162,8 +167,14 @@ class GaitSolver:
             price = c if self._softer.model.law.degree == self.model.law.degree else 0.0  # drag has another scale
             soft = self._softer.solve(start, price, gait_bounds, None, flag)
             start = soft.q if soft.outcome.status.ok else start
+        iterations, seconds = 0, 0.0
+        if self._coarser is not None and gait_bounds is None and not isinstance(start, Point):
+            rough = self._coarser.solve(on_coarser_rows(start, self.family), c, flag=flag)
+            iterations, seconds = rough.iterations, rough.seconds
+            finer = np.clip(self._coarser.family.on_finer_rows(rough.q, FACTOR), *self.gait_bounds())
+            start = finer if rough.outcome.status.ok else start
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
-        carried, iterations, seconds, recoveries, clear = carried or self.first(), 0, 0.0, RECOVERIES, None
+        carried, recoveries, clear = carried or self.first(), RECOVERIES, None
         for _ in range(EXCHANGES):
             _, ipopt = self.prepared(carried, penalised=c > 0 or self.asked.always_dissipation)
             outcome = ipopt.solve(
