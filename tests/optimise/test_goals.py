@@ -44,7 +44,7 @@ def asked(name: str, *changes: str, **task: object) -> Problem:
 
 
 def test_every_kind_in_the_folders_is_offered_in_problem_files() -> None:
-    expected = {"displacement", "position", "heading", "effort", "bending"}
+    expected = {"displacement", "position", "heading", "effort", "bending", "transport"}
     assert expected <= {t.model_fields["kind"].default for t in terms()}
     assert {"reach", "travel", "disc", "box", "half_plane"} <= {d.model_fields["kind"].default for d in demands()}
     assert {"ellipse", "fourier", "fourier-joints", "spline", "table"} == set(families())
@@ -217,6 +217,18 @@ def test_least_effort_for_a_given_way_is_least_where_the_multiplier_says() -> No
     assert found.status is Status.SOLVED
     assert found.trajectory.displacement == pytest.approx(way, abs=1e-7)
     assert found.trajectory.dissipation == pytest.approx(free.trajectory.dissipation, abs=1e-6)
+
+
+def test_least_cost_of_transport_is_the_optimum_of_the_c_that_is_one_over_it() -> None:
+    """Where (idle + D) / way is stationary, dD = cost d way: the optimum of -way + c D with c = 1 / cost."""
+    given = {"objectives": ({"kind": "transport", "idle": 0.3},), "c": 0.0}
+    found = solve_from(asked("reference-optimum", **given), EllipseGait(sigma=0.6, a=5.0, xi=1.0))
+    assert found.status is Status.SOLVED
+    run = oracle_run(found.problem.model, found.table)
+    assert found.cost == pytest.approx((0.3 + run.dissipation) / run.displacement, abs=1e-9)
+    swept = solve_from(asked("reference-optimum", c=1 / found.cost), found.gait)
+    assert swept.trajectory.displacement == pytest.approx(found.trajectory.displacement, abs=1e-6)
+    assert swept.trajectory.dissipation == pytest.approx(found.trajectory.dissipation, abs=1e-6)
 
 
 def test_the_place_after_several_cycles_is_where_they_lead() -> None:
