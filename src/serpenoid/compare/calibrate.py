@@ -179,7 +179,8 @@ def profile_likelihood(
 ) -> Floats:
     """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors: (K, 2)."""
     low, high = (ends[0] for ends in bounds(names, model))
-    grid = best.values[0] + best.sd[0] * np.linspace(-3, 3, points)
+    sd = float(np.sqrt(best.solution.covariance[0, 0])) * max(1.0, best.noise_scale)  # of noise alone
+    grid = best.values[0] + sd * np.linspace(-3, 3, points)
     noise = changed(model, names, best.values)  # chi2 values are comparable only under one noise
     least = fit(noise, segments, (), np.empty(0)).chi2
     rows = []

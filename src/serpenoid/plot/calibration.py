@@ -48,7 +48,7 @@ def trial_values(calibration: Calibration, ax: Axes) -> Axes:
     robust = np.array([1.96 * f.estimate.robust_sd[0] for f in calibration.trials])
     noise = np.array([1.96 * f.estimate.sd[0] for f in calibration.trials])
     ax.errorbar(values, rows, xerr=robust, fmt="none", ecolor=FAINT, elinewidth=5, zorder=1, label="95 %, robust")
-    ax.errorbar(values, rows, xerr=noise, fmt="o", color=INK, ms=4, lw=1.2, label="likelihood, 95 % noise")
+    ax.errorbar(values, rows, xerr=noise, fmt="o", color=INK, ms=4, lw=1.2, label="likelihood, 95 %")
     if calibration.names[0] == "anisotropy_ratio":
         ax.plot([f.best_rms_eps for f in calibration.trials], rows, "D", color=ORANGE, ms=4, label="best RMS")
     ax.set_yticks(rows, names)

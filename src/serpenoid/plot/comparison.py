@@ -19,7 +19,7 @@ CLASSES = (("Exp", GREEN), ("Sim", ORANGE), ("Resim", BLUE))
 # wide below, narrow above: where two agree, both are seen
 LINES: dict[str, dict[str, Any]] = {"Exp": {"lw": 3.4}, "Sim": {"lw": 1.6}, "Resim": {"lw": 1.4, "ls": (0, (3, 2))}}
 BODIES = {"Exp": 5.0, "Sim": 2.6, "Resim": 1.2}
-LETTERED = 14  # gaits: more numbers in the cells of a heat map cannot be read
+LETTERED = 14  # gaits or vertices: more numbers beside each other cannot be read
 
 
 def comparison_figure(comparison: Comparison) -> Figure:
@@ -86,8 +86,8 @@ def residual_along_body(comparison: Comparison, ax: Axes) -> Axes:
     """RMS speed residual of every vertex."""
     values = comparison.residual_along_body()
     ax.bar(np.arange(len(values)), values, color=BLUE, width=0.7)
-    ax.set_xticks([0, len(values) - 1], ["tail", "head"])
-    return dress(ax, "", "vertex", "RMS velocity residual\n[body lengths / s]")
+    ax.set_xticks(np.arange(len(values))[:: 1 + len(values) // LETTERED])
+    return dress(ax, "", "vertex (0 = tail)", "RMS velocity residual\n[body lengths / s]")
 
 
 def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:

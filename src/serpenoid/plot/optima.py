@@ -14,7 +14,7 @@ from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, RED, SMALL, dress, 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
 
-COST_LABEL = "cost −Δ + c·D [body lengths]"
+COST_LABEL = "cost (the objective)"
 SHOWN = 12  # optima named one by one
 
 
