@@ -282,3 +282,18 @@ def test_two_repeats_of_a_gait_do_not_accuse_one_another_of_the_wrong_log(rate):
     verdict = check(claims, {"gait-1": serpenoid_table(40)})
     assert verdict.contradictions == ()
     assert not [r for r in verdict.rivals if r.kind == "log"]
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+def test_the_duration_of_a_single_cycle_is_told_by_how_long_the_body_moves(factor):
+    """Nothing repeats in a trial of one cycle, so no period is seen."""
+    played = Schedule(serpenoid_table(40), 2.0, 1, 0.0)
+    time = np.arange(-1.0, 3.5, 1 / 60)
+    angles = played.commanded(np.clip(time, 0.0, played.end_s))
+    seen = Signal(time, angles + 0.005 * np.random.default_rng(5).standard_normal(angles.shape))
+    promised = Schedule(played.table, factor * 2.0, 1, 0.0)
+    assert period_s(seen) is None
+    found = check([Claim("one", "gait-1", promised, cameras=seen)], {"gait-1": played.table}).contradictions
+    assert [one.kind for one in found] == ([] if factor == 1.0 else ["duration"])
+    for one in found:
+        assert float(re.findall(r"a cycle of ([0-9.]+) s", one.words)[0]) == pytest.approx(2.0, rel=0.02)

@@ -18,7 +18,7 @@ import numpy as np
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.hypotheses import KINDS, SAME_TABLE, Fault, schedule_faults, turned, wiring_faults
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
-from serpenoid.measure.consistency.signals import Sampled, Signal, period_s, sample
+from serpenoid.measure.consistency.signals import Sampled, Signal, moving_s, period_s, sample
 from serpenoid.measure.schedule import Schedule
 
 FAULTY = 0.05  # of campaigns have something wrong in their file
@@ -30,6 +30,7 @@ PERIODS = 8  # of a recording that are looked at, from where it begins to move
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
 SURE = 0.95  # of it is explained by what was really played; a rival with less accuses nobody (a damaged robot)
 HOPELESS = 50.0  # nats behind at the contract's rate: other rates are not tried
+SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` fills in what lies between
 WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
 
 
@@ -112,9 +113,21 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
     for signal, witness, prior in seen:
         if schedule is not None and signal is not None and signal.enough:
             own = period_s(signal)
-            faults = schedule_faults(schedule, claim.label, tables, own)
+            faults = schedule_faults(schedule, claim.label, tables, _periods(signal, own, schedule))
             return _scored(claim, signal, course_of(schedule), own, faults, witness, prior)
     return None
+
+
+def _periods(signal: Signal, own: float | None, schedule: Schedule) -> list[float]:
+    """What the period may be [s]: a gait may repeat itself within a cycle, and a signal look alike twice.
+
+    Where nothing repeats, as in a trial of one cycle, it is as long as the body moves, and a little longer: it begins
+    and ends slowly.
+    """
+    if own is not None:
+        return [own, 2 * own, own / 2]
+    moving = moving_s(signal)
+    return [(factor * moving + schedule.pause_s) / schedule.cycles for factor in SLOW_ENDS] if moving else []
 
 
 def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared | None:

@@ -7,7 +7,7 @@ schedule) and have them scored beside these.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -53,12 +53,12 @@ class Wiring:
 
 
 def schedule_faults(
-    schedule: Schedule, label: str, tables: Mapping[str, Floats], period_s: float | None
+    schedule: Schedule, label: str, tables: Mapping[str, Floats], periods_s: Sequence[float]
 ) -> list[Fault]:
-    """All faults of a schedule that need it laid over the signal anew; `period_s` is the signal's own."""
+    """All faults of a schedule that need it laid over the signal anew; `periods_s`: what the signal's own may be."""
     return [
         *_other_tables(schedule, label, tables), *_backwards(schedule, label), *turned(course_of(schedule), label),
-        *_rolled(schedule), *_timed(schedule, period_s),
+        *_rolled(schedule), *_timed(schedule, periods_s),
     ]  # fmt: skip
 
 
@@ -94,19 +94,17 @@ def turned(course: Course, label: str) -> list[Fault]:
     ]
 
 
-def _timed(schedule: Schedule, period_s: float | None) -> list[Fault]:
-    if period_s is None:
-        return []
+def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
     found = []
     duration, pause = schedule.cycle_duration_s, schedule.pause_s
     made: list[tuple[str, float, float]] = []
-    for times in (1, 2, 0.5):  # a gait may repeat itself within a cycle, and a signal look alike twice
-        ratio = times * period_s / schedule.period_s
+    for period in periods_s:
+        ratio = period / schedule.period_s
         made.append(("rate", duration * ratio, pause * ratio))
-        if times * period_s > pause:
-            made.append(("duration", times * period_s - pause, pause))
-        if times * period_s > duration:
-            made.append(("pause", duration, times * period_s - duration))
+        if period > pause:
+            made.append(("duration", period - pause, pause))
+        if period > duration:
+            made.append(("pause", duration, period - duration))
     for kind, new_duration, new_pause in made:
         timed = replace(schedule, cycle_duration_s=new_duration, pause_s=new_pause)
         off = max(abs(np.log(new_duration / duration)), abs(np.log(timed.period_s / schedule.period_s)))

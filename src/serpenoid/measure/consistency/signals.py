@@ -12,6 +12,7 @@ import numpy as np
 from serpenoid.measure.cells import Floats
 
 MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
+AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
 
@@ -107,3 +108,14 @@ def period_s(signal: Signal) -> float | None:
     if best < 0.5 or not len(good):
         return None
     return float(whole.step_s * (below[0] + good[0]))
+
+
+def moving_s(signal: Signal) -> float:
+    """Seconds from the first to the last moment at which the joints are away from where they rest at the beginning."""
+    whole = sample(signal, float(np.median(np.diff(signal.time_s))))
+    known = np.flatnonzero(whole.weight)
+    rest = np.median(whole.values[known[:5]], axis=0)
+    away = np.sqrt(((whole.values - rest) ** 2).mean(axis=1)) * whole.weight
+    chance = float(np.sqrt(whole.noise_variance.mean()))
+    moving = np.flatnonzero(away > max(AWAY * np.quantile(away, 0.95), 2 * chance))  # bad frames are few
+    return float(whole.step_s * np.ptp(moving)) if len(moving) else 0.0
