@@ -18,7 +18,14 @@ class Status(Enum):
     NOT_STATIONARY = "the optimality conditions do not hold to 1e-8: try another start, or free a bound"
     MESH_TOO_COARSE = "the displacement depends on the number of steps: solve with --refine, or with more task.steps"
     COLLIDES = "the body comes too near to an obstacle between rows or vertices: use more steps, or a larger clearance"
+    EXCEEDS_LIMITS = "a joint limit is exceeded between the rows that were watched: use another start, or report this"
     NOT_A_MINIMUM = "a derivative-free search nearby found a better gait (a saddle point): try another start"
+
+    @property
+    def words(self) -> str:
+        """`name: sentence`, or the one word that says it all."""
+        name = self.name.lower()
+        return name if name == self.value else f"{name}: {self.value}"
 
     @property
     def ok(self) -> bool:

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from serpenoid.body import Body
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.certify import certify
@@ -91,6 +92,21 @@ def test_joint_limits_bind_where_the_free_optimum_would_bend_farther() -> None:
     # IPOPT stays inside by the barrier parameter over the multiplier: 1e-9 over 0.1
     assert np.abs(stiff.table).max() == pytest.approx(np.deg2rad(40), abs=2e-8)
     assert stiff.cost > free.cost + 0.005
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"), [("snake10", 25.0), ("snake10", 35.0), ("unequal links", 40.0), ("unequal links", 45.0)]
+)
+def test_a_limit_holds_at_every_row_wherever_it_binds(name: str, limit: float) -> None:
+    """Rows that bind come and go between two solutions of one problem: each that ever bound must stay."""
+    own = {"vertices": 8, "edge_lengths": (0.05, 0.12, 0.1, 0.08, 0.1, 0.07, 0.06)}
+    wanted = problem("snake10", f"body.joint_limit_deg={limit}", "task.c=1.0")
+    if name == "unequal links":
+        wanted = wanted.model_copy(update={"body": Body(joint_limit_deg=limit, **own)})
+    found = solve(wanted, starts=1, seed=0).best
+    assert found.status.ok, found.status.value
+    assert np.abs(found.table).max() <= np.deg2rad(limit) + 1e-9
+    assert np.abs(found.table).max() > np.deg2rad(limit) - 1e-6  # it binds
 
 
 def test_limits_that_do_not_bind_change_nothing() -> None:

@@ -55,7 +55,8 @@ def run(args: argparse.Namespace) -> int:
 def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
     lines = [
-        f"{record['kind']}: {record['status']} ({record['message']})",
+        f"{record['kind']}: {record['status']}"
+        + ("" if record["message"] == record["status"] else f" ({record['message']})"),
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {len(body['joints'])} joints, {body['length_m']:.4g} m",
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",

@@ -135,7 +135,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
     seconds = sum(s.seconds for s in result.solutions)
     return [
-        f"status            {best.status.name.lower()}: {best.status.value}",
+        f"status            {best.status.words}",
         f"displacement      {best.trajectory.displacement:.6f} body lengths per cycle",
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
         f"cost              {best.cost:.6f} at c = {best.c:g}",

@@ -53,6 +53,8 @@ def certify(
         status = Status.NOT_STATIONARY
     if status.ok and answer.clearance is not None and answer.clearance.proven < 0:
         status = Status.COLLIDES
+    if status.ok and float(solver.excess(table[None]).max(initial=-np.inf)) > FEASIBLE:
+        status = Status.EXCEEDS_LIMITS
     if status.ok and polish:
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM

@@ -2,11 +2,13 @@
 
 Every joint angle is a smooth wave over the T rows, so limits at K well chosen rows imply the others. The NLP carries K
 rows whose phases are parameters; after a solve all T rows are checked, and the worst violated ones take the place of
-idle ones (K grows where that is not enough). The final answer satisfies every row.
+idle ones. A row that once bound or was violated stays, or the same rows would come and go for ever; K doubles where
+those that stay need it. The final answer satisfies every row.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +19,7 @@ from serpenoid.problem import Problem
 
 FIRST_ROWS = 10
 TOLERANCE = 1e-9
+BINDING = -1e-4  # rad: as near to its limit as this, a row is held by it
 
 
 @dataclass(frozen=True)
@@ -70,17 +73,15 @@ def even_rows(steps: int, count: int) -> list[int]:
     return sorted({int(i * steps / count) for i in range(count)})
 
 
-def exchange(rows: list[int], table: Floats, limits: PathLimits, steps: int) -> list[int]:
-    """New rows for the NLP: those that bind, those worst violated; filled up evenly, more of them if need be."""
-    excess = violations(table, limits)
+def exchange(rows: Sequence[int], staying: Set[int], table: Floats, limits: PathLimits) -> tuple[list[int], Set[int]]:
+    """New rows for the NLP, and those of them that stay: all that ever bound or were violated. The rest lies evenly."""
+    excess, steps = violations(table, limits), len(table)
     worst = {int(excess[:, j].argmax()) for j in range(excess.shape[1]) if excess[:, j].max() > TOLERANCE}
-    binding = {row for row in rows if excess[row].max() > -1e-4}
-    wanted = worst | binding
-    count = len(rows)
-    while count < min(len(wanted), steps):
-        count = min(2 * count, steps)
-    if wanted <= set(rows):
-        count = min(2 * count, steps)
-    free = [row for row in even_rows(steps, min(2 * count, steps)) if row not in wanted]
-    free += [row for row in range(steps) if row not in wanted and row not in free]
-    return sorted(wanted | set(free[: count - len(wanted)]))
+    staying = frozenset(staying | worst | {row for row in rows if excess[row].max() > BINDING})
+    count = len(rows) if worst - set(rows) else 2 * len(rows)
+    while count < len(staying):
+        count *= 2
+    count = min(count, steps)
+    free = [row for row in even_rows(steps, min(2 * count, steps)) if row not in staying]
+    free += [row for row in range(steps) if row not in staying and row not in free]
+    return sorted(staying | set(free[: count - len(staying)])), staying

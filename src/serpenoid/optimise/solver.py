@@ -5,7 +5,7 @@ Legend: T steps, m joints, K path rows, q gait parameters (n,).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,11 +40,15 @@ GaitBounds = tuple[Floats, Floats]
 
 @dataclass(frozen=True)
 class Carried:
-    """What an NLP carries of conditions at all times: rows with limits, points watched for obstacles, their margin."""
+    """What an NLP carries of conditions at all times: rows with limits, points watched for obstacles, their margin.
+
+    staying: rows that bound or were violated in this solve.
+    """
 
     rows: tuple[int, ...] = ()
     watch: Watch = Watch()
     margin: float = MARGIN
+    staying: Set[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -174,7 +178,7 @@ class GaitSolver:
             finer = np.clip(self._coarser.family.on_finer_rows(rough.q, FACTOR), *self.gait_bounds())
             start = finer if rough.outcome.status.ok else start
         current: Floats | Point = start if isinstance(start, Point) else self.start(start)
-        carried, recoveries, clear = carried or self.first(), RECOVERIES, None
+        carried, recoveries, clear = replace(carried or self.first(), staying=frozenset()), RECOVERIES, None
         for _ in range(EXCHANGES):
             _, ipopt = self.prepared(carried, penalised=c > 0 or self.asked.always_dissipation)
             outcome = ipopt.solve(
@@ -210,8 +214,8 @@ class GaitSolver:
         """What the next NLP must carry, the same where gait q keeps all limits and clear of obstacles, as is proven."""
         table = self.table(q)
         if not self.family.sparse and self.limits.any and float(self.excess(table[None]).max()) > TOLERANCE:
-            rows = exchange(list(carried.rows), table, self.limits, self.steps)
-            return replace(carried, rows=tuple(rows)), None
+            rows, staying = exchange(carried.rows, carried.staying, table, self.limits)
+            return replace(carried, rows=tuple(rows), staying=staying), None
         if not self.obstacles.gaps:
             return carried, None
         poses = self.simulate(table).poses
