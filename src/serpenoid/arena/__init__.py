@@ -16,7 +16,5 @@ def mujoco_module() -> ModuleType:
     try:
         import mujoco
     except ImportError:
-        raise InputError(
-            "the arena needs the package `mujoco`, which is missing. Install the extra: pip install 'serpenoid[arena]'"
-        ) from None
+        raise InputError("the arena needs the package `mujoco`, which is missing: pip install mujoco") from None
     return mujoco

@@ -80,7 +80,10 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
             args.seed,
             progress=lambda done, best: advance(done, "" if best is None else f"best cost {best.cost:.6f}"),
         )
-    best = refine(result.best) if args.refine else result.best
+    stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
+    if stopped and not args.quiet:
+        options.complain("stopping: the best so far is written, with its pictures")
+    best = refine(result.best) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
     record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
@@ -88,7 +91,6 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         from serpenoid.plot.figures import multistart_figures
 
         multistart_figures(folder, result)
-    stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
     lines = [
         *_lines(best, result),
         *limit_lines(problem, best.table),

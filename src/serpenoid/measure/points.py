@@ -116,7 +116,7 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     """A C3D file's points (needs the extra `serpenoid[c3d]`); residual -1 or a triple zero is a hidden marker."""
     path = Path(path)
     if importlib.util.find_spec("ezc3d") is None:
-        raise InputError("reading C3D needs ezc3d: pip install 'serpenoid[c3d]'.")
+        raise InputError("reading C3D needs ezc3d: pip install ezc3d.")
     size = _check_c3d(read_bytes(path, RECORDING_BYTES), path)
     found = _c3d_content(path, 2000 + 40 * size // 1_000_000)
     points, labels, unit, rate = found["points"].T, found["labels"].tolist(), str(found["unit"]), float(found["rate"])

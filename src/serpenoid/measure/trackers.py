@@ -229,7 +229,7 @@ def _hdf5(path: Path) -> Iterator[Any]:
     try:
         import h5py
     except ImportError:
-        raise InputError("reading HDF5 needs h5py: pip install 'serpenoid[hdf5]'.") from None
+        raise InputError("reading HDF5 needs h5py: pip install h5py.") from None
     if not path.is_file():
         raise InputError(f"{path}: no such file.")
     try:

@@ -51,8 +51,8 @@ class MultiStart(Shown):
 
     @property
     def failures(self) -> tuple[Solution, ...]:
-        """Starts that did not end in a certified optimum."""
-        return tuple(s for s in self.solutions if not s.status.ok)
+        """Starts that did not end in a certified optimum, though nobody stopped them."""
+        return tuple(s for s in self.solutions if not s.status.ok and s.status is not Status.STOPPED)
 
 
 def solve_one(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
@@ -36,6 +37,8 @@ def solve(
     `customise(criteria)` may add to the objective and the constraints. `progress(done, best)`
     is called after each start. Ctrl-C ends the search and returns what there is.
     """
+    if starts < 1:
+        raise InputError(f"`starts` must be 1 or more, got {starts}.")
     solver = GaitSolver(problem, customise)
     gaits = random_gaits(solver, starts, seed)
     if solver.family.moves(own := solver.own_start()):

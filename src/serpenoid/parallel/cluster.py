@@ -46,7 +46,7 @@ def connected(address: str) -> Iterator[Client]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise InputError("--cluster needs Dask: pip install 'serpenoid[cluster]'.") from None
+        raise InputError("--cluster needs Dask: pip install dask distributed.") from None
     for chatty in ("distributed", "distributed.nanny", "distributed.worker"):
         logging.getLogger(chatty).setLevel(logging.ERROR)
     if address.startswith(LOCAL):

@@ -52,7 +52,8 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
     remedy = "Solve with this limit, or say --no-joint-limits: the robot file's limits then hold alone."
     if limit is not None and reach > limit * (1 + KEPT):
         where = f"joint_{joint + 1}, step {int(np.abs(angles[:, joint]).argmax())}"
-        refusals.append(Refusal(where, f"angle {reach:.1f} degrees", f"the body's limit is {limit:g} degrees", remedy))
+        angle = f"{reach:.1f}" if round(reach, 1) > limit else f"{reach:.7g}"  # never two equal numbers
+        refusals.append(Refusal(where, f"angle {angle} degrees", f"the body's limit is {limit:g} degrees", remedy))
     joint, turns = turns_per_cycle(angles)
     limit = stated.joint_speed_limit_rpm
     if limit is None or cycle_duration_s is None or turns * 60 / cycle_duration_s <= limit * (1 + KEPT):

@@ -94,7 +94,7 @@ class Tracking:
         joint = int(self.worst.argmax())
         limit = f"the limit is {self._robot.tracking.limit_deg:g}"
         worst = (
-            f"{self._robot.joint_label(joint)} was at most {self.worst[joint]:.1f} degrees off its command ({limit})"
+            f"largest error beyond the lag {self.worst[joint]:.1f} degrees, {self._robot.joint_label(joint)} ({limit})"
         )
         return worst + (f"; slowed down {self.stretch:.2g} times" if self.stretch > 1 else "")
 
