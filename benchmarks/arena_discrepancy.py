@@ -15,18 +15,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.choose_motion import GUESS
+from serpenoid.diagnose.data.geometry import relative, travel, turn
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import path_error, residuals
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.diagnose import choose_observation
-from serpenoid.diagnose.geometry import relative, travel, turn
-from serpenoid.diagnose.medium import fit_eps
-from serpenoid.diagnose.motion import Motion
-from serpenoid.diagnose.noise import path_error, residuals
-from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.recording import read_recordings
-from serpenoid.diagnose.select import calibrated
+from serpenoid.diagnose.inference.medium import fit_eps
+from serpenoid.diagnose.inference.select import calibrated
+from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
-from serpenoid.diagnose.tracks import make_tracks
-from serpenoid.diagnose.windows import Prediction, Track
 
 Floats = np.ndarray
 CREEP = 2e-3  # m/s: over which the arena's soft contacts reach their full friction

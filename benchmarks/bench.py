@@ -21,7 +21,7 @@ import casadi
 import numpy as np
 import scipy
 
-from serpenoid.files import write_text
+from serpenoid.files.writing import write_text
 from specimens import forget_functions
 
 clock = time.process_time

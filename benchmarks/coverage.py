@@ -20,7 +20,7 @@ import numpy as np
 from serpenoid.compare.calibrate import estimate
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.compare.segments import trial_segments
-from serpenoid.files import provenance, write_json
+from serpenoid.files.writing import provenance, write_json
 from serpenoid.measure.load import load_campaign
 from serpenoid.model import Model
 from serpenoid.problem import load

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from emulated import emulator, play_words, read_log, serpenoid, write_gait
 
-from serpenoid.files import write_text
+from serpenoid.files.writing import write_text
 from serpenoid.robot.bus.collisions import read_ping_answers
 from serpenoid.robot.emulator import packets
 from serpenoid.robot.emulator.collision import overlapped

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from serpenoid.files import write_text
+from serpenoid.files.writing import write_text
 from serpenoid.robot.plan import read_time_s, write_time_s
 from serpenoid.robot.table import write_table
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from bench import clock, evaluation, in_units, report, table
 
-from serpenoid.family import sweep
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from serpenoid.problem import Problem
+from serpenoid.studies.sweep import sweep
 from specimens import problem
 
 VALUES, ROUNDS, STARTS = np.linspace(0, 2.5, 26), 3, 4

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 import serpenoid as sp
-from serpenoid.files import write_text
+from serpenoid.files.writing import write_text
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import generate_c
 

@@ -11,8 +11,8 @@ import pytest
 from serpenoid.body import Body
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.compare.start import neutral_model
-from serpenoid.diagnose.tracked import MOST_PERIODS, tracked_recordings
-from serpenoid.diagnose.untestable import not_on_offer
+from serpenoid.diagnose.data.tracked import MOST_PERIODS, tracked_recordings
+from serpenoid.diagnose.data.untestable import not_on_offer
 from serpenoid.effects.catalogue import catalogue, find
 from serpenoid.measure.load import load_campaign
 

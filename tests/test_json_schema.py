@@ -14,8 +14,8 @@ import pytest
 from serpenoid.cli.main import main
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import catalogue, places
-from serpenoid.json_schema import KINDS, schema_of
 from serpenoid.model_file import write_model_file
+from serpenoid.scaffold.json_schema import KINDS, schema_of
 from specimens import PROBLEMS, problem
 
 FOLDERS = {"robots": "robot", "protocols": "protocol", "campaigns": "campaign"}

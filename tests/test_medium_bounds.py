@@ -10,8 +10,8 @@ import pytest
 import serpenoid as sp
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.compare.parameters import bounds
-from serpenoid.diagnose.bounds import held_at_bounds
-from serpenoid.diagnose.evidence import Evidence
+from serpenoid.diagnose.inference.bounds import held_at_bounds
+from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.measure.load import load_campaign

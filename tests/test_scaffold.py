@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
-from serpenoid.json_schema import schema_of
+from serpenoid.files.schema import load as load_file
 from serpenoid.measure.load import load_campaign
 from serpenoid.problem import load
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
-from serpenoid.schema import load as load_file
+from serpenoid.scaffold.json_schema import schema_of
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import read_table, write_table
 

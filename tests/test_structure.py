@@ -27,24 +27,21 @@ ALLOWED = {
 }
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
 LEFT_OF_MODELS = {
-    "errors", "inputs", "table_file", "schema", "files", "status", "shown", "body", "medium", "group", "gaits",
+    "errors", "files", "table_file", "status", "shown", "body", "medium", "group", "gaits",
     "objectives", "interrupts",
 }  # fmt: skip
 MAY_IMPORT = {
-    "body": {"schema"},
-    "medium": {"schema"},
+    "files": {"errors"},
+    "body": {"files"},
+    "medium": {"files"},
     "group": {"body"},
-    "gaits": {"body", "schema", "errors", "files"},
-    "objectives": {"body", "schema"},
-    "schema": {"errors", "inputs"},
-    "inputs": {"errors"},
-    "table_file": {"body", "errors", "files", "inputs"},
-    "files": set(),
-    "store": {"files", "schema"},
+    "gaits": {"body", "files", "errors"},
+    "objectives": {"body", "files"},
+    "table_file": {"body", "errors", "files"},
     "errors": set(),
     "status": set(),
     "media": set(),
-    "effects": {"body", "schema", "errors", "media"},
+    "effects": {"body", "files", "errors", "media"},
     "model": LEFT_OF_MODELS | {"effects", "media"},
     "trajectory": LEFT_OF_MODELS,
     "problem": LEFT_OF_MODELS | {"model", "effects", "model_file"},

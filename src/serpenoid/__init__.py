@@ -8,7 +8,6 @@ TYPE_CHECKING = False  # as type checkers read it; `typing` would be imported be
 if TYPE_CHECKING:
     from typing import Any
 
-    from serpenoid.family import sweep
     from serpenoid.mechanics.opened import step_functions
     from serpenoid.objectives import Criteria
     from serpenoid.optimise.nlp import gait_nlp
@@ -24,7 +23,8 @@ if TYPE_CHECKING:
         simulate_vertices,
     )
     from serpenoid.simulation.problem import simulate
-    from serpenoid.studies import compare, diagnose, fit, measure
+    from serpenoid.studies.sweep import sweep
+    from serpenoid.studies.verbs import compare, diagnose, fit, measure
 
 # public name -> module: imported on first use, so that `import serpenoid` and `--help` stay quick
 _PUBLIC = {
@@ -43,11 +43,11 @@ _PUBLIC = {
     "gait_nlp": "serpenoid.optimise.nlp",
     "certify_table": "serpenoid.optimise.own",
     "step_functions": "serpenoid.mechanics.opened",
-    "sweep": "serpenoid.family",
-    "measure": "serpenoid.studies",
-    "fit": "serpenoid.studies",
-    "compare": "serpenoid.studies",
-    "diagnose": "serpenoid.studies",
+    "sweep": "serpenoid.studies.sweep",
+    "measure": "serpenoid.studies.verbs",
+    "fit": "serpenoid.studies.verbs",
+    "compare": "serpenoid.studies.verbs",
+    "diagnose": "serpenoid.studies.verbs",
     "write_simulation": "serpenoid.results",
     "write_solution": "serpenoid.results",
 }

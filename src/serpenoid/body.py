@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]

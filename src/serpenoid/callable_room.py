@@ -9,11 +9,11 @@ from typing import Any
 
 
 class Room(ModuleType):
-    """A package that can be called: as `serpenoid.studies` defines it."""
+    """A package that can be called: as `serpenoid.studies.verbs` defines it."""
 
     def __call__(self, *arguments: Any, **options: Any) -> Any:
-        """See the function of this name in `serpenoid.studies`."""
-        studies = importlib.import_module("serpenoid.studies")
+        """See the function of this name in `serpenoid.studies.verbs`."""
+        studies = importlib.import_module("serpenoid.studies.verbs")
         return getattr(studies, self.__name__.rpartition(".")[2])(*arguments, **options)
 
 

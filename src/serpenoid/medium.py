@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 
 class Medium(Record):

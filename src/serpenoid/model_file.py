@@ -18,12 +18,12 @@ from typing import Any
 
 from pydantic import Field
 
-from serpenoid import schema
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.files import toml_string, write_text
+from serpenoid.files import schema
+from serpenoid.files.schema import Record
+from serpenoid.files.writing import toml_string, write_text
 from serpenoid.medium import Medium
-from serpenoid.schema import Record
 
 
 class ModelFile(Record):

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from serpenoid import schema
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.files import short_hash
+from serpenoid.files import schema
+from serpenoid.files.schema import Record
+from serpenoid.files.writing import short_hash
 from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds, GaitFamily, families
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
-from serpenoid.schema import Record
 
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:

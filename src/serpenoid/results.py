@@ -10,9 +10,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.files import provenance, short_hash, write_csv, write_json
+from serpenoid.files.inputs import read_json
+from serpenoid.files.writing import provenance, short_hash, write_csv, write_json
 from serpenoid.gaits import Gait
-from serpenoid.inputs import read_json
 from serpenoid.performance import electrical_cost_of_transport
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself

@@ -9,8 +9,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.files import write_csv
-from serpenoid.inputs import csv_rows, number, read_text
+from serpenoid.files.inputs import csv_rows, number, read_text
+from serpenoid.files.writing import write_csv
 
 
 def header(joint_count: int) -> list[str]:

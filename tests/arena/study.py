@@ -24,12 +24,12 @@ from blind import table
 from blind.study import commit
 from serpenoid.arena.campaign import run_campaign
 from serpenoid.arena.protocol import load_protocol
-from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
-from serpenoid.diagnose.recording import read_recordings
 from serpenoid.diagnose.reference import Reference, reference_of, summary
+from serpenoid.diagnose.report.write import write
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
-from serpenoid.diagnose.write import write
 
 KEPT = ("verdict", "effects", "alternatives", "below_the_floor", "left", "residual_pattern", "noise_floor_m", "gain")
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ from typing import Any
 
 from arena.hidden import HIDDEN
 from blind import table
-from serpenoid.files import write_text
+from serpenoid.files.writing import write_text
 
 TABLE = "arena.csv"
 

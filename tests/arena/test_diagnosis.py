@@ -8,19 +8,19 @@ import pytest
 
 from arena.hidden import HIDDEN, Hidden
 from arena.study import PROTOCOL, Study, diagnosed, judged
-from serpenoid import in_use
 from serpenoid.arena.campaign import run_campaign
 from serpenoid.arena.protocol import load_protocol
 from serpenoid.arena.trial import plans
 from serpenoid.body import Body
 from serpenoid.cli.main import main
+from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.noise import residuals
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model_file import write_model_file
+from serpenoid.studies import in_use
 
 FEW = ("gait-1", "gait-5")  # one of them tail first; two headings
 

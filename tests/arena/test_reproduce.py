@@ -7,7 +7,7 @@ import pytest
 
 from serpenoid.cli.main import main
 from serpenoid.problem import load
-from serpenoid.reproduce import PAPER, PAPER_S, beside_the_paper, paper_protocol
+from serpenoid.studies.reproduce import PAPER, PAPER_S, beside_the_paper, paper_protocol
 from specimens import PROBLEMS
 
 

@@ -17,7 +17,7 @@ from arena.study import MODEL, Study
 from blind import table
 from blind.study import commit
 from serpenoid.cli.main import main as serpenoid
-from serpenoid.files import write_text
+from serpenoid.files.writing import write_text
 
 TABLE = "in-use.csv"
 HEAD = """# Gain in use

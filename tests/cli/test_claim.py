@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
-from serpenoid.files import atomic
+from serpenoid.files.writing import atomic
 
 REFERENCE = str(Path(__file__).parents[2] / "problems" / "reference.toml")
 

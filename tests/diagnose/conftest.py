@@ -10,11 +10,11 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
-from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
-from serpenoid.diagnose.recording import read_recordings
+from serpenoid.diagnose.report.write import write
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
-from serpenoid.diagnose.write import write
 
 HIDDEN = (Effect("gain_loss", 3, {"loss": 0.15}), Effect("load", 2, {"share": 0.4}))
 SETTINGS = 4  # gaits, two trials each

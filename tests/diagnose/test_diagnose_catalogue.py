@@ -14,20 +14,20 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from serpenoid.diagnose import jumps
-from serpenoid.diagnose.actuation import attempts, plays
-from serpenoid.diagnose.choose_motion import GUESS
-from serpenoid.diagnose.choose_observation import all_keys, choose_observation
-from serpenoid.diagnose.jumps import find_jumps
-from serpenoid.diagnose.marker_evidence import evidence, sample
-from serpenoid.diagnose.medium import fit_eps
-from serpenoid.diagnose.motion import Motion
-from serpenoid.diagnose.noise import path_floor
-from serpenoid.diagnose.observation import Observation, columns_of
-from serpenoid.diagnose.ranking import score
-from serpenoid.diagnose.recording import Recording, read_recordings
-from serpenoid.diagnose.select import Fit, calibrated
-from serpenoid.diagnose.tracks import make_tracks
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import path_floor
+from serpenoid.diagnose.data.observation import Observation, columns_of
+from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference.medium import fit_eps
+from serpenoid.diagnose.inference.ranking import score
+from serpenoid.diagnose.inference.select import Fit, calibrated
+from serpenoid.diagnose.stages import jumps
+from serpenoid.diagnose.stages.actuation import attempts, plays
+from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.stages.choose_observation import all_keys, choose_observation
+from serpenoid.diagnose.stages.jumps import find_jumps
+from serpenoid.diagnose.stages.marker_evidence import evidence, sample
 from serpenoid.effects import catalogue
 from serpenoid.medium import Medium
 from serpenoid.model import Model

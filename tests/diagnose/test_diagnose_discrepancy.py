@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.motion import Motion, Noise
-from serpenoid.diagnose.residual_words import discrepancy
+from serpenoid.diagnose.data.motion import Motion, Noise
+from serpenoid.diagnose.residuals.residual_words import discrepancy
 
 WINDOWS, SETTINGS, NOISE = 40, 12, 1e-3
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from rehearsal import serpenoid_table, snake
-from serpenoid.diagnose.contest import Explanation, Plan, expected_chi2
-from serpenoid.diagnose.evidence import Evidence
-from serpenoid.diagnose.experiment import Laboratory, next_experiment, planned, playable
-from serpenoid.diagnose.medium import Fit
-from serpenoid.diagnose.motion import Noise
+from serpenoid.diagnose.data.motion import Noise
+from serpenoid.diagnose.design.contest import Explanation, Plan, expected_chi2
+from serpenoid.diagnose.design.experiment import Laboratory, next_experiment, planned, playable
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium

@@ -9,14 +9,14 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
-from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.data.noise import total
+from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
-from serpenoid.diagnose.gain import scores
-from serpenoid.diagnose.held_out import held_out
-from serpenoid.diagnose.noise import total
-from serpenoid.diagnose.recording import read_recordings
+from serpenoid.diagnose.inference.held_out import held_out
+from serpenoid.diagnose.report.write import write
+from serpenoid.diagnose.residuals.gain import scores
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
-from serpenoid.diagnose.write import write
 from serpenoid.model_file import read_model_file
 
 SLOPE = Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.002})

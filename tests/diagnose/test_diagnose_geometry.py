@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.geometry import register, relative, shapes, travel, turn
+from serpenoid.diagnose.data.geometry import register, relative, shapes, travel, turn
 from serpenoid.measure.chain import marker_angles
 
 BODY = Body(vertices=12, edge_lengths=(0.04, *[0.08] * 9, 0.04), weights=tuple(range(1, 13)))

@@ -15,18 +15,18 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
-from serpenoid.diagnose.actuation import plays
-from serpenoid.diagnose.baseline import Baseline
-from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, held_out_labels
-from serpenoid.diagnose.choose_observation import choose_observation
-from serpenoid.diagnose.experiment import Laboratory, next_experiment
-from serpenoid.diagnose.finding import BAND, Rung, excludable
-from serpenoid.diagnose.medium import fit
-from serpenoid.diagnose.noise import strength
-from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.recording import Recording, read_recordings
-from serpenoid.diagnose.select import trace, visible
+from serpenoid.diagnose.data.noise import strength
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
+from serpenoid.diagnose.inference.finding import BAND, Rung, excludable
+from serpenoid.diagnose.inference.medium import fit
+from serpenoid.diagnose.inference.select import trace, visible
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, held_out_labels
+from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.table_file import read_table

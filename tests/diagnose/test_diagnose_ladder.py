@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.ladder import Error
-from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.whole import whole_errors
+from serpenoid.diagnose.stages.ladder import Error
+from serpenoid.diagnose.stages.whole import whole_errors
 
 Diagnosed = tuple[Diagnosis, dict[str, Any], Any]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.maps import Windows, by_phase, by_speed, by_time, on_floor, windows
+from serpenoid.diagnose.residuals.maps import Windows, by_phase, by_speed, by_time, on_floor, windows
 
 ARM = np.linspace(-0.4, 0.4, 9)
 

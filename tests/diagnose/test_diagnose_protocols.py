@@ -13,14 +13,14 @@ from blind.campaign import Campaign, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, Protocol, usual
-from serpenoid.diagnose.actuation import plays
-from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.noise import window_noise
-from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.recording import Recording, read_recordings
-from serpenoid.diagnose.shape_in_time import Source, fitted
+from serpenoid.diagnose.data.noise import window_noise
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.shape_in_time import Source, fitted
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.start import baseline
-from serpenoid.diagnose.tracks import make_tracks
 from serpenoid.errors import InputError
 
 SEED = 21

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from matplotlib.quiver import Quiver
 
-from serpenoid.animated import ALL_FRAMES, animation_data
-from serpenoid.diagnose.animate import animated
-from serpenoid.diagnose.cards import cards, worse
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.maps import ACROSS, cell_side, windows
-from serpenoid.diagnose.report import write_pages
-from serpenoid.glossary import glossed
+from serpenoid.diagnose.report.animate import animated
+from serpenoid.diagnose.report.cards import cards, worse
+from serpenoid.diagnose.report.pages import write_pages
+from serpenoid.diagnose.residuals.maps import ACROSS, cell_side, windows
 from serpenoid.plot import diagnosis, diagnosis_ladder, diagnosis_maps
+from serpenoid.report.animated import ALL_FRAMES, animation_data
+from serpenoid.report.glossary import glossed
 
 ORDER = [
     "Before and after", "Evidence", "Candidates", "Residuals of the shape", "Residuals of the motion", "Alternatives",

@@ -11,13 +11,13 @@ import pytest
 
 from blind.ground import Ground
 from blind.swimmers import Swimmer, write
-from serpenoid import store
 from serpenoid.cli.main import main
 from serpenoid.diagnose.campaign import diagnose_campaign
+from serpenoid.diagnose.data.tracked import PARTS, tracked_recordings, tracker
+from serpenoid.diagnose.data.used import remarks, used
 from serpenoid.diagnose.diagnose import Diagnosis, record
-from serpenoid.diagnose.tracked import PARTS, tracked_recordings, tracker
-from serpenoid.diagnose.used import remarks, used
 from serpenoid.errors import InputError
+from serpenoid.files import store
 from serpenoid.measure.load import load_campaign
 from serpenoid.medium import Medium
 from serpenoid.model import Model

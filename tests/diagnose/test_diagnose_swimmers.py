@@ -13,8 +13,8 @@ import pytest
 
 from blind.ground import Ground
 from blind.swimmers import NOISE, OUTSIDE, Swimmer, write
-from serpenoid.diagnose.shapes_from_points import from_points
-from serpenoid.diagnose.tracked import tracked_recordings
+from serpenoid.diagnose.data.shapes_from_points import from_points
+from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.measure.load import load_campaign
 
 ROOT = Path(__file__).parents[2]

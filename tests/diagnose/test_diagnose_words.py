@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from blind.protocol import usual
-from serpenoid.diagnose.cards import cards
-from serpenoid.diagnose.report import left_over
-from serpenoid.diagnose.words import faint, lines, parameter, ratio, shown, times, title
+from serpenoid.diagnose.report.cards import cards
+from serpenoid.diagnose.report.pages import left_over
+from serpenoid.diagnose.report.words import faint, lines, parameter, ratio, shown, times, title
 
 
 @pytest.mark.parametrize(

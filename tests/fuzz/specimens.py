@@ -19,7 +19,8 @@ from rehearsal import serpenoid_table, write_c3d
 from serpenoid.arena.protocol import load_protocol
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
-from serpenoid.inputs import read_json
+from serpenoid.files.inputs import read_json
+from serpenoid.files.schema import load as load_record
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.logs import read_power_log, read_servo_log
 from serpenoid.measure.motive import read_motive
@@ -32,7 +33,6 @@ from serpenoid.problem import load
 from serpenoid.results import write_simulation
 from serpenoid.robot.description import Robot
 from serpenoid.robot.table import read_table as read_results
-from serpenoid.schema import load as load_record
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import read_table, write_table
 

@@ -13,7 +13,7 @@ import pytest
 from rehearsal import ROOT, serpenoid_table, snake
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
-from serpenoid.files import write_csv
+from serpenoid.files.writing import write_csv
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.consistency.check import ODDS, Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions

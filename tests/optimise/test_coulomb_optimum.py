@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from oracle import coulomb
-from serpenoid.family import sweep
 from serpenoid.optimise.solve import solve
 from serpenoid.status import Status
+from serpenoid.studies.sweep import sweep
 from specimens import problem
 
 DRY = ("reference-optimum", 'medium.law="coulomb"', "task.steps=40")

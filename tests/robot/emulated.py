@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from serpenoid.files.schema import load
 from serpenoid.robot.control_table import BAUD_RATES
 from serpenoid.robot.description import Robot
 from serpenoid.robot.emulator.chain import Chain
@@ -22,7 +23,6 @@ from serpenoid.robot.emulator.faults import parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
 from serpenoid.robot.table import write_table
-from serpenoid.schema import load
 
 ROOT = Path(__file__).parents[2]
 ROBOT_FILE = ROOT / "problems" / "robots" / "snake10-robot.toml"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
 
+from serpenoid.files.schema import read_toml, validate
 from serpenoid.robot.checks import check_start, check_table, check_voltage
 from serpenoid.robot.control_table import no_load_speed_rpm
 from serpenoid.robot.description import Robot
 from serpenoid.robot.table import write_table
-from serpenoid.schema import read_toml, validate
 
 
 def says(refusal, *parts):

@@ -9,9 +9,9 @@ import pytest
 from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
+from serpenoid.files.schema import read_toml, validate
 from serpenoid.robot.firmware import sketch
 from serpenoid.robot.plan import make_plan
-from serpenoid.schema import read_toml, validate
 
 BOARD = Path(__file__).parent / "board"
 COMPILER = shutil.which("g++") or shutil.which("clang++")

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from serpenoid.errors import InputError
+from serpenoid.files.schema import read_toml, validate
 from serpenoid.robot.description import Robot
 from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_radians, to_ticks
-from serpenoid.schema import read_toml, validate
 
 HALF_TICK = pi / 4096
 

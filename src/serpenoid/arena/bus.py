@@ -18,7 +18,7 @@ from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.bench import CENTRE, Bench
 from serpenoid.arena.robot import Robot
 from serpenoid.errors import InputError
-from serpenoid.files import write_csv
+from serpenoid.files.writing import write_csv
 from serpenoid.parallel.local import interrupts_held, watch_parent
 from serpenoid.robot.description import JointServo
 from serpenoid.robot.emulator.motion import Motion

@@ -11,7 +11,7 @@ import numpy as np
 from serpenoid.arena.protocol import Cameras
 from serpenoid.arena.robot import Robot
 from serpenoid.body import Floats
-from serpenoid.files import atomic
+from serpenoid.files.writing import atomic
 
 ASSET = "Snake"
 FIRST_FRAGMENT = 1001

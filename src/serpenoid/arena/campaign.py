@@ -18,8 +18,8 @@ from serpenoid.arena.protocol import Protocol
 from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
 from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
-from serpenoid.files import atomic, short_hash, toml_string, write_json, write_text
-from serpenoid.inputs import read_json
+from serpenoid.files.inputs import read_json
+from serpenoid.files.writing import atomic, short_hash, toml_string, write_json, write_text
 from serpenoid.parallel import Workers, results
 from serpenoid.table_file import write_table
 

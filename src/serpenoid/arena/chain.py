@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
 

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from serpenoid.arena.assembly import Assembly, Patch, Pull
 from serpenoid.arena.robot import NotNegative, Positive
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 Vertex = Annotated[int, Field(ge=0)]
 Joint = Annotated[int, Field(ge=1)]

@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.arena.protocol import Logs
 from serpenoid.arena.trial import Recording, commanded_angles
 from serpenoid.body import Floats
-from serpenoid.files import write_csv
+from serpenoid.files.writing import write_csv
 
 ROOM_C, HOT_C_PER_W = 31, 0.4  # servo case: idle, and per watt drawn by all of them
 

@@ -17,8 +17,8 @@ from serpenoid.arena.changes import Changes
 from serpenoid.arena.robot import NotNegative, Positive, Robot, robot_of
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
+from serpenoid.files.schema import Line, Name, Record, Text, read_toml, validate
 from serpenoid.problem import load as load_problem
-from serpenoid.schema import Line, Name, Record, Text, read_toml, validate
 from serpenoid.table_file import read_table
 
 LONGEST_TRIAL_S = 3600

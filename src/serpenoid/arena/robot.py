@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.arena.chain import Chain, chain_of
 from serpenoid.body import Body, Floats
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]

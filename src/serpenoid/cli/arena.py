@@ -85,11 +85,11 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _use(args: argparse.Namespace) -> int:
-    from serpenoid import in_use
     from serpenoid.arena.protocol import load_protocol
     from serpenoid.errors import InputError
-    from serpenoid.files import examples, write_json
+    from serpenoid.files.writing import examples, write_json
     from serpenoid.problem import load
+    from serpenoid.studies import in_use
 
     if args.trials < 2:
         raise InputError("--trials: one trial has no spread; give 2 or more.")

@@ -40,7 +40,7 @@ def read(args: argparse.Namespace) -> Campaign:
 
 def folder(args: argparse.Namespace, verb: str, *extra: Any) -> Path:
     """--out, or results/<campaign>/<verb>-<hash>."""
-    from serpenoid.files import short_hash
+    from serpenoid.files.writing import short_hash
 
     key = short_hash(content_of_campaign(args.campaign), *extra)
     return options.output_folder(args, Path("results") / name_of(args.campaign) / f"{verb}-{key}", key)

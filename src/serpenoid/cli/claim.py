@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files import atomic, clear_unfinished, short_hash, write_json
-from serpenoid.inputs import RECORDING_BYTES, read_bytes, read_json
+from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
+from serpenoid.files.writing import atomic, clear_unfinished, short_hash, write_json
 
 REQUEST = "request.json"
 # what tells a folder of results from any other

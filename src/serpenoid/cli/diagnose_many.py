@@ -16,7 +16,7 @@ from typing import Any
 from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.errors import InputError
-from serpenoid.files import write_csv, write_json
+from serpenoid.files.writing import write_csv, write_json
 from serpenoid.version import __version__
 
 RECEIPT = "inputs.json"  # what a diagnosis was made from
@@ -97,7 +97,7 @@ def _same(path: Path, receipt: dict[str, Any]) -> bool:
 
 
 def _answers(out: Path) -> dict[str, Any]:
-    from serpenoid.diagnose.words import title
+    from serpenoid.diagnose.report.words import title
 
     record = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
     rms = record["gain"]["path_rms_m"]

@@ -11,16 +11,16 @@ from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
-    from serpenoid.diagnose.baseline import Baseline
     from serpenoid.diagnose.diagnose import Diagnosis
+    from serpenoid.diagnose.stages.baseline import Baseline
     from serpenoid.measure.campaign import CampaignFile
 
 
 def run_one(args: argparse.Namespace, campaign: str) -> int:
     """Diagnose, write, report."""
     from serpenoid.diagnose.reference import reference_of, summary
-    from serpenoid.diagnose.words import lines
-    from serpenoid.diagnose.write import write
+    from serpenoid.diagnose.report.words import lines
+    from serpenoid.diagnose.report.write import write
     from serpenoid.measure.campaign import load_campaign_file
 
     wanted = [*([args.reference] if args.reference else []), campaign]
@@ -60,8 +60,8 @@ def _diagnosed(
 
 
 def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any]) -> None:
-    from serpenoid.diagnose.animate import animated
-    from serpenoid.diagnose.report import write_pages
+    from serpenoid.diagnose.report.animate import animated
+    from serpenoid.diagnose.report.pages import write_pages
     from serpenoid.plot.diagnosis import draw_all
     from serpenoid.table_file import read_table
 

@@ -26,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Copy, say what."""
-    from serpenoid.files import examples
+    from serpenoid.files.writing import examples
 
     names, source, folder = list(_files(examples())), examples(), Path(args.folder)
     if args.list:

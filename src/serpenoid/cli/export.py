@@ -34,7 +34,7 @@ from serpenoid.cli.robot_arguments import (
     warn,
 )
 from serpenoid.errors import InputError
-from serpenoid.files import write_csv, write_text
+from serpenoid.files.writing import write_csv, write_text
 from serpenoid.robot import ros
 from serpenoid.robot.checks import Refusal, check_finite
 from serpenoid.robot.description import Robot

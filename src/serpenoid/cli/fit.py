@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.compare.parameters import start_values
     from serpenoid.compare.records import calibration_record
     from serpenoid.compare.start import neutral_model
-    from serpenoid.files import provenance, write_json
+    from serpenoid.files.writing import provenance, write_json
     from serpenoid.measure.usage import total, usage
 
     names = tuple(args.parameter or ("anisotropy_ratio",))

@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, write, report."""
     from serpenoid.compare.records import campaign_record
-    from serpenoid.files import provenance, write_json
+    from serpenoid.files.writing import provenance, write_json
 
     campaign = campaigns.read(args)
     folder = campaigns.folder(args, "measure")

@@ -111,7 +111,7 @@ def report(args: argparse.Namespace, record: Any, lines: list[str], folder: Path
     elif not args.quiet:
         sys.stdout.write("\n".join(lines) + "\n")
     if folder is not None:
-        from serpenoid.files import write_text
+        from serpenoid.files.writing import write_text
 
         write_text(folder / SUMMARY, "\n".join(lines) + "\n")
         open_page(args, folder)

@@ -35,10 +35,10 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.compare.plain import refuse_effects
     from serpenoid.compare.study import compare_campaign
     from serpenoid.errors import InputError
-    from serpenoid.files import examples
+    from serpenoid.files.writing import examples
     from serpenoid.measure.load import load_campaign
     from serpenoid.problem import load
-    from serpenoid.reproduce import gait_tables, paper_protocol
+    from serpenoid.studies.reproduce import gait_tables, paper_protocol
 
     if min(args.gaits, args.trials) < 1:
         raise InputError("--gaits and --trials need a positive number.")
@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
 def _write(args: argparse.Namespace, folder: Path, study: Any, campaign: Any) -> int:
     from serpenoid.cli.compare import lines
     from serpenoid.compare.write import study_record, write_study
-    from serpenoid.reproduce import beside_the_paper, write_beside
+    from serpenoid.studies.reproduce import beside_the_paper, write_beside
 
     record = study_record(study, campaign, "as stated")
     with options.progress_bar(args, "drawing", 1) as advance:

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TextIO
 
 from serpenoid.errors import InputError
+from serpenoid.files.schema import load
 from serpenoid.robot.checks import Refusal, check_body, check_closed, check_table
 from serpenoid.robot.description import Robot
 from serpenoid.robot.stated import LONGEST_CYCLE_S
 from serpenoid.robot.table import JointTable, read_table
-from serpenoid.schema import load
 
 
 def add_table(parser: argparse.ArgumentParser) -> None:

@@ -20,14 +20,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.errors import InputError
-from serpenoid.files import write_json
+from serpenoid.files.schema import load
+from serpenoid.files.writing import write_json
 from serpenoid.robot.control_table import BAUD_RATES
 from serpenoid.robot.description import Robot
 from serpenoid.robot.emulator.chain import Chain
 from serpenoid.robot.emulator.faults import KINDS, parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
-from serpenoid.schema import load
 
 if TYPE_CHECKING:
     from serpenoid.arena.bus import Ground

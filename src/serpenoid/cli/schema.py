@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 from serpenoid.cli import options
-from serpenoid.json_schema import KINDS
+from serpenoid.scaffold.json_schema import KINDS
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print or write."""
-    from serpenoid.json_schema import schema_of, write_schema
+    from serpenoid.scaffold.json_schema import schema_of, write_schema
 
     if args.write is not None:
         options.check_writable(args.write)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.inputs import csv_rows, read_text
+from serpenoid.files.inputs import csv_rows, read_text
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -107,13 +107,13 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
 
 
 def _diagnosis_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
-    from serpenoid.diagnose.words import lines
+    from serpenoid.diagnose.report.words import lines
 
     return [f"diagnosis of {record['campaign']}, written {record['provenance']['written']}", *lines(record)]
 
 
 def _in_use_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
-    from serpenoid.in_use import lines
+    from serpenoid.studies.in_use import lines
 
     return lines(record)
 

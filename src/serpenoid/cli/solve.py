@@ -153,9 +153,9 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
 
 
 def _improve(args: argparse.Namespace, problem: Problem) -> int:
-    from serpenoid.gait_set import write_gait_set
     from serpenoid.optimise.solve import improve
     from serpenoid.results import default_folder
+    from serpenoid.studies.gait_set import write_gait_set
 
     key = ["improve", args.improve, args.within, args.seed]
     folder = options.output_folder(args, default_folder(problem, *key), problem.hash, *key)
@@ -173,7 +173,7 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
 
 
 def _climb(args: argparse.Namespace, problem: Problem) -> int:
-    from serpenoid.files import write_json
+    from serpenoid.files.writing import write_json
     from serpenoid.optimise.ladder import climb
     from serpenoid.results import default_folder, write_solution
 

@@ -97,8 +97,8 @@ def run(args: argparse.Namespace) -> int:
 
 def sweep_one(problem: Problem, values: list[float], folder: Path, settings: dict, advance: Any = None) -> dict:
     """One problem's sweep with its folder; returns the summary."""
-    from serpenoid.family import sweep
-    from serpenoid.family_results import write_sweep
+    from serpenoid.studies.sweep import sweep
+    from serpenoid.studies.sweep_results import write_sweep
 
     polish = not settings["no_polish"]
     result = sweep(problem, values, settings["starts"], settings["seed"], folder, polish, advance)

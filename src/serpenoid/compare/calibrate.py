@@ -22,10 +22,10 @@ from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.three import simulate_path
 from serpenoid.errors import InputError
+from serpenoid.files.store import remember
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import Trial
 from serpenoid.model import Model
-from serpenoid.store import remember
 
 LOWEST, HIGHEST = 1e-3, 1.0
 CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data

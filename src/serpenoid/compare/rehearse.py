@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.files import write_csv, write_text
+from serpenoid.files.writing import write_csv, write_text
 from serpenoid.measure.schedule import Schedule, play_record
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 from serpenoid.model import Model

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from serpenoid.animated import Animated, Layer, animation_data
 from serpenoid.compare.study import Study
 from serpenoid.compare.three import Comparison
 from serpenoid.measure.load import Campaign
-from serpenoid.pages import Picture, Table, write_page
+from serpenoid.report.animated import Animated, Layer, animation_data
+from serpenoid.report.pages import Picture, Table, write_page
 
 LAYERS = {
     "Exp": ("Exp: measured", "#009E73", 16),

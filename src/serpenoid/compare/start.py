@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from serpenoid.files.schema import validate
 from serpenoid.measure.load import Campaign
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.schema import validate
 
 FIRST_GUESS = 0.2
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.compare.linearise import relative_poses
+from serpenoid.files.store import remember
 from serpenoid.measure.chain import chain_vertices
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion, Passage, Trial
@@ -21,7 +22,6 @@ from serpenoid.measure.usage import whole_pieces
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.curve import simulate_curve
-from serpenoid.store import remember
 
 DRAWS = 12  # shape-noise replicates: the standard deviation is then known to a fifth
 

@@ -13,7 +13,7 @@ from serpenoid.compare.records import COMPARISON_HEADER, comparison_row, plain, 
 from serpenoid.compare.study import Study
 from serpenoid.compare.three import Comparison
 from serpenoid.compare.transport import by_coefficient
-from serpenoid.files import provenance, write_csv, write_json
+from serpenoid.files.writing import provenance, write_csv, write_json
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.usage import total, usage
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
-from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
-from serpenoid.diagnose.recording import read_recordings
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline, check_body
-from serpenoid.diagnose.tracked import is_tracked_only, tracked_recordings
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import load_campaign

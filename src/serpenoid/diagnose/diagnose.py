@@ -8,25 +8,25 @@ from typing import Any
 
 import numpy as np
 
-from serpenoid.diagnose.baseline import Baseline
-from serpenoid.diagnose.bounds import ratio_at_bound
-from serpenoid.diagnose.choose_actuation import choose_actuation
-from serpenoid.diagnose.choose_motion import MotionFinding, choose_motion, ratio_interval
-from serpenoid.diagnose.choose_observation import choose_observation
-from serpenoid.diagnose.choose_tracked import choose_tracked
-from serpenoid.diagnose.finding import Named, Rival, Rung
-from serpenoid.diagnose.gain import Scores, gain_record, scores
-from serpenoid.diagnose.held_out import LeaveOut, first_order, fitted_again, held_out
-from serpenoid.diagnose.ladder import Step, climb, motion_step
-from serpenoid.diagnose.maps import residual_maps
-from serpenoid.diagnose.medium import Fit
-from serpenoid.diagnose.noise import path_error
-from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.recording import Recording
-from serpenoid.diagnose.select import unclear
-from serpenoid.diagnose.tracked import TrackedRecording
-from serpenoid.diagnose.used import remarks, used
-from serpenoid.diagnose.windows import Prediction
+from serpenoid.diagnose.data.noise import path_error
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.tracked import TrackedRecording
+from serpenoid.diagnose.data.used import remarks, used
+from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.inference.bounds import ratio_at_bound
+from serpenoid.diagnose.inference.finding import Named, Rival, Rung
+from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out
+from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.inference.select import unclear
+from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
+from serpenoid.diagnose.residuals.maps import residual_maps
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, ratio_interval
+from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.choose_tracked import choose_tracked
+from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
 from serpenoid.model import Model
 
 NO_LOG = "no servo log: shapes are what the points show"

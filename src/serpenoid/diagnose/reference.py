@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.actuation import Plays, plays
-from serpenoid.diagnose.baseline import Baseline
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals, window_noise
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
-from serpenoid.diagnose.medium import linearised
-from serpenoid.diagnose.motion import Motion
-from serpenoid.diagnose.noise import residuals, window_noise
-from serpenoid.diagnose.observation import Observation
-from serpenoid.diagnose.recording import Recording
-from serpenoid.diagnose.windows import Track
+from serpenoid.diagnose.inference.medium import linearised
+from serpenoid.diagnose.stages.actuation import Plays, plays
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from serpenoid import schema
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
+from serpenoid.files import schema
+from serpenoid.files.schema import Record
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.schema import Record
 
 FIRST_GUESS = 0.2
 

@@ -18,7 +18,7 @@ from serpenoid.body import Body
 from serpenoid.effects.base import Effect, Parameter
 from serpenoid.effects.catalogue import find, places
 from serpenoid.errors import InputError
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 
 class ActiveEffect(Record):

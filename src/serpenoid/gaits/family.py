@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.schema import Record
+from serpenoid.files.schema import Record
 
 Coordinates = Literal["serpenoid", "joints"]
 

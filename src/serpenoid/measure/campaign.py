@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.files.schema import Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
@@ -22,7 +23,6 @@ from serpenoid.measure.trackers import (
 )
 from serpenoid.measure.tracks import LengthUnit, Tracks
 from serpenoid.medium import Medium
-from serpenoid.schema import Line, Name, Record, Text, load
 from serpenoid.table_file import read_table as read_joint_table
 
 Positive = Annotated[float, Field(gt=0)]

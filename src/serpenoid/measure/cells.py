@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid import inputs
 from serpenoid.errors import InputError
-from serpenoid.inputs import RECORDING_BYTES, csv_rows, read_text
+from serpenoid.files import inputs
+from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 
 Floats = NDArray[np.float64]
 Rows = list[list[str]]

@@ -9,6 +9,7 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.files.store import remember
 from serpenoid.measure.animal import remarks
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
@@ -17,7 +18,6 @@ from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, schedule_start
 from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
 from serpenoid.parallel import Workers, results
-from serpenoid.store import remember
 
 ALONE = Workers()
 

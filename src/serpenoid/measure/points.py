@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.inputs import RECORDING_BYTES, read_bytes
+from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.measure.cells import (
     LARGEST,
     Floats,

@@ -11,13 +11,13 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.files.store import file_digest
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
-from serpenoid.store import file_digest
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")

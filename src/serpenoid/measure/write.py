@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from serpenoid.files import write_csv, write_text
+from serpenoid.files.writing import write_csv, write_text
 from serpenoid.measure.cells import Floats
 
 

@@ -25,7 +25,7 @@ import filelock
 import platformdirs
 
 from serpenoid.errors import InputError
-from serpenoid.files import atomic, write_text
+from serpenoid.files.writing import atomic, write_text
 
 FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
 log = logging.getLogger(__name__)

@@ -7,8 +7,8 @@ from abc import abstractmethod
 import casadi as ca
 from pydantic import Field
 
+from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.schema import Record
 
 
 class Term(Record):

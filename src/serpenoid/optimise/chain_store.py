@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.files import atomic
-from serpenoid.inputs import read_bytes
+from serpenoid.files.inputs import read_bytes
+from serpenoid.files.writing import atomic
 from serpenoid.optimise.ipopt import Outcome, Point
 from serpenoid.optimise.solver import Answer, Carried, GaitSolver
 from serpenoid.optimise.watch import Watch, Watched

@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
 
-from serpenoid.files import atomic
+from serpenoid.files.writing import atomic
 from serpenoid.plot.body import draw_body, move_body
 from serpenoid.plot.motion import over_cycles
 from serpenoid.plot.style import BLUE, FAINT, INK, NORMAL, around, dress, figure

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.geometry import relative, travel
-from serpenoid.diagnose.maps import windows
-from serpenoid.diagnose.select import GAIN
+from serpenoid.diagnose.data.geometry import relative, travel
+from serpenoid.diagnose.inference.select import GAIN
+from serpenoid.diagnose.residuals.maps import windows
 from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.figures import save

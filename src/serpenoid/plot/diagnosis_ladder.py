@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from serpenoid.plot.style import BLUE, GREY, INK, ORANGE, SMALL, dress, figure, legend_above
 
 if TYPE_CHECKING:
-    from serpenoid.diagnose.ladder import Error, Step
+    from serpenoid.diagnose.stages.ladder import Error, Step
 
 UNITS = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°")}
 TITLES = {

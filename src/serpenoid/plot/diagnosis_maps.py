@@ -12,8 +12,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
-from serpenoid.diagnose.select import GAIN
+from serpenoid.diagnose.inference.select import GAIN
+from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
 from serpenoid.plot.style import (
     BLUE,
     FAINT,

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.files import atomic
+from serpenoid.files.writing import atomic
 from serpenoid.gaits import Gait
 from serpenoid.plot import joints, optima
 from serpenoid.plot.animate import animation

@@ -7,8 +7,8 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from serpenoid.files.schema import Name, Record
 from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
-from serpenoid.schema import Name, Record
 
 # Three quarters of the XL430's torque (all of it: 177 ticks, 15.6 degrees), and twice the largest error of a healthy
 # robot on a floor that grips (6.3 degrees: `results/benchmarks/robustness.md`).

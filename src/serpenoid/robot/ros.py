@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
-from serpenoid.files import atomic, write_text
+from serpenoid.files.writing import atomic, write_text
 
 TOPIC = "/joint_trajectory_controller/joint_trajectory"
 SCHEMA = "trajectory_msgs/msg/JointTrajectory"

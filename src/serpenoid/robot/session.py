@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import StopRequested
-from serpenoid.files import provenance, write_json, write_text
+from serpenoid.files.writing import provenance, write_json, write_text
 from serpenoid.robot.bus import Bus, open_bus
 from serpenoid.robot.faults import BusFault, RobotFault
 from serpenoid.robot.log import ServoLog

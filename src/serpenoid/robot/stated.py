@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from serpenoid.errors import InputError
-from serpenoid.inputs import read_json
+from serpenoid.files.inputs import read_json
 
 LONGEST_CYCLE_S = 600.0
 Angle = Annotated[float, Field(gt=0, le=180)]

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.files import write_text
+from serpenoid.files.schema import read_toml, validate
+from serpenoid.files.writing import write_text
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file, read_motion
 from serpenoid.robot.ticks import RADIANS_PER_TICK
 from serpenoid.scaffold.campaign import BEGIN, END
-from serpenoid.schema import read_toml, validate
 from serpenoid.table_file import read_table
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")

@@ -8,8 +8,8 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
-from serpenoid.files import examples, write_csv, write_text
-from serpenoid.json_schema import write_schema
+from serpenoid.files.writing import examples, write_csv, write_text
+from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number
 from serpenoid.table_file import write_table
 

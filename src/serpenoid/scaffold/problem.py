@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from serpenoid.errors import InputError
-from serpenoid.files import write_text
-from serpenoid.json_schema import write_schema
+from serpenoid.files.writing import write_text
+from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, whole
 
 QUESTIONS = (

@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 
 from serpenoid.errors import InputError
-from serpenoid.files import examples, write_text
-from serpenoid.json_schema import write_schema
+from serpenoid.files.writing import examples, write_text
+from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, whole
 from serpenoid.table_file import write_table
 

@@ -6,10 +6,10 @@ from math import radians
 from pathlib import Path
 
 from serpenoid.errors import InputError
-from serpenoid.files import write_text
-from serpenoid.json_schema import write_schema
+from serpenoid.files.writing import write_text
 from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
 from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, whole
 
 CENTRE = TICKS_PER_TURN // 2

@@ -1,0 +1,1 @@
+"""From recordings to windows of motion: shapes, clocks, tracks, noise level."""

@@ -1,0 +1,119 @@
+"""Two clocks, laid over each other by the motion that both saw: servo time = zero + (1 + rate) camera time.
+
+The bends of the polygon through the markers seen against those of the same polygon on the servos' chain, a constant per
+bend set free (marker_offset and zero_offset do not move clocks); where no marker is missing they are the joint angles.
+When the motion began, the log's labels say: row i of cycle n is due at (1 + rate) due, no later than its first log row
+and later than the last row before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.geometry import LEAST_MARKERS, bends, shapes
+from serpenoid.errors import InputError
+from serpenoid.measure.clock import find_offset
+from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.schedule import Schedule
+
+ITERATIONS = 5
+SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
+OFTEN = 0.5  # share of the frames that a marker must be seen in to be a corner of the polygon
+ALIKE = 0.5  # correlation of two records of one motion: other joints' motion has less
+SMOOTHED_S = 0.075  # of the readings' speed
+OUTLYING = 5.0  # robust standard deviations
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Servo time of camera time t: zero + (1 + rate) t; standard deviations of the two."""
+
+    zero: float
+    rate: float
+    zero_sd: float
+    rate_sd: float
+
+    def servo(self, camera: Floats) -> Floats:
+        """Servo time of camera times."""
+        return np.asarray(self.zero + (1 + self.rate) * camera)
+
+
+def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
+    """The clock of a servo log against markers (F, N, 2), NaN hidden, at camera times (F,)."""
+    corners = _corners(body, markers)
+    angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
+    known = np.flatnonzero(np.isfinite(angles).all(axis=1))
+    some = known[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
+    found = find_offset(camera[some], angles[some], log.time_s, read)
+    if found is None:
+        raise InputError(
+            f"in too few frames ({len(known)}) the same markers are seen together. Re-label the recording?"
+        )
+    if found.correlation < ALIKE:
+        raise InputError(
+            f"the servo log and the cameras did not see the same motion (correlation {found.correlation:.2f}). "
+            "A log of another trial, joints in another order or with another sign, or markers not tail first?"
+        )
+    middle = float(camera.mean())
+    clock = Clock(-found.offset_s, 0.0, 0.0, 0.0)
+    for _ in range(ITERATIONS):
+        clock = _improved(clock, camera, middle, angles, log.time_s, read)
+    return clock
+
+
+def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
+    """Vertices whose markers are seen often enough: ends and joints."""
+    share = np.isfinite(markers[..., 0]).mean(axis=0)
+    often = [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] > OFTEN]
+    if len(often) < LEAST_MARKERS:
+        never = ", ".join(str(k) for k in range(body.vertices) if share[k] <= OFTEN)
+        raise InputError(f"the markers of vertices {never} are hidden most of the time: no shape can be known.")
+    return np.array(often)
+
+
+def _improved(clock: Clock, camera: Floats, middle: float, angles: Floats, time: Floats, read: Floats) -> Clock:
+    at = clock.servo(camera)
+    inside = (at > time[0]) & (at < time[-1])
+    reading = np.stack([np.interp(at, time, column) for column in read.T], axis=1)
+    speed = np.gradient(reading, axis=0) / np.gradient(at)[:, None]
+    width = 2 * int(SMOOTHED_S / np.median(np.diff(camera)) / 2) + 1
+    speed = np.stack([np.convolve(c, np.ones(width) / width, mode="same") for c in speed.T], axis=1)
+    miss = np.where(inside[:, None], angles - reading, np.nan)
+    miss = miss - np.nanmedian(miss, axis=0)
+    scatter = 1.4826 * np.nanmedian(np.abs(miss), axis=0)
+    use = np.isfinite(miss) & (np.abs(miss) < np.maximum(OUTLYING * scatter, 0.05))
+    weight = use / np.maximum(scatter, 1e-4) ** 2
+    columns = np.stack([speed, speed * (camera - middle)[:, None]])
+    mean = (weight * columns).sum(axis=1) / np.maximum(weight.sum(axis=0), 1e-12)
+    columns = columns - mean[:, None]
+    normal = np.einsum("afj,bfj,fj->ab", columns, columns, weight)
+    step = np.linalg.solve(normal, np.einsum("afj,fj,fj->a", columns, np.where(use, miss, 0.0), weight))
+    sd = np.sqrt(np.diag(np.linalg.inv(normal)))
+    rate = clock.rate + step[1]
+    zero = clock.zero + step[0] - step[1] * middle
+    return Clock(float(zero), float(rate), float(sd[0]), float(sd[1]))
+
+
+def start_on_log(log: ServoLog, schedule: Schedule, rate: float) -> tuple[float, float] | None:
+    """Servo time of t0 and half the interval that the log's labels leave for it; None where it has no labels."""
+    if log.phase is None or log.cycle is None or log.step is None:
+        return None
+    phase = np.array(log.phase)
+    playing, resting = phase == "play", phase == "pause"
+    if not playing.any():
+        return None
+    rows = len(schedule.table)
+    begun = log.cycle * schedule.period_s + np.minimum(log.step, rows) * schedule.cycle_duration_s / rows
+    ends = log.cycle * schedule.period_s + (log.step + 1) * schedule.cycle_duration_s / rows
+    ends = np.where(resting, (log.cycle + 1) * schedule.period_s, ends)
+    found = []
+    for assumed in (rate, 0.0):
+        late = (log.time_s - (1 + assumed) * begun)[playing | resting].min()
+        early = (log.time_s - (1 + assumed) * ends)[playing].max()
+        found.append((late - early, (late + early) / 2))
+    width, middle = max(found)
+    return float(middle), float(abs(width) / 2)

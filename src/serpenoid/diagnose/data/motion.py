@@ -1,0 +1,52 @@
+"""What the rung of motion has to go by: tracks, the noise of their windows, what is known beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.windows import Track
+from serpenoid.effects.active import ActiveEffect
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations [m, m, rad] of a window's displacement while playing (3,) and in pauses (3,).
+
+    by_setting: of trials of one setting, while playing, where their repeats tell.
+    """
+
+    playing: Floats
+    pause: Floats
+    by_setting: Mapping[tuple[str, float], Floats] = field(default_factory=dict)
+
+    def chance(self, track: Track) -> Floats:
+        """(B - 1, 3), independent from window to window; no less than the markers' own noise."""
+        if track.noise is not None:
+            return track.noise.copy()
+        playing = self.by_setting.get(track.recording.setting, self.playing)
+        return np.maximum(np.where(track.playing[:, None], playing, self.pause), track.least)
+
+    def of(self, track: Track) -> Floats:
+        """(B - 1, 3), with what the baseline itself is in doubt about."""
+        return np.hypot(self.chance(track), track.doubt)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The tracks and their noise; labels: gait numbers, one per track; held: known effects, not up for fitting.
+
+    unlike (3,): the largest difference between two repeats' windows that is no news [m, m, rad]. untestable: effects
+    that are no candidates. ratio: eps, where it is known.
+    """
+
+    tracks: tuple[Track, ...]
+    noise: Noise
+    labels: tuple[int, ...]
+    held: tuple[ActiveEffect, ...] = ()
+    unlike: Floats | float = 0.0
+    untestable: frozenset[str] = frozenset()
+    ratio: float | None = None

@@ -1,0 +1,143 @@
+"""Second rung, the model: where markers appear when zeros, play, displaced markers or a length scale lie in between.
+
+Legend: F frames, N vertices, m joints, C columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.geometry import shapes
+from serpenoid.measure.chain import link_of_edge
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What lies between the chain and the data; all zero: nothing does.
+
+    zeros (m,) [rad], markers (N, 2) along and left [m], gaps (m,) of joints with play [rad], scale error, clock rate.
+    """
+
+    zeros: Floats
+    markers: Floats
+    gaps: Floats
+    scale: float = 0.0
+    rate: float = 0.0
+
+    @classmethod
+    def neutral(cls, body: Body) -> Observation:
+        return cls(np.zeros(body.joint_count), np.zeros((body.vertices, 2)), np.zeros(body.joint_count))
+
+    @property
+    def corrects(self) -> bool:
+        """Whether shapes are anything else than what servos read, or markers stand elsewhere."""
+        return bool(np.any(self.zeros) or np.any(self.markers) or np.any(self.gaps) or self.scale)
+
+    def angles(self, readings: Floats) -> Floats:
+        """True joint angles of one trial's servo readings (F, m), in order of time."""
+        true = readings + self.zeros
+        for joint in np.flatnonzero(self.gaps):
+            true[:, joint] = across(true[:, joint], self.gaps[joint])[0]
+        return true
+
+    def seen(self, body: Body, angles: Floats) -> Floats:
+        """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
+        points = shapes(body, angles)
+        return self._displaced(points, *directions(points)) * (1 + self.scale)
+
+    def derivatives(
+        self, body: Body, angles: Floats, by_gap: Callable[[int], Floats], columns: Sequence[int]
+    ) -> Floats:
+        """Of `seen` by the given columns (C, F, N, 2); by_gap: of a joint's angle (F,) by its gap."""
+        m, n = body.joint_count, body.vertices
+        points = shapes(body, angles)
+        along, left = directions(points)
+        bent = self._by_angles(body, left, along)
+        found = np.zeros((len(columns), len(angles), n, 2))
+        for slot, column in enumerate(columns):
+            if column < m:
+                found[slot] = bent(column)
+            elif column < m + 2 * n:
+                vertex, side = divmod(column - m, 2)
+                found[slot, :, vertex] = (along, left)[side][:, vertex]
+            elif column == m + 2 * n:
+                found[slot] = self._displaced(points, along, left) / (1 + self.scale)
+            else:
+                joint = column - m - 2 * n - 1
+                found[slot] = by_gap(joint)[:, None, None] * bent(joint)
+        return found * (1 + self.scale)
+
+    def _displaced(self, points: Floats, along: Floats, left: Floats) -> Floats:
+        """Markers about the vertices (F, N, 2), before the scale."""
+        return points + self.markers[:, :1] * along + self.markers[:, 1:] * left
+
+    def _by_angles(self, body: Body, left: Floats, along: Floats) -> Callable[[int], Floats]:
+        """By which points and displaced markers move with one joint's angle (F, N, 2), before the scale."""
+        link = link_of_edge(body)
+        reached = np.tri(body.vertices, body.vertices - 1, -1)  # edges between vertex 0 and each vertex
+        reached = reached - body.vertex_weights @ reached
+        moved = -self.markers[:, 1:] * along + self.markers[:, :1] * left
+
+        def bent(joint: int) -> Floats:
+            turned = (link > joint) - np.mean(link > joint)
+            points = np.einsum("ke,fei->fki", reached * turned * body.edges_m, left[:, 1:], optimize=True)
+            return np.asarray(points + np.concatenate([turned[:1], turned])[:, None] * moved)
+
+        return bent
+
+    def with_column(self, column: int, amount: float) -> Observation:
+        """One number changed: zeros, then markers (along, left by vertex), scale, then gaps (none below zero)."""
+        zeros, markers, gaps = self.zeros.copy(), self.markers.copy(), self.gaps.copy()
+        m, n = len(zeros), len(markers)
+        if column < m:
+            zeros[column] += amount
+        elif column < m + 2 * n:
+            markers[(column - m) // 2, (column - m) % 2] += amount
+        elif column == m + 2 * n:
+            return replace(self, scale=self.scale + amount)
+        else:
+            gap = column - m - 2 * n - 1
+            gaps[gap] = max(gaps[gap] + amount, 0.0)
+        return replace(self, zeros=zeros, markers=markers, gaps=gaps)
+
+
+def directions(points: Floats) -> tuple[Floats, Floats]:
+    """Unit vectors along each vertex's edge on the tail side (vertex 0: edge 0) and to its left (F, N, 2)."""
+    edge = np.diff(points, axis=1)
+    edge = edge / np.linalg.norm(edge, axis=2, keepdims=True)
+    edge = np.concatenate([edge[:, :1], edge], axis=1)
+    return edge, np.stack([-edge[..., 1], edge[..., 0]], axis=2)
+
+
+def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
+    """A link (F,) that follows a reading (F,) across a gap [rad], and its derivative by the gap.
+
+    It stays until the reading has crossed the gap, from the middle at the beginning. `simulation.servos.realise` plays
+    the same law of `loose_joint` (tested to be equal), and takes ten times as long, which every diagnosis would pay.
+    """
+    half, link, slope = gap / 2, float(reading[0]), 0.0
+    links, slopes = [], []
+    for angle in reading.tolist():
+        if link < angle - half:
+            link, slope = angle - half, -0.5
+        elif link > angle + half:
+            link, slope = angle + half, 0.5
+        links.append(link)
+        slopes.append(slope)
+    return np.array(links), np.array(slopes)
+
+
+def columns_of(body: Body, name: str, place: int | None) -> list[int]:
+    """Column numbers of an observation effect (or of what servos do not read: `zero_offset`, `loose_joint`)."""
+    m, n = body.joint_count, body.vertices
+    if name == "zero_offset":
+        return [int(place or 1) - 1]
+    if name == "marker_offset":
+        return [m + 2 * int(place or 0), m + 2 * int(place or 0) + 1]
+    if name == "loose_joint":
+        return [m + 2 * n + int(place or 1)]
+    return [m + 2 * n]

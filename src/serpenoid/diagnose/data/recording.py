@@ -1,0 +1,219 @@
+"""One trial as the diagnosis needs it: what was commanded, what servos read, what cameras saw; SI, from t0 on.
+
+Shapes come from the servos (shape_in_time.py). Without a servo log they are what the markers show, and so are the
+readings: `by_servos` is False.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.clocks import ALIKE, Clock, align, start_on_log
+from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
+from serpenoid.diagnose.data.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
+from serpenoid.diagnose.data.shapes_from_points import angles_shown
+from serpenoid.errors import InputError
+from serpenoid.files.store import remember
+from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
+from serpenoid.measure.chain import marker_angles
+from serpenoid.measure.consistency.claims import believe
+from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
+
+READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
+UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
+
+
+@dataclass(frozen=True)
+class Recording:
+    """time (F,) [s since t0 on the cameras' clock], markers (F, N, 2) [m], NaN hidden; the log on its own clock.
+
+    log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad].
+    t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not the markers' angles.
+    adrift: how far t0 may be moved where no log's labels say it [s]. remarks: of the campaign's check against itself.
+    """
+
+    name: str
+    gait: str
+    body: Body
+    schedule: Schedule
+    time: Floats
+    markers: Floats
+    log_time: Floats
+    position: Floats
+    clock: Clock
+    t0_spread: float
+    by_servos: bool = True
+    adrift: float = 0.0
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def frame_s(self) -> float:
+        """Median time between frames."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def setting(self) -> tuple[str, float]:
+        """Trials with the same one are repeats."""
+        return self.gait, self.schedule.cycle_duration_s
+
+    @property
+    def promised_s(self) -> float:
+        """Seconds that the schedule promises."""
+        return self.schedule.cycles * self.schedule.period_s
+
+    @property
+    def end(self) -> float:
+        """Last moment that both schedule and cameras cover [s]."""
+        return float(min(self.promised_s, self.time[-1]))
+
+    def stretch(self, time: Floats) -> np.ndarray:
+        """Label of the stretch each time lies in: -1 before t0, 2 n while cycle n is played, 2 n + 1 in its pause."""
+        cycle = np.clip(np.floor(time / self.schedule.period_s), 0, self.schedule.cycles - 1)
+        pause = time - cycle * self.schedule.period_s >= self.schedule.cycle_duration_s
+        return np.where(time < 0, -1, 2 * cycle + pause).astype(int)
+
+    @cached_property
+    def shape(self) -> ShapeInTime:
+        """Joint angles in time, as servos read them; with what the markers show where the log is slow."""
+        schedule, log_s = self.schedule, self.log_time / (1 + self.clock.rate)
+        begun = schedule.period_s * np.arange(schedule.cycles + 1)
+        corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
+        apart, sources = spacing(schedule.cycle_duration_s), [self._read(log_s)]
+        slow = float(np.median(np.diff(log_s)))
+        if self.by_servos and apart < PER_KNOT * slow:
+            read = fitted(sources, corners, max(apart, slow))
+            shown = self._shown(read)
+            if not shown:
+                return read
+            sources += shown
+        return fitted(sources, corners, apart, choose=not self.by_servos)
+
+    def _read(self, time: Floats) -> Source:
+        return Source(time, self.position, np.full(self.position.shape[1], READING_SD))
+
+    def _shown(self, read: ShapeInTime) -> list[Source]:
+        """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
+        shown = marker_angles(self.body, self.markers)
+        miss = shown - read.at(self.time)
+        if not np.isfinite(miss).sum(axis=0).all():
+            return []
+        zero = np.nanmedian(miss, axis=0)
+        sd = 1.4826 * np.nanmedian(np.abs(miss - zero), axis=0)
+        return [Source(self.time, shown - zero, np.maximum(sd, READING_SD))]
+
+    @cached_property
+    def angles(self) -> Floats:
+        """Servo readings (F, m) on the camera frames, smoothed."""
+        return self.shape.at(self.time)
+
+    @cached_property
+    def marker_noise(self) -> float:
+        """SD of a marker's coordinate [m], from how neighbouring frames differ.
+
+        A rigid fit takes three numbers of the 2 K that K markers bring: what it leaves is scaled by 2 K / (2 K - 3).
+        """
+        seen = np.isfinite(self.markers[..., 0]).sum(axis=1)
+        if not (seen >= LEAST_MARKERS).any():
+            raise InputError(
+                f"trial `{self.name}`: never are {LEAST_MARKERS} markers seen at once: no pose can be known."
+            )
+        left = register(shapes(self.body, self.angles), self.markers)[1]
+        count = 2 * np.median(seen[seen >= LEAST_MARKERS])
+        between = float(np.nanmedian(np.abs(np.diff(left, axis=0))))
+        return float(1.4826 * between / np.sqrt(2) * np.sqrt(count / (count - 3)))
+
+    def angles_at(self, time: Floats) -> Floats:
+        """Smoothed joint angles (R, m) at other times."""
+        return self.shape.at(time)
+
+
+def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple[CampaignFile, tuple[Recording, ...]]:
+    """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not.
+
+    What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
+    """
+    file, folder = load_campaign_file(path)
+    if not file.lengths_given:
+        raise InputError(
+            f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart."
+        )
+    return file, remember(lambda: _aligned(file, folder, progress), "recordings", file, content(file, folder))
+
+
+def _aligned(file: CampaignFile, folder: Path, progress: Progress | None) -> tuple[Recording, ...]:
+    """Every trial's clocks aligned; each is kept as soon as it is done."""
+    body, read = read_files(file, folder)
+    said = believe(file, folder, body, read)
+    files = {one.entry.name: one for one in read}
+
+    def kept(entry: TrialEntry) -> Recording:
+        own = files[entry.name]
+        found = remember(lambda: read_recording(file, own), "recording", file, own)
+        return replace(found, remarks=said.get(entry.name, ()))
+
+    return with_one_rate(of_every_trial(file.trial, kept, progress))
+
+
+def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """The rate between two devices' clocks is one in all trials; noisy markers tell little of it in each."""
+    if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings):
+        return tuple(recordings)
+    weight = np.array([1 / r.clock.rate_sd**2 for r in recordings])
+    rate = float(weight @ [r.clock.rate for r in recordings] / weight.sum())
+    return tuple(_at_rate(r, rate) for r in recordings)
+
+
+def _at_rate(r: Recording, rate: float) -> Recording:
+    """The clock turned about the middle of the film, where it is known best; t0 is the servos'."""
+    middle = float(r.time.mean())
+    shift = (r.clock.rate - rate) / (1 + rate) * middle
+    return replace(r, time=r.time + shift, clock=replace(r.clock, rate=rate))
+
+
+def read_recording(file: CampaignFile, files: Files) -> Recording:
+    """One trial, its clocks aligned."""
+    entry, tracks, schedule, log = files.entry, files.tracks, files.schedule, files.servo_log
+    if tracks is None or files.labelled is None or schedule is None:
+        raise InputError("a diagnosis needs `motion`, `joint_table` and `cycle_duration_s`.")
+    markers = files.labelled.vertices / (
+        1.0 if tracks.scale_known else neighbour_ratio(files.labelled.vertices, file.body)
+    )
+    if log is None:
+        return _by_markers(file, entry, schedule, tracks.time_s, markers)
+    if log.position.shape[1] != file.body.joint_count:
+        raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
+    clock = align(file.body, tracks.time_s, markers, log)
+    labelled = start_on_log(log, schedule, clock.rate)
+    start = labelled or _start_by_shape(schedule, log.time_s, log.position)
+    t0 = (start[0] - clock.zero) / (1 + clock.rate)
+    return Recording(
+        entry.name, entry.gait or entry.name, file.body, schedule, tracks.time_s - t0, markers, log.time_s - start[0],
+        log.position, clock, start[1], adrift=0.0 if labelled else start[1],
+    )  # fmt: skip
+
+
+def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time: Floats, markers: Floats) -> Recording:
+    """A trial without a servo log: joint angles are the markers', and the cameras' clock is the only one."""
+    known, shown = angles_shown(file.body, markers)
+    t0, spread = _start_by_shape(schedule, time[known], shown)
+    return Recording(
+        entry.name, entry.gait or entry.name, file.body, schedule, time - t0, markers, time[known] - t0, shown,
+        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, adrift=spread,
+    )  # fmt: skip
+
+
+def _start_by_shape(schedule: Schedule, time: Floats, angles: Floats) -> tuple[float, float]:
+    found = start_by_shape(schedule, time, angles)
+    if found is None or found.correlation < ALIKE:
+        raise InputError(
+            "nothing says when the motion began, and the joint table is not found in the recorded shapes. Another "
+            "gait's table, joints in another order, or markers not tail first?"
+        )
+    return found.offset_s, UNSURE_CYCLE * schedule.cycle_duration_s

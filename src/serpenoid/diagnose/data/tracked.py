@@ -1,0 +1,198 @@
+"""Recordings that have tracked points and nothing else (animals): their shapes are what the points show.
+
+There is no command and no servo to compare with, so only the rung of motion is left. A recording is cut into parts, and
+each is predicted by a fit to the others. Nothing is repeated, so chance is what the points' own noise makes of shapes,
+poses and first velocity, drawn again and again; all else is a fault of the model.
+
+Legend: R rows of a part's time mesh, B boundaries of windows, N vertices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.geometry import relative
+from serpenoid.diagnose.data.lead import Lead, Run
+from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
+from serpenoid.diagnose.data.windows import Track, coasting, predict
+from serpenoid.errors import InputError
+from serpenoid.measure.campaign import CampaignFile
+from serpenoid.measure.load import Campaign
+from serpenoid.measure.trial import SHORTEST_RUN, Trial
+from serpenoid.model import Model
+from serpenoid.simulation.curve import simulate_curve
+from serpenoid.simulation.rollout import simulate_vertices
+
+PARTS = 4  # of all recordings together, at least
+MOST_PERIODS = 20  # of all recordings together
+LEAST_PART = 0.5  # periods
+WINDOWS_PER_PERIOD = 8
+STEPS_PER_WINDOW = 12
+LEAST_FRAMES = 2  # in a window
+LEAD = 2  # rows: what the momentum's rate looks back on
+DRAWS = 24
+LEAST_NOISE = 1e-6  # body lengths, rad: rounding
+
+
+@dataclass(frozen=True)
+class TrackedRecording:
+    """One piece of a trial without a hole, smooth, with its noise; lengths in metres, or in body lengths (pixels).
+
+    promised_s: seconds of the trial that it stands for; those that no piece shows are counted with the first.
+    """
+
+    name: str
+    gait: str
+    body: Body
+    smoothed: Smoothed
+    promised_s: float
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def setting(self) -> tuple[str, float]:
+        """No two recordings of an animal are repeats."""
+        return self.name, 0.0
+
+
+def is_tracked_only(file: CampaignFile) -> bool:
+    """Whether no trial says what was commanded or what servos read."""
+    return not any(t.servo_log or t.joint_table for t in file.trial)
+
+
+def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
+    """Every stretch of every trial in which the body's shape is known for a period of its motion or longer.
+
+    Of more than MOST_PERIODS together the beginnings: work goes with their number, errors only with its square root.
+    """
+    found = [piece for trial in campaign.trials for piece in _pieces(trial)]
+    share = MOST_PERIODS / sum(p.smoothed.states.time[-1] / p.smoothed.states.period for p in found)
+    cut = [piece for trial in campaign.trials for piece in _pieces(trial, share)] if share < 1 else []
+    return tuple(cut or found)
+
+
+def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
+    if trial.motion is None or not trial.passages:
+        raise InputError(f"trial `{trial.name}`: a diagnosis needs a motion file that shows the whole body.")
+    body = trial.body if trial.metres is not None else _in_body_lengths(trial.body)
+    runs = [slice(run.start, run.start + int(share * (run.stop - run.start))) for run in trial.motion.runs]
+    times = [trial.motion.time_s[run] for run in runs if run.stop - run.start >= SHORTEST_RUN]
+    runs = [run for run in runs if run.stop - run.start >= SHORTEST_RUN]
+    smoothed = [
+        from_points(body, time - time[0], trial.motion.markers[run] * body.total_length_m)
+        for time, run in zip(times, runs, strict=True)
+    ]
+    long = [i for i, piece in enumerate(smoothed) if _mesh(piece.states)[2] >= WINDOWS_PER_PERIOD]
+    if not long and share < 1:
+        return []
+    if not long:
+        longest = max(smoothed, key=lambda piece: piece.states.time[-1]).states
+        raise InputError(
+            f"trial `{trial.name}`: {longest.time[-1]:.3g} s at most are seen without a hole: too short for a period "
+            f"({longest.period:.3g} s) of the motion."
+        )
+    spans = [float(time[-1] - time[0]) for time in times]
+    promised = [spans[i] for i in long]
+    promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
+    cut = f"the first {sum(spans[i] for i in long):.3g} s are used; `from_s` and `to_s` choose others"
+    notes = (*trial.notes, cut) if share < 1 else trial.notes
+    names = [trial.name if len(long) == 1 else f"{trial.name}, from {times[i][0]:.4g} s" for i in long]
+    return [
+        TrackedRecording(name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else ())
+        for name, i, seconds in zip(names, long, promised, strict=True)
+    ]
+
+
+def _in_body_lengths(body: Body) -> Body:
+    data = body.model_dump() | {"edge_lengths": tuple(body.edges.tolist()), "length_m": None}
+    return Body.model_validate(data)
+
+
+def tracker(recordings: Sequence[TrackedRecording]) -> Callable[[Model], tuple[Track, ...]]:
+    """What makes the tracks of all parts, with their noise under a model; each recording has its share of the parts."""
+    spans = [r.smoothed.states.time[-1] for r in recordings]
+    parts = [int(np.ceil(PARTS * span / sum(spans) - 1e-9)) for span in spans]
+    parts = [min(n, _most_parts(r.smoothed.states)) for n, r in zip(parts, recordings, strict=True)]
+    if sum(parts) < PARTS:
+        names = " and ".join(f"`{r.name}`" for r in recordings)
+        raise InputError(
+            f"{names}: {sum(spans):.3g} s are too short to be cut into {PARTS} parts of half a period "
+            f"({recordings[0].smoothed.states.period:.3g} s) each; `fit` needs less."
+        )
+    return lambda model: tuple(t for r, n in zip(recordings, parts, strict=True) for t in _parts(r, n, model))
+
+
+def _mesh(states: States) -> tuple[float, float, int]:
+    """First moment [s] of the windows, their steps [s], and how many windows there are."""
+    frame = float(np.median(np.diff(states.time)))
+    window = max(states.period / WINDOWS_PER_PERIOD, LEAST_FRAMES * frame)
+    step = window / STEPS_PER_WINDOW
+    first = float(states.time[0] + LEAD * step)
+    return first, step, int((states.time[-1] - first) / window)
+
+
+def _most_parts(states: States) -> int:
+    """Parts of half a period each that a stretch has."""
+    return int(_mesh(states)[2] // (LEAST_PART * WINDOWS_PER_PERIOD))
+
+
+def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track]:
+    states = recording.smoothed.states
+    first, step, windows = _mesh(states)
+    rng, draws = np.random.default_rng(0), []
+    count = windows // pieces * pieces
+    tracks = _cut(recording, states, _run(states, first, step, count), pieces)
+    base = [_missed(model, t) for t in tracks]
+    for _ in range(DRAWS):
+        drawn = recording.smoothed.draw(rng)
+        again = _cut(recording, drawn, _run(drawn, first, step, count), pieces)
+        draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
+    least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    noise = [np.maximum(np.sqrt(np.mean([np.square(d[i]) for d in draws], axis=0)), least) for i in range(pieces)]
+    return [_along_curve(model, replace(t, noise=n)) for t, n in zip(tracks, noise, strict=True)]
+
+
+def _along_curve(model: Model, track: Track) -> Track:
+    """The track with what drag along the smooth curve through an animal's points adds, and what is not known of it."""
+    if not model.body.is_animal:
+        return track
+    scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    plain, chains = Model(model.body, model.medium), track.vertices / model.body.total_length_m
+    curve, other = (simulate_curve(plain, chains, ends=ends).poses for ends in ("not-a-knot", "natural"))
+    paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
+    moved = [relative(p[:-1], p[1:]) for p in paths]
+    return replace(track, offset=moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
+
+
+def _run(states: States, first: float, step: float, windows: int) -> Run:
+    """The recording on an even mesh, from LEAD rows before its first window on."""
+    rows: Floats = first + step * np.arange(-LEAD, windows * STEPS_PER_WINDOW + 1, dtype=float)
+    return Run(rows, states.vertices_at(rows), states.poses_at(rows), LEAD)
+
+
+def _cut(recording: TrackedRecording, states: States, run: Run, pieces: int) -> list[Track]:
+    """Parts of equal length; what has momentum runs free from the beginning of the run."""
+    windows = (len(run.time) - 1 - LEAD) // STEPS_PER_WINDOW // pieces
+    bounds, nothing = STEPS_PER_WINDOW * np.arange(windows + 1), np.zeros(windows, bool)
+    found = []
+    for i in range(pieces):
+        lead = LEAD + i * windows * STEPS_PER_WINDOW
+        part = slice(lead, lead + windows * STEPS_PER_WINDOW + 1)
+        time, poses = run.time[part], run.poses[part]
+        phase = np.mod((time[bounds[:-1]] + time[bounds[1:]]) / 2 / states.period, 1.0)
+        inside = (states.time >= time[0]) & (states.time <= time[-1])
+        track = Track(
+            recording, time, run.vertices[part], bounds, ~nothing, np.zeros(windows, int), phase, poses[bounds], poses,
+            states.time[inside], states.poses[inside], nothing, np.zeros((windows, 3)), Lead(run, lead),
+        )  # fmt: skip
+        found.append(track)
+    return found
+
+
+def _missed(model: Model, track: Track) -> Floats:
+    """Measured minus predicted displacement of the windows (B - 1, 3)."""
+    predicted = (coasting if model.knows("history") else predict)(model, track).displacement
+    return np.asarray(relative(track.measured[:-1], track.measured[1:]) - predicted)

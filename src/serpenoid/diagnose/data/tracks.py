@@ -1,0 +1,141 @@
+"""Tracks: a recording's trials on meshes of their own, cut into windows.
+
+Each cycle is cut into windows, each pause into two. Marker noise enters at their boundaries only, where poses are
+averaged over a few frames about the predicted path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import GYRATION, filled, register, relative, shapes
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.windows import Track, predicted_path
+from serpenoid.model import Model
+from serpenoid.parallel import in_processes
+
+WINDOWS_PER_CYCLE = 8
+STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the floor
+STEPS_PER_PAUSE = 16
+COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
+HALF_AVERAGE_S, HALF_AVERAGE_FRAMES = 0.045, 2.5  # poses at a boundary: frames within this distance, or so many,
+MOST_OF_WINDOW = 0.4  # but neighbouring boundaries share none
+LEAST_SHARE = 1 / 3  # of these frames that must be seen
+GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
+
+
+def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model) -> tuple[Track, ...]:
+    """Tracks with the observation model's corrections applied; the model only guides averages over a few frames."""
+    return tuple(in_processes([(_track, (r, seen, model)) for r in recordings]))
+
+
+def _mesh(r: Recording) -> tuple[Floats, np.ndarray, np.ndarray, np.ndarray, Floats]:
+    """Rows, boundaries, playing, cycle and phase of each window."""
+    s = r.schedule
+    time, bounds, playing, cycle, phase = [np.zeros(1)], [0], [], [], []
+    play, rest = WINDOWS_PER_CYCLE * STEPS_PER_WINDOW, STEPS_PER_PAUSE
+    for n in range(s.cycles):
+        start = n * s.period_s
+        time.append(start + np.arange(1, play + 1) / play * s.cycle_duration_s)
+        bounds += [bounds[-1] + STEPS_PER_WINDOW * (i + 1) for i in range(WINDOWS_PER_CYCLE)]
+        playing += [True] * WINDOWS_PER_CYCLE
+        phase += [(i + 0.5) / WINDOWS_PER_CYCLE for i in range(WINDOWS_PER_CYCLE)]
+        cycle += [n] * WINDOWS_PER_CYCLE
+        if s.pause_s > 0:
+            time.append(start + s.cycle_duration_s + np.arange(1, rest + 1) / rest * s.pause_s)
+            bounds += [bounds[-1] + rest // 2, bounds[-1] + rest]
+            playing += [False] * 2
+            phase += [1.0] * 2
+            cycle += [n] * 2
+    rows = np.concatenate(time)
+    last = int(np.searchsorted(rows[bounds], r.end + 1e-6))
+    keep = bounds[:last]
+    cut = slice(None, last - 1)
+    mesh = rows[: keep[-1] + 1]
+    return mesh, np.array(keep), np.array(playing)[cut], np.array(cycle)[cut], np.array(phase, dtype=float)[cut]
+
+
+def _track(r: Recording, seen: Observation, model: Model) -> Track:
+    time, bounds, playing, cycle, phase = _mesh(r)
+    vertices = shapes(r.body, seen.angles(r.angles_at(time)))
+    frame_angles = seen.angles(r.angles)
+    frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
+    plan = _mapped_poses(r, seen, frame_angles, frame_poses)
+    known = np.flatnonzero(np.isfinite(plan[:, 0]))
+    guess = predicted_path(model, vertices, time, _start(r, plan, known))
+    at_frames = _spline(r, time, guess)
+    miss = plan - at_frames
+    around, counts = _averaged(r, time[bounds], miss)
+    hidden = r.time[~np.isfinite(plan[:, 0])]
+    most = GAP_S / r.frame_s
+    gaps = np.array([_crossed(hidden, most, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+    bridged = filled(around)
+    path = guess + np.stack([np.interp(time, time[bounds], c) for c in bridged.T], axis=1)
+    some = slice(None, None, COARSER)
+    rough = predicted_path(model, vertices[some], time[some], guess[0])
+    coarse = bounds // COARSER
+    finer = relative(guess[bounds[:-1]], guess[bounds[1:]]) - relative(rough[coarse[:-1]], rough[coarse[1:]])
+    offset = finer * COARSER**2 / (COARSER**2 - 1)  # second order: extrapolated to a mesh without error
+    return Track(
+        r, time[some], vertices[some], coarse, playing, cycle, phase, guess[bounds] + around, path[some], r.time, plan,
+        gaps, offset, least=_least(r, counts),
+    )  # fmt: skip
+
+
+def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats]:
+    """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,)."""
+    half = max(HALF_AVERAGE_S, HALF_AVERAGE_FRAMES * r.frame_s)
+    half = min(half, MOST_OF_WINDOW * r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE)
+    needed = max(1.0, LEAST_SHARE * 2 * half / r.frame_s)
+    around, counts = np.full((len(times), 3), np.nan), np.ones(len(times))
+    for i, t in enumerate(times):
+        a, b = np.searchsorted(r.time, [t - half, t + half])
+        good = np.isfinite(miss[a:b, 0])
+        if good.sum() >= needed:
+            around[i], counts[i] = miss[a:b][good].mean(axis=0), good.sum()
+    return around, counts
+
+
+def _least(r: Recording, counts: Floats) -> Floats:
+    """SD (B - 1, 3) of a window's displacement that the markers' own noise makes, its two ends averaged."""
+    seen = np.maximum(np.isfinite(r.markers[..., 0]).sum(axis=1), 1)
+    spread = r.body.total_length_m * GYRATION
+    one = np.array([1.0, 1.0, 1 / spread]) * r.marker_noise / np.sqrt(np.median(seen))
+    return np.sqrt(1 / counts[:-1] + 1 / counts[1:])[:, None] * one
+
+
+def _crossed(hidden: Floats, most: float, begin: float, end: float) -> bool:
+    """Whether a gap of all markers, long enough for something to happen in it, lies in a window."""
+    return bool(((hidden > begin) & (hidden < end)).sum() > most)
+
+
+def _mapped_poses(r: Recording, seen: Observation, angles: Floats, poses: Floats) -> Floats:
+    """Poses of the true body: the length scale taken out."""
+    mapped = poses.copy()
+    mapped[:, :2] /= 1 + seen.scale
+    return mapped
+
+
+def _start(r: Recording, poses: Floats, known: np.ndarray) -> Floats:
+    before = known[r.time[known] < 0]
+    some = before if len(before) > 3 else known[:5]
+    return np.asarray(poses[some].mean(axis=0))
+
+
+def _spline(r: Recording, time: Floats, path: Floats) -> Floats:
+    """The path at the frames: cubic within each stretch of playing or pause, held outside."""
+    at = np.clip(r.time, time[0], time[-1])
+    result = np.empty((len(at), 3))
+    labels = r.stretch(np.maximum(at - 1e-9, 0.0))
+    own = r.stretch(np.maximum(time - 1e-9, 0.0))
+    for label in np.unique(labels):
+        rows = np.flatnonzero(own == label)
+        if label > 0 and rows[0] > 0:
+            rows = np.concatenate([[rows[0] - 1], rows])
+        result[labels == label] = CubicSpline(time[rows], path[rows])(at[labels == label])
+    return result

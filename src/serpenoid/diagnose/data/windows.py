@@ -1,0 +1,144 @@
+"""Third rung: measured motion between window boundaries, and what a model makes of the same shapes.
+
+Within a window a model's steps are strung together from the measured pose at its beginning; the residual is measured
+minus modelled displacement, seen from there.
+
+Legend: R rows of a trial's time mesh, B boundaries, F frames, P columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import relative, travel
+from serpenoid.diagnose.data.lead import Lead, Recorded, free_run, led
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+from serpenoid.simulation.extended import solve_extended
+from serpenoid.simulation.path import path_sensitivities
+from serpenoid.simulation.poses import body_frame
+from serpenoid.simulation.sensitivity import Column, step_sensitivities
+from serpenoid.simulation.steps import elements_of_vertices
+
+
+@dataclass(frozen=True)
+class Track:
+    """One trial on its (coarser) time mesh; offset (B - 1, 3): what a mesh without error would add
+    to a window's displacement; doubt (B - 1, 3): SD of what the baseline is known to get wrong there.
+
+    time (R,), vertices (R, N, 2) in the body frame [m]; boundaries (B,): rows; measured (B, 3) poses there [m, rad],
+    NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,); frame_time (F,), frame_poses
+    (F, 3): measured.
+    """
+
+    recording: Recorded
+    time: Floats
+    vertices: Floats
+    boundaries: np.ndarray
+    playing: np.ndarray
+    cycle: np.ndarray
+    phase: Floats
+    measured: Floats
+    poses: Floats
+    frame_time: Floats
+    frame_poses: Floats
+    gap_windows: np.ndarray  # (B - 1,) a gap of all markers lies inside
+    offset: Floats
+    lead: Lead | None = None  # how the body was moving before; None: it was at rest
+    noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
+    doubt: Floats | float = 0.0
+    least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
+
+    @property
+    def duration(self) -> Floats:
+        """Of each window [s]."""
+        return np.diff(self.time[self.boundaries])
+
+    @property
+    def usable(self) -> np.ndarray:
+        """(B - 1,) windows with both ends measured and no gap in between."""
+        known = np.isfinite(self.measured[:, 0])
+        return known[1:] & known[:-1] & ~self.gap_windows
+
+    @property
+    def displacement(self) -> Floats:
+        """Measured, of each window, in the frame of its first pose (B - 1, 3)."""
+        return relative(self.measured[:-1], self.measured[1:])
+
+
+def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) -> Floats:
+    """Poses [m, rad] of a model, free running from a pose (3,), or from the last of its first poses (K + 1, 3)."""
+    scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    chains = body_frame(model, vertices / model.body.total_length_m)
+    steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
+    known = np.atleast_2d(start)
+    return travel(steps.relative[len(known) - 1 :] * scale, known[-1])
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """displacement (B - 1, 3) of each window [m, m, rad], jacobian (B - 1, 3, P) by the columns."""
+
+    displacement: Floats
+    jacobian: Floats
+    columns: tuple[Column, ...]
+
+
+def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()) -> Prediction:
+    """What a model makes of a trial's shapes, window by window, and its derivatives."""
+    length = model.body.total_length_m
+    scale = np.array([length, length, 1.0])
+    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
+    found = step_sensitivities(model, vertices / length, time, poses / scale, candidates)
+    p = windowed(track, found.relative[lead:] * scale, found.jacobian[lead:] * scale[:, None], found.columns)
+    return replace(p, displacement=p.displacement + track.offset)
+
+
+def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()) -> Prediction:
+    """The same for a model whose earlier steps matter: the whole trial, free running."""
+    length = model.body.total_length_m
+    scale = np.array([length, length, 1.0])
+    if track.lead is None:
+        found = path_sensitivities(model, track.vertices / length, track.time, track.poses[0] / scale, candidates)
+    else:
+        found = free_run(model, track.lead.run, tuple(candidates))
+    at = track.boundaries + (track.lead.rows if track.lead else 0)
+    path, by = found.trajectory.poses[at] * scale, found.jacobian[at] * scale[:, None]
+    moved, change = relative(path[:-1], path[1:]), by[1:] - by[:-1]
+    c, s = np.cos(path[:-1, 2])[:, None], np.sin(path[:-1, 2])[:, None]
+    turned = by[:-1, 2]  # turning the frame that it is seen from
+    jacobian = np.stack(
+        [
+            c * change[:, 0] + s * change[:, 1] + moved[:, 1, None] * turned,
+            c * change[:, 1] - s * change[:, 0] - moved[:, 0, None] * turned,
+            change[:, 2],
+        ],
+        axis=1,
+    )
+    return Prediction(moved + track.offset, jacobian, found.columns)
+
+
+def windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ...]) -> Prediction:
+    """String the steps of each window together: poses and their derivatives at its end, seen from its beginning."""
+    heading = np.cumsum(np.concatenate([[0.0], steps[:, 2]]))
+    c, s = np.cos(heading[:-1])[:, None], np.sin(heading[:-1])[:, None]
+    x = c[:, 0] * steps[:, 0] - s[:, 0] * steps[:, 1]
+    y = s[:, 0] * steps[:, 0] + c[:, 0] * steps[:, 1]
+    place = np.concatenate([np.zeros((1, 2)), np.cumsum(np.column_stack([x, y]), axis=0)])
+    path = np.column_stack([place, heading])
+    turned = np.stack([c * by[:, 0] - s * by[:, 1], s * by[:, 0] + c * by[:, 1], by[:, 2]], axis=1)
+    first, last = track.boundaries[:-1], track.boundaries[1:]
+    end = np.repeat(place[last], last - first, axis=0)  # where each step's window ends
+    lever = end - place[first[0] + 1 : last[-1] + 1]
+    turned[:, 0] -= lever[:, 1, None] * by[:, 2]
+    turned[:, 1] += lever[:, 0, None] * by[:, 2]
+    summed = np.add.reduceat(turned, first, axis=0)
+    c, s = np.cos(heading[first])[:, None], np.sin(heading[first])[:, None]
+    jacobian = np.stack(
+        [c * summed[:, 0] + s * summed[:, 1], c * summed[:, 1] - s * summed[:, 0], summed[:, 2]], axis=1
+    )
+    return Prediction(relative(path[first], path[last]), jacobian, columns)

@@ -1,0 +1,1 @@
+"""The next experiment: which gait would tell rivals apart."""

@@ -1,0 +1,1 @@
+"""Which effects explain the windows: exact fits, priors, evidence, search, groups."""

@@ -1,0 +1,53 @@
+"""Bounds in fits: what sits at one and is pushed outwards stays there, in fits and in scores on held-out gaits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+
+LEAST_EPS, MOST_EPS = 5e-3, 1.0  # where the medium states no bounds of its own
+AT_BOUND = 1e-6  # of a typical value
+
+
+def held_at_bounds(model: Model, effects: Sequence[ActiveEffect], evidence: Evidence) -> Evidence:
+    """Evidence (eps, then the effects' coordinates) without what sits at a bound and is pushed outwards by the data."""
+    push = evidence.vector.sum(axis=0)
+    low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
+    eps = model.medium.anisotropy_ratio
+    sides = [(eps <= low, eps >= high), *(side for e in effects for side in _sides(model, e))]
+    for column, (below, above) in enumerate(sides):
+        if (below and push[column] < 0) or (above and push[column] > 0):
+            evidence = evidence.without(column)
+    return evidence
+
+
+def ratio_at_bound(model: Model) -> bool:
+    """Whether eps ended at a bound: a warning that the law is not the body's."""
+    low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
+    return not low * (1 + AT_BOUND) < model.medium.anisotropy_ratio < high * (1 - AT_BOUND)
+
+
+def overstrained(model: Model, effect: ActiveEffect) -> bool:
+    """Whether a parameter ended at a bound other than its neutral value: the data ask for more than it can be."""
+    resting = [p.resting for p in effect.effect.parameters]
+    return any(
+        any(side) and abs(x - rest) > AT_BOUND * max(abs(x), 1.0)
+        for side, x, rest in zip(_sides(model, effect), effect.coordinates, resting, strict=False)
+    )
+
+
+def _sides(model: Model, effect: ActiveEffect) -> list[tuple[bool, bool]]:
+    """For each parameter, whether its coordinate is at its lower and at its upper bound."""
+    bounds = effect.effect.coordinate_bounds(model.body, effect.place)
+    sizes = [AT_BOUND * max(abs(p.coordinate(p.typical)), 1e-6) for p in effect.effect.parameters]
+    trios = zip(effect.coordinates, bounds, sizes, strict=False)
+    return [(x <= low + size, x >= high - size) for x, (low, high), size in trios]
+
+
+def at_values(model: Model, effects: Sequence[ActiveEffect], drift: ActiveEffect | None) -> list[ActiveEffect]:
+    """The effects in their order with the values they have in the model."""
+    now = {e.key: e for e in (*model.effects, *(() if drift is None else (drift,)))}
+    return [now[e.key] for e in effects]

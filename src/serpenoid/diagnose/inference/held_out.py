@@ -1,0 +1,106 @@
+"""What a fit is worth on gaits that it has not seen: to first order from the joint fit, or by fitting to the others.
+
+The first is quick, and right where data are many and the model nearly so. One short recording that no model follows is
+neither: there a parameter may run far without one of the parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import path_error
+from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.inference.bounds import overstrained
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.medium import Fit, fit, linearised, with_values
+from serpenoid.parallel import in_processes
+
+LeaveOut = Callable[[Motion, Fit, int], Floats]
+
+
+def first_order(motion: Motion, found: Fit, label: int) -> Floats:
+    """Coordinates of a fit to all gaits but one: one step from the joint fit."""
+    labels = sorted(set(motion.labels))
+    if len(labels) == 1:
+        return found.coordinates
+    values, _ = found.evidence.solve(range(len(found.coordinates)), without=labels.index(label))
+    return found.coordinates + values
+
+
+def fitted_again(motion: Motion, found: Fit, label: int) -> Floats:
+    """The same by a fit to the others."""
+    others = [i for i, own in enumerate(motion.labels) if own != label]
+    return fit(part(motion, others), found.model, list(found.effects), found.coordinates).coordinates
+
+
+def part(motion: Motion, index: list[int]) -> Motion:
+    """Some of the tracks, as one gait each has them."""
+    return replace(motion, tracks=tuple(motion.tracks[i] for i in index), labels=tuple(motion.labels[i] for i in index))
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """What is held out together: indices of the tracks, evidence and predictions of a fit without them."""
+
+    index: list[int]
+    evidence: Evidence
+    predictions: tuple[Prediction, ...]
+
+
+def each_held_out(motion: Motion, found: Fit, leave_out: LeaveOut) -> list[Unseen]:
+    """Everything that is held out, part by part."""
+    return in_processes([(_unseen, (motion, found, leave_out, label)) for label in sorted(set(motion.labels))])
+
+
+def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unseen:
+    effects = list(found.effects)
+    index = [i for i, own in enumerate(motion.labels) if own == label]
+    model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
+    evidence, predictions, _ = linearised(part(motion, index), model, effects, drift)
+    return Unseen(index, evidence, predictions)
+
+
+def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:
+    """Every trial predicted with parameters fitted to the other gaits."""
+    parts = each_held_out(motion, found, leave_out)
+    by_track = {i: p for u in parts for i, p in zip(u.index, u.predictions, strict=True)}
+    return [by_track[i] for i in range(len(motion.tracks))]
+
+
+def held_out_error(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> float:
+    """Path RMS of these over all trials [m]."""
+    return path_error(motion, held_out(motion, found, leave_out))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How effects are chosen: by which prediction of held-out gaits, and what each must be worth.
+
+    worth: share of what is left above chance that an effect must take away, however significant it is. strict: an
+    effect that ends at a bound of its own explains nothing.
+    """
+
+    leave_out: LeaveOut = first_order
+    worth: float = 0.0
+    strict: bool = False
+
+    def held_out(self, motion: Motion, found: Fit) -> float:
+        """Chi squared of every gait predicted by a fit to the others, summed; infinite where steps have no root."""
+        if self.strict and any(overstrained(found.model, e) for e in found.effects):
+            return np.inf
+        if self.leave_out is first_order:
+            return found.held_out
+        total = 0.0
+        for unseen in each_held_out(motion, found, self.leave_out):
+            whole = 3 * sum(int(motion.tracks[i].usable.sum()) for i in unseen.index)
+            total += float(unseen.evidence.constant.sum()) if unseen.evidence.count.sum() == whole else np.inf
+        return total
+
+    def needed(self, base: Fit, held_out: float, gain: float) -> float:
+        """Chi squared on held-out gaits that one more effect must take from `held_out`, `gain` at least."""
+        return max(gain, self.worth * (held_out - float(base.evidence.count.sum())))

@@ -1,0 +1,91 @@
+"""Patches of the floor: where they may lie (a grid over what was visited), and what they would do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import turn
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.windows import Track, predict, windowed
+from serpenoid.diagnose.inference.bounds import held_at_bounds
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.medium import Fit, drift_columns
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+from serpenoid.simulation.sensitivity import step_sensitivities
+
+RADII, MARGIN = (0.14, 0.24, 0.38), 0.27  # body lengths
+
+Ranked = tuple[ActiveEffect, float, np.ndarray]  # candidate, gain, where its full fit begins
+
+
+def patch_grid(motion: Motion) -> list[ActiveEffect]:
+    """Friction patches, neutral, over the floor that was visited."""
+    length = motion.tracks[0].recording.body.total_length_m
+    place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
+    low, high = place.min(axis=0) - MARGIN * length, place.max(axis=0) + MARGIN * length
+    found = []
+    for radius in (length * r for r in RADII):
+        counts = np.maximum(np.ceil((high - low) / radius).astype(int), 2)
+        for x in np.linspace(low[0], high[0], counts[0]):
+            for y in np.linspace(low[1], high[1], counts[1]):
+                found.append(ActiveEffect.neutral("friction_patch", None, x=float(x), y=float(y), radius=radius))
+    return found
+
+
+def score_patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[Ranked]:
+    """Each patch of the grid: gain on held-out gaits to first order, and where its full fit begins."""
+    grid = patch_grid(motion)
+    evidence = base.shrinking(_with_patches(motion, base, grid))
+    result = []
+    for i, patch in enumerate(grid):
+        index = [*own, len(own) + i]
+        values, _ = evidence.solve(index)
+        weak = float(np.clip(values[-1], -0.9, 3.0))
+        x = np.concatenate([base.coordinates + values[:-1], [weak, *patch.coordinates[1:-1]]])
+        shrunk = evidence.shrinking(index[-1:], values[-1:], np.zeros(1))
+        result.append((patch, before - shrunk.held_out(index), x))
+    return result
+
+
+def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
+    rows, columns, labels = [], [], []
+    fitted = {e.key for e in base.effects}
+    for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
+        own = predict(base.model, track)
+        mine = [c.effect is None or (c.effect, c.place) in fitted for c in own.columns]
+        jacobian = [own.jacobian[..., mine]]
+        if base.drift is not None:
+            jacobian.append(drift_columns(track))
+        jacobian.append(patch_columns(base.model, track, grid))
+        joined, noise, use = np.concatenate(jacobian, axis=2), motion.noise.of(track), track.usable
+        rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
+        columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
+        labels.append(np.full(len(rows[-1]), label))
+    return held_at_bounds(
+        base.model, base.effects, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    )
+
+
+def patch_columns(model: Model, track: Track, patches: Sequence[ActiveEffect]) -> Floats:
+    """Derivatives (B - 1, 3, K) by the strengths of K weak friction patches, from those by the loads of the vertices.
+
+    A patch changes each vertex's weight in the drag by strength w_k exp(-|p_k - (x, y)|^2 / (2 radius^2)).
+    """
+    length, n = model.body.total_length_m, model.body.vertices
+    scale = np.array([length, length, 1.0])
+    loads = [ActiveEffect.neutral("load", k) for k in range(n)]
+    found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, loads)
+    by_load = np.stack([found.jacobian[..., i] for i, c in enumerate(found.columns) if c.effect == "load"], axis=-1)[
+        ..., -n:
+    ]
+    world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+    middle = (world[1:] + world[:-1]) / 2
+    values = np.array([[e.parameters[p] for p in ("x", "y", "radius")] for e in patches])
+    away = ((middle[:, :, None] - values[:, :2]) ** 2).sum(axis=-1)
+    felt = model.body.vertex_weights[:, None] * np.exp(-away / (2 * values[:, 2] ** 2))
+    by = np.einsum("sck,skp->scp", by_load * scale[:, None], felt)
+    return windowed(track, found.relative * scale, by, ()).jacobian

@@ -1,0 +1,259 @@
+"""Which effects of the medium: linear scores of all candidates, full fits of the best, forward selection with pruning.
+
+What decides is the prediction of held-out gaits; "nothing" always competes. An effect must gain more than the best of
+all tries would by chance, and its trace in the path must stand above the floor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import path_error, path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.inference.held_out import Rule, held_out_error
+from serpenoid.diagnose.inference.medium import (
+    STEPS,
+    Fit,
+    candidates_of,
+    fit,
+    fit_eps,
+    fit_guided,
+    fit_without,
+    predicted_without,
+)
+from serpenoid.diagnose.inference.patches import Ranked
+from serpenoid.diagnose.inference.ranking import score, shortlist
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+from serpenoid.parallel import in_processes
+
+AT_MOST, MANY, WORTH = 7, 3, 0.15  # after the first three each must take a share of what is left above chance
+FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
+GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
+SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
+TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
+PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
+SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
+MINOR = 0.1  # of the path's error: what takes away less while much is left is not the cause
+VISIBLE = 1.6  # floors: a fainter trace is not told from chance, and does not stay below one floor
+MARKED = 1.3  # floors, for what the windows show as clearly
+ASTRAY = 5.0  # floors: such a path says little about small traces
+FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
+UNCLEAR = 2.0  # the same: with the right effects there is less
+
+FIRST_ORDER = Rule()
+Progress = Callable[[str], None]
+Retrack = Callable[[Model], tuple[Track, ...]]
+
+
+@dataclass(frozen=True)
+class Try:
+    """A full fit with one more (or another) effect."""
+
+    fit: Fit
+    added: ActiveEffect
+    strength_m: float
+
+    @property
+    def fitted(self) -> ActiveEffect:
+        """The added effect with its fitted values."""
+        return next(e for e in self.fit.effects if e.key == self.added.key)
+
+
+@dataclass(frozen=True)
+class Faint:
+    """A try that gains but does not stand out, fitted on tracks made about it."""
+
+    attempt: Try
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Selection:
+    """null: eps alone; best: what was chosen; bases: it without each of its effects; faint: gains below the floor."""
+
+    motion: Motion
+    null: Fit
+    best: Fit
+    bases: tuple[Fit, ...]
+    floor_m: float
+    faint: tuple[Faint, ...]
+    scores: tuple[tuple[str, int | None, float], ...]
+
+    @property
+    def fullest(self) -> tuple[Motion, Fit]:
+        """The fit with all that is too faint to be named, and the tracks it was made on."""
+        return (self.faint[-1].motion, self.faint[-1].attempt.fit) if self.faint else (self.motion, self.best)
+
+
+def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
+    """Noise from repeats about a fit, and the fit with it."""
+    noise, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
+    motion = replace(motion, noise=noise)
+    return motion, fit(motion, base.model, list(base.effects), base.coordinates, TO_THE_END)
+
+
+def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
+    """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
+    motion, null = calibrated(motion, fit_eps(motion, model))
+    best = null
+    faint: tuple[Faint, ...] = ()
+    floor: float | None = None
+    rival: Try | None = None  # what else might have come first
+    scores: tuple[tuple[str, int | None, float], ...] = ()
+    for level in range(AT_MOST):
+        say(f"looking for effect {level + 1}")
+        ranked = score(motion, best)
+        scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
+        promising = [
+            r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
+        ]
+        tries = attempts(motion, best, promising)
+        if not level and all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
+            tries += attempts(motion, best, from_typical(motion, best))
+        least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
+        if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
+            tries += beside(motion, rival, FULL_FITS[level])
+        before = rule.held_out(motion, best)
+        least = GAIN if level < MANY else max(GAIN, WORTH * (before - float(best.evidence.count.sum())))
+        goal = before - rule.needed(best, before, least)
+        tries = [t for t in tries if t.fit.chi2 < goal]  # nothing is predicted better than what is fitted
+        if not tries:
+            break
+        predicted, first = min(((rule.held_out(motion, t.fit), t) for t in tries), key=lambda scored: scored[0])
+        if predicted >= goal:
+            break
+        others = [t for t in tries if t.added.name != first.added.name and not best.effects]
+        rival = min(others, key=lambda t: t.fit.chi2, default=None)
+        extended = replace(motion, tracks=retrack(first.fit.model))
+        extended, better = calibrated(extended, fit_guided(extended, first.fit))
+        floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
+        astray = level > 0 and motion.ratio is None and unclear(better)  # then it may stay until the end
+        if not astray and not stands_out(motion, best, first, floor):
+            faint = (Faint(replace(first, fit=better), extended),)
+            break
+        motion, floor = extended, None
+        null = fit(motion, null.model, [], null.coordinates)
+        best = pruned(motion, better, rule)
+        if level and path_error(motion, best.predictions) > (1 - MINOR) * path_error(motion, null.predictions):
+            break  # two effects that leave the path as wrong as it was: more of the kind would not mend it
+        if not any(e.key == first.added.key for e in best.effects):
+            break
+    floor = floor or path_floor(motion, best.predictions)
+    best, bases, lost = visible(motion, null, best, floor)
+    return Selection(motion, null, best, bases, floor, (*lost, *faint), scores)
+
+
+def visible(motion: Motion, null: Fit, best: Fit, floor_m: float) -> tuple[Fit, tuple[Fit, ...], tuple[Faint, ...]]:
+    """Without effects whose trace the later ones took over, the faintest first; the fits without each of the others."""
+    lost: list[Faint] = []
+    while True:
+        effects = best.effects
+        bases = (null,) if len(effects) == 1 else each_without(motion, best)
+        traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
+        hidden = [i for i, b in enumerate(bases) if traces[i] < floor_m and not needed(motion, best, b)]
+        if len(effects) < 2 or not hidden:
+            return best, bases, tuple(lost[::-1])
+        faintest = min(hidden, key=lambda i: traces[i])
+        lost.append(Faint(Try(best, effects[faintest], traces[faintest]), motion))
+        best = fit_guided(motion, bases[faintest], TO_THE_END)
+
+
+def unclear(found: Fit) -> bool:
+    """Whether windows are left with much more than chance."""
+    return bool(found.chi2 > UNCLEAR * found.evidence.count.sum())
+
+
+def needed(motion: Motion, full: Fit, base: Fit) -> bool:
+    """Whether held-out paths are predicted better with an effect: where a model is far off, faint ones may do that."""
+    if not unclear(full) or motion.ratio is not None:
+        return False
+    return held_out_error(motion, full) < held_out_error(motion, base)
+
+
+def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
+    """Whether a trace in the path is above the floor; less will do, or paths that stray, if windows show it."""
+    if t.strength_m >= VISIBLE * floor_m:
+        return True
+    gained = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
+    marked = t.strength_m >= MARKED * floor_m or path_error(motion, base.predictions) > ASTRAY * floor_m
+    return bool(marked and gained > VISIBLE**2)
+
+
+def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
+    """Path RMS [m] that `effect` of a fit is worth: against the fit without it.
+
+    Where eps is known, and nearer to that with the effect, eps is not let run to take its place.
+    """
+    fitted_again = strength(motion, full.predictions, base.predictions)
+    if motion.ratio is None:
+        return fitted_again
+    near, far = (abs(np.log(f.model.medium.anisotropy_ratio / motion.ratio)) for f in (full, base))
+    if near >= far:
+        return fitted_again
+    return max(fitted_again, strength(motion, full.predictions, predicted_without(motion, full, effect)))
+
+
+def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:
+    """A few steps for all, and to the end for the best of them."""
+    first = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in promising])
+    first.sort(key=lambda t: t.fit.chi2)
+    ahead = [t for t in first[:FINALISTS] if t.fit.chi2 < OUT_OF_REACH * first[0].fit.chi2]
+    return in_processes([(finished, (motion, base, t)) for t in ahead])
+
+
+def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
+    """What goes with another first effect: the first choice may have bent itself around a second that was missing."""
+    base = fit_guided(motion, rival.fit)
+    return attempts(motion, base, shortlist(score(motion, base), count))
+
+
+def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
+    """Effects without a place or a memory, from moderate values: neutral ones are too far off to tell."""
+    barred = motion.untestable | {e.name for e in base.effects}
+    absent = (c for c in candidates_of(base) if c.place is None and c.name not in barred)
+    typical = [ActiveEffect.typical(c.name) for c in absent if "history" not in getattr(c.effect, "knows", ())]
+    return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
+
+
+def finished(motion: Motion, base: Fit, t: Try) -> Try:
+    """Fitted to the end."""
+    found = fit_guided(motion, t.fit, steps=STEPS)
+    return Try(found, t.added, trace(motion, found, base, t.added))
+
+
+def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
+    """Fit the base's effects and one more in full; its strength is what the path loses without it."""
+    order = [*base.effects, added]
+    moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
+    sizes = [len(e.effect.parameters) for e in order]
+    starts = np.cumsum([1, *sizes])
+    neutral = np.concatenate([base.coordinates, added.coordinates[:-1]])
+    for share in SHARES:
+        start = neutral + share * (x - neutral)
+        start = np.concatenate([start[:1], *(start[starts[i] : starts[i] + sizes[i]] for i in moved)])
+        found = fit(motion, base.model, [order[i] for i in moved], start, steps)
+        if found.evidence.count.sum() >= base.evidence.count.sum():
+            break
+    return Try(found, added, strength(motion, found.predictions, base.predictions))
+
+
+def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:
+    """Fits without each of the effects."""
+    return tuple(in_processes([(fit_without, (motion, best, e)) for e in best.effects]))
+
+
+def pruned(motion: Motion, best: Fit, rule: Rule) -> Fit:
+    """Without effects that no longer earn their place."""
+    if len(best.effects) < 2:
+        return best
+    score = rule.held_out(motion, best)
+    for without in each_without(motion, best):
+        before = rule.held_out(motion, without)
+        if before - score < rule.needed(without, before, GAIN):
+            return pruned(motion, without, rule)
+    return best

@@ -1,0 +1,57 @@
+"""Trials as the report's animation shows them: measured bodies, and the same shapes where the models would have them.
+
+A model predicts displacements of windows; between their boundaries its distance from the measured path is interpolated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import relative, travel, turn
+from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.report.animated import Animated, Layer
+
+if TYPE_CHECKING:
+    from serpenoid.diagnose.diagnose import Diagnosis
+
+MEASURED = Layer("measured", "#222222", 16, np.empty(0), np.empty(0))
+BASELINE = Layer("baseline, from a fit to the others", "#E69F00", 10, np.empty(0), np.empty(0))
+EXTENDED = Layer("extended model, from a fit to the others", "#0072B2", 4, np.empty(0), np.empty(0))
+
+
+def animated(d: Diagnosis) -> list[Animated]:
+    """Every trial, with the predictions of fits to the other gaits."""
+    tracks = d.motion.selection.motion.tracks
+    models = {"baseline": (BASELINE, d.held_out[0])}
+    if d.extension.effects:
+        models["extended"] = (EXTENDED, d.held_out[1])
+    found = []
+    for i, track in enumerate(tracks):
+        layers = {"measured": _placed(MEASURED, track, track.poses)}
+        layers |= {name: _placed(layer, track, predicted(track, p[i])) for name, (layer, p) in models.items()}
+        name = getattr(track.recording, "name", track.recording.gait)
+        same = [t for t in tracks if t.recording is track.recording]
+        part = f", part {[t is track for t in same].index(True) + 1}" if len(same) > 1 else ""
+        found.append(Animated(name + part, track.time, layers))
+    return found
+
+
+def predicted(track: Track, prediction: Prediction) -> Floats:
+    """Path (R, 3) of a prediction from the measured first pose; a hole in it is bridged by what was measured."""
+    bounds = track.boundaries
+    there = relative(track.poses[bounds[:-1]], track.poses[bounds[1:]])
+    steps = np.where(np.isfinite(prediction.displacement), prediction.displacement, there)
+    at_bounds = travel(steps, track.poses[bounds[0]])
+    apart = at_bounds - track.poses[bounds]
+    between = [np.interp(track.time, track.time[bounds], c) for c in apart.T]
+    return np.asarray(track.poses + np.stack(between, axis=1))
+
+
+def _placed(layer: Layer, track: Track, poses: Floats) -> Layer:
+    length = track.recording.body.total_length_m
+    bodies = turn(poses[:, None, 2], track.vertices) + poses[:, None, :2]
+    return replace(layer, bodies=bodies / length, path=poses[:, :2] / length)

@@ -1,0 +1,97 @@
+"""The lead of the report: three cards, each a question and its answer: the verdict, the cause, what it is worth."""
+
+from __future__ import annotations
+
+from serpenoid.diagnose.report.words import (
+    MEANINGS,
+    Record,
+    advice,
+    drag_ratio,
+    faint,
+    inadequacy,
+    parameter,
+    shown,
+    times,
+    title,
+    unseen,
+)
+from serpenoid.report.pages import Card
+
+GAINS = {
+    "path_rms_m": ("path RMS", "m"), "displacement_error_m": ("displacement error, RMS", "m"),
+    "heading_error_rad": ("heading error, RMS", "rad"), "s": ("s (spread of ln ratio of displacements)", "1"),
+    "log_likelihood": ("log-likelihood per trial", "1"),
+}  # fmt: skip
+WORSE = 1.02  # an error that does not come closer
+NO_ADVICE = "It may stand in for another cause: no part should be replaced for it."
+TONES = {"nothing": "good", "explained": "good"}
+
+
+def cards(record: Record) -> list[Card]:
+    """Verdict; cause and place; gain on gaits that were not fitted, with what got worse."""
+    return [_verdict(record), _cause(record), _gain(record)]
+
+
+def _verdict(record: Record) -> Card:
+    said = [f"{text.capitalize()}." for text in inadequacy(record)]
+    said.append(f"{MEANINGS[record['verdict']].capitalize()}.")
+    rows = [(s["rung"], times_noise(s["after"], s["floor"])) for s in record["ladder"]]
+    rows += [(rung, "skipped") for rung in record["skipped"] if record["drag_ratio"] is None]
+    return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,
+                TONES.get(record["verdict"], "warn"))  # fmt: skip
+
+
+def _cause(record: Record) -> Card:
+    effects = record["effects"]
+    rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
+    said = [
+        f"{title(e)} ({times(e['strength_floors'])}): {advice(record, e).looks_like}. "
+        + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
+        for e in effects
+    ]
+    others = [title(e) for e in record["alternatives"]]
+    said += [f"The data cannot tell this from {', '.join(others)}."] if others else []
+    said += [f"{text.capitalize()}." for text in faint(record)]
+    if record["drag_ratio"]:
+        said.append(f"Drag across over drag along the body, K = 1 / eps: {drag_ratio(record)}.")
+    elif not effects:
+        said.append(f"The anisotropy ratio was calibrated to {record['anisotropy_ratio']['after']:.4g}.")
+    return Card("Cause and place", ", ".join(title(e) for e in effects) or "none named", said, rows)
+
+
+def _gain(record: Record) -> Card:
+    rms = record["gain"]["path_rms_m"]
+    rows = [(GAINS[key][0].partition(",")[0].partition(" (")[0], _change(record, key)) for key in GAINS]
+    rows.append(("noise level", shown(record["noise_floor_m"], "m")))
+    said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
+    bad = worse(record)
+    said.append(f"Worse with the extension: {', '.join(bad)}." if bad else "Nothing became worse.")
+    if record["effects"] and "path RMS" in bad:
+        said.append("Do not rely on the name without further trials.")
+    answer = f"path RMS {shown(rms['before'], 'm')} \N{RIGHTWARDS ARROW} {shown(rms['after'], 'm')}"
+    return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad else "good")
+
+
+def worse(record: Record) -> list[str]:
+    """Measures of the prediction that the extension leaves farther off."""
+    found = []
+    for key, (name, _) in GAINS.items():
+        before, after = (record["gain"][key][side] for side in ("before", "after"))
+        if before is None or after is None:
+            continue
+        if after < before if key == "log_likelihood" else after > WORSE * before:
+            found.append(name)
+    return found
+
+
+def _change(record: Record, key: str) -> str:
+    unit = GAINS[key][1]
+    before, after = (shown(record["gain"][key][side], unit) for side in ("before", "after"))
+    return f"{before} \N{RIGHTWARDS ARROW} {after}"
+
+
+def times_noise(error: float, noise: float) -> str:
+    """An error beside its noise level, as `1.3 times the noise`."""
+    if noise <= 0:
+        return "no noise level"
+    return times(error / noise)

@@ -1,0 +1,150 @@
+"""The HTML report: three cards, the trials in motion, paths before and after, then what it rests on.
+
+Every table is a function of the record (diagnosis.json); figures that were not drawn are left out. The markup is in
+report/templates/diagnosis.html.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from serpenoid.diagnose.report.cards import GAINS, cards, times_noise
+from serpenoid.diagnose.report.words import Record, ends, faint, reference, seconds, shown, title, unseen, untestable
+from serpenoid.effects.catalogue import find
+from serpenoid.report.animated import Animated, animation_data
+from serpenoid.report.pages import Picture, Table, write_page
+
+CAPTIONS = {
+    "paths": "Centroid from the measured first pose, which heads along x; dots mark the ends. Each prediction comes "
+    "from a fit to the other gaits. Ink: measured, orange: baseline, blue: extended model.",
+    "ladder": "Error of each stage before and after the named effects, with its ratio to the noise level (dashed).",
+    "joints": "Commanded minus realised angle, joint by joint.",
+    "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
+    "residuals": "Residual body velocity of every window (an eighth of a cycle, or half a pause), seen from the body: "
+    "measured minus predicted. Lines: means. Grey: where 95 % of windows lie if only chance is left.",
+    "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
+    "along-body": "Left and middle: the residual motion as each vertex makes it. Right: how much better held-out gaits "
+    "would be predicted with a load or a worn wheel at that vertex, to first order (0: not at all).",
+    "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
+    "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
+    "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
+    "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
+    "compared again.",
+    "next-experiment": "Its joint angles.",
+}
+FIGURES = {
+    "paths": ("paths",), "ladder": ("ladder",), "ranking": ("ranking",), "shape": ("joints", "markers"),
+    "motion": ("residuals", "residuals-left", "along-body", "on-floor"), "experiment": ("next-experiment",),
+}  # fmt: skip
+
+
+def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -> None:
+    """report.html, from the record, the figures that are in the folder and the trials to be shown in motion."""
+    write_page(
+        folder / "report.html",
+        "diagnosis.html",
+        title=f"{record['campaign']}: {record['verdict']}",
+        lead=[],
+        cards=cards(record),
+        animation=animation_data(trials),
+        beside=_beside(record),
+        named=bool(record["effects"]),
+        gain=_gain(record),
+        ladder=_ladder(record),
+        parameters=_parameters(record),
+        alternatives=_alternatives(record),
+        faint=[text.capitalize() for text in faint(record)],
+        pictures={place: _pictures(folder, names, unseen(record)) for place, names in FIGURES.items()},
+        **_experiment(record["next_experiment"]),
+    )
+
+
+def _beside(record: Record) -> list[str]:
+    """What was known, skipped, not tested, and what is left without a name."""
+    found = [f"{text}." for text in reference(record)]
+    if record["drag_ratio"] is None:
+        found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
+    found += [f"Not tested, {text}." for text in untestable(record)]
+    found += [f"Made from the recordings: {seconds(record)}.", *(f"{text}." for text in record["remarks"])]
+    return found + left_over(record["residual_pattern"])
+
+
+def left_over(sentences: Sequence[str]) -> list[str]:
+    """A sentence for every stage, of `stage: what is left there`."""
+    stages: dict[str, list[str]] = {}
+    for text in sentences:
+        stage, _, what = text.partition(": ")
+        stages.setdefault(stage, []).append(what)
+    return [f"Not accounted for in the stage of {stage}: {'; '.join(what)}." for stage, what in stages.items()]
+
+
+def _pictures(folder: Path, names: Sequence[str], unseen: str) -> list[Picture]:
+    there = [n for n in names if (folder / f"{n}.svg").exists()]
+    return [Picture.of(folder / f"{n}.svg", CAPTIONS[n].replace("gaits", unseen)) for n in there]
+
+
+def _gain(record: Record) -> Table:
+    rows = []
+    for key, (name, unit) in GAINS.items():
+        g = record["gain"][key]
+        rows.append([name, *(_with_interval(g, side, unit) for side in ("before", "after"))])
+    return Table([f"on held-out {unseen(record)}", "before (95 %)", "after (95 %)"], rows)
+
+
+def _with_interval(g: Record, side: str, unit: str) -> str:
+    low, high = g[f"{side}_interval"]
+    return f"{shown(g[side], unit)} ({shown(low, unit)} .. {shown(high, unit)})"
+
+
+def _ladder(record: Record) -> Table:
+    rows = [
+        [s["rung"], s["compares"], *(shown(s[k], s["unit"]) for k in ("before", "after", "floor"))]
+        + [times_noise(s[side], s["floor"]) for side in ("before", "after")]
+        for s in record["ladder"]
+    ]
+    head = ["stage", "compares", "RMS before", "RMS after", "noise level", "before", "after"]
+    return Table(head, rows)
+
+
+def _parameters(record: Record) -> Table:
+    rows = []
+    for e in record["effects"]:
+        for name, p in e["parameters"].items():
+            rows.append([title(e), name, *ends(p)])
+    eps = record["anisotropy_ratio"]
+    rows.append(
+        ["calibration (no diagnosis)", "anisotropy_ratio", f"{eps['after']:.4g}", f"baseline: {eps['before']:.4g}", ""]
+    )
+    return Table(["effect", "parameter", "value", "95 % from", "to"], rows)
+
+
+def _alternatives(record: Record) -> Table:
+    rows = [[title(e), _instead(e), _values(e), _apart(e)] for e in record["alternatives"]]
+    return Table(["effect", "instead of", "fits as well with", "predictions apart"], rows)
+
+
+def _instead(e: Record) -> str:
+    return title(e["instead_of"]) if e.get("instead_of") else ""
+
+
+def _values(e: Record) -> str:
+    units = {p.name: p.unit for p in find(e["name"]).parameters}
+    return ", ".join(f"{name} {shown(value, units[name])}" for name, value in e["parameters"].items())
+
+
+def _apart(e: Record) -> str:
+    return f"{e['separation_floors']:.1f} times the noise" if e.get("separation_floors") is not None else ""
+
+
+def _experiment(plan: Record | None) -> dict[str, Any]:
+    if plan is None:
+        return {"experiment": None}
+    apart = ", ".join(f"{title(rival)}: {rival['expected_chi2']:.0f}" for rival in plan["tells_apart"])
+    return {"experiment": plan, "start": _start(plan["start_pose"]), "apart": apart}
+
+
+def _start(pose: Record) -> str:
+    heading = shown(pose["heading_rad"], "rad")
+    return f"beginning at x = {pose['x_m']:.2f} m, y = {pose['y_m']:.2f} m, heading {heading}"

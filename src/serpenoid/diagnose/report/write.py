@@ -1,0 +1,56 @@
+"""diagnosis.json, baseline-model.toml and extended-model.toml."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
+from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.diagnose.inference.finding import BAND
+from serpenoid.files.writing import provenance, write_json
+from serpenoid.measure.campaign import CampaignFile
+from serpenoid.model_file import write_model_file
+from serpenoid.table_file import write_table
+
+
+def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Write everything but the figures and the report that shows them; returns the record.
+
+    reference: what the earlier campaign showed.
+    """
+    data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
+    data |= {"kind": file.body.kind, "reference": reference}
+    comment = f"what the diagnosis of {file.name} found: {d.verdict}"
+    write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
+    before = d.motion.selection.null.model
+    known = {e.key: e for e in (*d.baseline.known, *before.effects)}
+    comment = f"what the diagnosis of {file.name} began with, calibrated"
+    write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), comment=comment)
+    data["next_experiment"] = _next_experiment(folder, d)
+    write_json(folder / "diagnosis.json", data)
+    return data
+
+
+def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
+    """Where two explanations of the motion remain: the trial that tells them apart, its gait as a joint table."""
+    swaps = d.motion.swaps
+    found = d.motion.selection
+    if not swaps or not all(isinstance(t.recording, Recording) for t in found.motion.tracks):  # animals play no tables
+        return None
+    best = next_experiment(Laboratory.of(found.best, [s.fit for s in swaps], found.motion))
+    if best is None or best.chi2.max(initial=0.0) < BAND:  # expected to exclude none of them
+        return None
+    schedule = best.plan.schedule
+    write_table(folder / "next-experiment.csv", schedule.table)
+    apart = [
+        {"name": s.rival.effect.name, "place": s.rival.effect.place, "expected_chi2": float(chi2)}
+        for s, chi2 in zip(swaps, best.chi2, strict=False)
+    ]
+    return {
+        "joint_table": "next-experiment.csv", "cycle_duration_s": schedule.cycle_duration_s,
+        "cycles": schedule.cycles, "pause_s": schedule.pause_s, "repeats": best.plan.repeats,
+        "start_pose": {"x_m": best.plan.start[0], "y_m": best.plan.start[1], "heading_rad": best.plan.start[2]},
+        "tells_apart": apart,
+    }  # fmt: skip

@@ -1,0 +1,76 @@
+"""What the extension is worth on gaits it was not fitted to, with bootstrap intervals over trials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import travel
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import path_rms, residuals
+from serpenoid.diagnose.data.windows import Prediction
+
+DRAWS = 400
+
+
+@dataclass(frozen=True)
+class Scores:
+    """One number per trial each: path RMS and displacement error [m], heading error [rad], ln ratio, log-likelihood."""
+
+    path: Floats
+    displacement: Floats
+    heading: Floats
+    log_ratio: Floats
+    log_likelihood: Floats
+
+
+def scores(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> Scores:
+    """Per trial."""
+    rows = []
+    for track, p, left in zip(motion.tracks, predictions, residuals(motion.tracks, predictions), strict=True):
+        path = travel(np.nan_to_num(p.displacement), track.poses[0])
+        true = track.poses[track.boundaries]
+        moved, said = (np.hypot(*(x[-1] - x[0])[:2]) for x in (true, path))
+        noise = motion.noise.of(track)
+        likelihood = -0.5 * np.nansum((left / noise) ** 2 + np.log(2 * np.pi * noise**2) * np.isfinite(left))
+        ratio = np.log(max(said, 1e-9) / max(moved, 1e-9))
+        rows.append([path_rms(track, p, mend), said - moved, path[-1, 2] - true[-1, 2], ratio, likelihood])
+    return Scores(*np.array(rows).T)
+
+
+def gain_record(before: Scores, after: Scores) -> dict[str, Any]:
+    """Before and after, with 95 % bootstrap intervals over trials."""
+
+    def rms(x: Floats) -> float:
+        return float(np.sqrt(np.mean(x**2)))
+
+    def spread(x: Floats) -> float:
+        return float(np.std(x))
+
+    def mean(x: Floats) -> float:
+        return float(np.mean(x))
+
+    kinds = {
+        "path_rms_m": ("path", rms),
+        "displacement_error_m": ("displacement", rms),
+        "heading_error_rad": ("heading", rms),
+        "s": ("log_ratio", spread), "log_likelihood": ("log_likelihood", mean),
+    }  # fmt: skip
+    record = {}
+    for name, (field, statistic) in kinds.items():
+        one, two = getattr(before, field), getattr(after, field)
+        record[name] = {
+            "before": statistic(one), "after": statistic(two),
+            "before_interval": _bootstrap(one, statistic), "after_interval": _bootstrap(two, statistic),
+        }  # fmt: skip
+    return record
+
+
+def _bootstrap(values: Floats, statistic: Any) -> list[float]:
+    rng = np.random.default_rng(0)
+    drawn = [statistic(values[rng.integers(len(values), size=len(values))]) for _ in range(DRAWS)]
+    return [float(v) for v in np.percentile(drawn, [2.5, 97.5])]

@@ -1,0 +1,127 @@
+"""What is left above chance, in words: where, when, which direction, which sign.
+
+Repeats share what is not chance: with m the mean and d the difference of two repeats' residuals, the ratio
+4 sum m^2 / sum d^2 is 1 if only chance is left. What the baseline is in doubt about repeats, too, and is no news.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import pairs, residuals
+from serpenoid.diagnose.data.windows import Prediction
+
+RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
+TAIL = 6.0  # standard deviations: a push in one trial
+DIRECTIONS = ("forward or backward", "sideways", "in turning")
+SIGNS = (
+    ("moves farther forward", "moves less far forward"),
+    ("moves farther to the left", "moves farther to the right"),
+    ("turns more to the left", "turns more to the right"),
+)
+ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
+
+
+def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
+    """Ratio over all windows and components, and by component (3,).
+
+    Where tracks bring their own noise nothing is repeated: mean squares in units of that noise.
+    """
+    own = [x / motion.noise.of(t) for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
+    if own:
+        by = np.nanmean(np.concatenate(own) ** 2, axis=0)
+        return float(by.mean()), by
+    top, bottom = np.zeros(3), np.zeros(3)
+    for a, b in pairs(motion.tracks):
+        n = min(len(left[a]), len(left[b]))
+        noise = motion.noise.of(motion.tracks[a])[:n]
+        doubt = np.broadcast_to(motion.tracks[a].doubt, motion.tracks[a].displacement.shape)[:n] / noise
+        m, d = (left[a][:n] + left[b][:n]) / noise, (left[a][:n] - left[b][:n]) / noise
+        top += np.nansum(m**2, axis=0)
+        bottom += np.nansum(d**2 + np.where(np.isfinite(d), 2 * doubt, 0.0) ** 2, axis=0)
+    if not bottom.any():
+        return 1.0, np.ones(3)
+    return float(top.sum() / bottom.sum()), top / bottom
+
+
+def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
+    """RMS [m] of what repeats share of a window's displacement; 0 where that is no more than chance and doubt.
+
+    m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2.
+    """
+    left = residuals(motion.tracks, predictions)
+    if repeatable(motion, left)[0] <= RATIO:
+        return 0.0
+    squares = [
+        x[:, :2] ** 2 - motion.noise.of(t)[:, :2] ** 2
+        for t, x in zip(motion.tracks, left, strict=True)
+        if t.noise is not None
+    ]
+    for a, b in [] if squares else pairs(motion.tracks):
+        n = min(len(left[a]), len(left[b]))
+        one, other = left[a][:n, :2], left[b][:n, :2]
+        squares.append(one * other)  # m^2 - d^2 / 4
+    return float(np.sqrt(max(0.0, 2 * float(np.nanmean(np.concatenate(squares))))))
+
+
+def pattern(
+    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
+) -> tuple[str, ...]:
+    """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause."""
+    left = residuals(motion.tracks, predictions)
+    ratio, by = repeatable(motion, left)
+    words = []
+    if ratio > RATIO:
+        worst = int(by.argmax())
+        verb = "is" if motion.tracks[0].noise is not None else "repeats:"
+        words.append(f"what is left {verb} {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
+        words += _when(motion, left, worst)
+        words += _where(motion, left)
+    if path > chance:
+        words.append(f"paths stray from the measured ones by {path:.1f} times the noise")
+    if len(differences):
+        size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
+        robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))
+        startling = bool((np.abs(differences) > motion.unlike).any())
+        if startling and (size.max() > TAIL or (robust > 5).sum() >= 3):
+            words.append("repeats differ by pushes in single trials that no law of the floor explains")
+    return tuple(words)
+
+
+def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
+    groups: dict[str, list[Floats]] = {}
+    for track, x in zip(motion.tracks, left, strict=True):
+        white = x / motion.noise.of(track)
+        for i in range(len(x)):
+            name = f"phase {track.phase[i]:.2f}" if track.playing[i] else "pauses"
+            groups.setdefault(name, []).append(white[i])
+    sizes = {k: np.sqrt(np.nanmean(np.square(v))) for k, v in groups.items() if np.isfinite(v).any()}
+    worst = max(sizes, key=lambda k: sizes[k])
+    own = np.array(groups[worst])[:, component]
+    mean, rms = float(np.nanmean(own)), float(np.sqrt(np.nanmean(own**2)))
+    sign = f"there the body {SIGNS[component][mean < 0]} than modelled"
+    return [
+        f"largest in {worst} ({sizes[worst]:.1f} SD; "
+        + (f"{sign})" if abs(mean) > ONE_SIGN * rms else "to one side in some gaits, to the other in others)")
+    ]
+
+
+def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:
+    place, size = [], []
+    for track, x in zip(motion.tracks, left, strict=True):
+        white = (x / motion.noise.of(track)) ** 2
+        place.append(track.poses[track.boundaries[:-1], :2])
+        size.append(white.mean(axis=1))
+    p, s = np.concatenate(place), np.concatenate(size)
+    good = np.isfinite(s)
+    p, s = p[good], s[good]
+    centre = (p * s[:, None]).sum(axis=0) / s.sum()
+    spread = np.sqrt((((p - centre) ** 2).sum(axis=1) * s).sum() / s.sum())
+    usual = np.sqrt(((p - p.mean(axis=0)) ** 2).sum(axis=1).mean())
+    if spread < 0.75 * usual:
+        return [f"gathered on the floor about x = {centre[0]:.2f} m, y = {centre[1]:.2f} m"]
+    return []

@@ -1,0 +1,65 @@
+"""What a diagnosis takes for granted: a model, perhaps with effects, and what is known of cameras and servos."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.stages.actuation import Plays, plays
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
+from serpenoid.model import Model
+
+ALIKE = 0.01
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """model: where the calibration of eps begins; its effects are held. Nothing else is known beforehand.
+
+    without: effects that the catalogue shall not have.
+    """
+
+    model: Model
+    without: frozenset[str] = field(default=frozenset(), kw_only=True)
+
+    @property
+    def known(self) -> tuple[ActiveEffect, ...]:
+        """Effects that are no news."""
+        return self.model.effects
+
+    @property
+    def unlike(self) -> Floats | float:
+        """The largest difference between two repeats' windows that is no news (3,) [m, m, rad]."""
+        return 0.0
+
+    @property
+    def ratio(self) -> float | None:
+        """eps, where it was measured before; the calibration still begins at the model's."""
+        return None
+
+    def check(self, body: Body) -> None:
+        """Raise InputError if this is not known of such a body."""
+        mine = self.model.body
+        if len(mine.edges_m) != len(body.edges_m) or np.abs(mine.edges_m / body.edges_m - 1).max() > ALIKE:
+            raise InputError(
+                "the reference is of another body: its `edge_lengths` differ. Take a campaign of the same robot."
+            )
+
+    def observation(self) -> Observation:
+        """What is known to lie between chain and markers."""
+        return Observation.neutral(self.model.body)
+
+    def plays(self, recordings: Sequence[Recording]) -> Plays:
+        """The servos' readings, beside what is expected of them."""
+        return replace(plays(recordings), without=self.without)
+
+    def corrected(self, tracks: Sequence[Track]) -> tuple[Track, ...]:
+        """Tracks without what the model is known to get wrong."""
+        return tuple(tracks)

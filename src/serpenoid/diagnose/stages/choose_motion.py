@@ -1,0 +1,192 @@
+"""Which effects of the medium (and steps or drift of the camera frame) the motion shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.diagnose.data.motion import Motion, Noise
+from serpenoid.diagnose.data.noise import path_draws, path_error, residuals, window_noise
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer
+from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
+from serpenoid.diagnose.inference.finding import Named, Rung, interval
+from serpenoid.diagnose.inference.groups import Swap, groups
+from serpenoid.diagnose.inference.held_out import LeaveOut, Rule, first_order, held_out_error
+from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
+from serpenoid.diagnose.inference.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
+from serpenoid.diagnose.residuals.residual_words import discrepancy, pattern
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.jumps import find_jumps
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
+from serpenoid.model import Model
+
+GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
+QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
+RELATIVE = 3e-3  # what smoothing the shapes leaves
+CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
+FLOOR_UNCERTAIN = 0.06  # standard deviation of the logarithm of a floor that is itself estimated from repeats
+SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
+
+
+@dataclass(frozen=True)
+class MotionFinding:
+    """The rung's finding and everything it rests on."""
+
+    rung: Rung
+    selection: Selection
+    swaps: tuple[Swap, ...]
+    before_m: float
+    after_m: float
+
+
+def choose_motion(
+    recordings: Sequence[Recording], seen: Observation, baseline: Baseline, say: Callable[[str], None]
+) -> MotionFinding:
+    """Calibrate eps, select effects, say what is left."""
+
+    def track(about: Model) -> tuple[Track, ...]:
+        return baseline.corrected(make_tracks(recordings, seen, about))
+
+    return causes(choose_on_tracks(track, held_out_labels(recordings), baseline, say), MINOR)
+
+
+def choose_on_tracks(
+    track: Callable[[Model], tuple[Track, ...]],
+    labels: tuple[int, ...],
+    baseline: Baseline,
+    say: Callable[[str], None],
+    untestable: Mapping[str, str] | None = None,
+    rule: Rule = FIRST_ORDER,
+) -> MotionFinding:
+    """The same on what `track` makes about a model; labels: what is held out together; rule: how to choose.
+
+    untestable: effects that are no candidates, and why.
+    """
+    model = baseline.model
+    barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
+    absent = frozenset(barred) | not_on_offer(model.body)
+    for _ in range(2):
+        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
+        model = fit_eps(motion, model).model
+    found = finding(select(motion, model, track, say, rule))
+    return replace(found, rung=replace(found.rung, untestable=barred))
+
+
+def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order) -> MotionFinding:
+    """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
+    chosen = found.selection.best.effects
+    if not chosen or found.rung.settled:
+        return found
+    share = explained_share(found.selection, leave_out)
+    if share >= least:
+        return found
+    bare = finding(replace(found.selection, best=found.selection.null, bases=(), faint=()))
+    names = " and ".join(e.name for e in chosen)
+    would = f"would take away {share:.0%} of" if share > 0 else "would add to"
+    words = (*bare.rung.words, f"{names} {would} the path's error: too little to be the cause")
+    return replace(bare, rung=replace(bare.rung, words=words, untestable=found.rung.untestable))
+
+
+def explained_share(found: Selection, leave_out: LeaveOut) -> float:
+    """Of the path RMS that eps alone leaves on held-out parts, how much the chosen effects take away."""
+    before, after = (held_out_error(found.motion, f, leave_out) for f in (found.null, found.best))
+    return 1 - after / before
+
+
+def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
+    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
+    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return tuple(numbers[name] for name in names)
+
+
+def finding(found: Selection) -> MotionFinding:
+    """The selection in words and intervals."""
+    motion, best, floor = found.motion, found.best, found.floor_m
+    before = path_error(motion, found.null.predictions)
+    after = path_error(motion, best.predictions)
+    named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
+    swaps = groups(found)
+    jumps = find_jumps(motion, best.predictions, floor)
+    faint = [faint_of(f.attempt, floor) for f in found.faint]
+    if jumps is not None:
+        (named if jumps.strength >= VISIBLE else faint).append(jumps)
+    words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
+    if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
+        named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
+    if jumps is not None and jumps in named:
+        after = path_error(motion, best.predictions, mend=True)
+    rivals = tuple(s.rival for s in swaps)
+    rung = Rung("motion", tuple(named), rivals, tuple(faint), after / floor, words, discrepancy_m=missed_m)
+    return MotionFinding(rung, found, swaps, before, after)
+
+
+def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
+    motion, fit = found.fullest
+    return motion, fit.predictions
+
+
+def faint_of(t: Try, floor_m: float) -> Named:
+    """What held-out gaits are better predicted with, though its trace in the path is too faint to name it."""
+    return Named(t.fitted, {}, t.strength_m / floor_m)
+
+
+def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
+    """What neither the effects named nor one too faint to be named account for; mend: steps across gaps are known."""
+    motion, predictions = _fullest(found)
+    after_m = path_error(motion, predictions, mend)
+    _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
+    draws = np.log(path_draws(motion, predictions) / found.floor_m)
+    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))
+    return pattern(motion, predictions, after_m / found.floor_m, chance, differences)
+
+
+def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
+    """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
+    best = found.best
+    columns = range(len(best.coordinates))
+    _, covariance = best.evidence.solve(columns)
+    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    at = 1
+    for e in best.effects:
+        if e is effect:
+            break
+        at += len(e.effect.parameters)
+    ends, bound = {}, []
+    for i, p in enumerate(effect.effect.parameters):
+        x = effect.coordinates[i]
+        value = effect.parameters[p.name]
+        if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
+            bound.append(p.name)  # how far it may be from there: the fit itself held it
+            held, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
+            _, covariance = held.solve(columns)
+        half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
+        ends[p.name] = interval(
+            [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
+        )
+    return Named(effect, ends, trace(found.motion, best, base, effect) / found.floor_m, tuple(bound))
+
+
+def ratio_interval(found: Selection) -> tuple[float, float]:
+    """95 % interval of eps with what is named, from the curvature, within its bounds."""
+    best, columns = found.best, range(len(found.best.coordinates))
+    evidence = best.evidence
+    if ratio_at_bound(best.model):  # the fit itself held it
+        evidence, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
+    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    eps, covariance = best.model.medium.anisotropy_ratio, evidence.solve(columns)[1]
+    half = QUANTILE * spread * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
+    low, high = best.model.medium.limits(LEAST_EPS, MOST_EPS)
+    return _clipped(eps - half, low, high), _clipped(eps + half, low, high)
+
+
+def _clipped(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)

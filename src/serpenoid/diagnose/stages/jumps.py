@@ -1,0 +1,54 @@
+"""Steps of position across gaps: what the model does not account for between the last marker seen and the next.
+
+A jump has a length and a direction of its own at every gap; residuals there are Rice distributed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import ive
+
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import gap_steps
+from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.inference.finding import Named, interval
+from serpenoid.effects.active import ActiveEffect
+
+CERTAIN, DROP = 12.0, 2.2  # log-likelihood: ratio that names it, drop at the ends of the interval
+MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
+
+
+def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths of unaccounted displacement across gaps [m], and their noise (SD of one component) [m]."""
+    lengths, noises = [], []
+    for track, p in zip(motion.tracks, predictions, strict=True):
+        noise = motion.noise.of(track)
+        for first, last, step in gap_steps(track, p):
+            lengths.append(np.hypot(step[0], step[1]))
+            noises.append(np.sqrt((noise[first:last, :2] ** 2).sum() / 2))
+    return np.array(lengths), np.array(noises)
+
+
+def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float) -> Named | None:
+    """The effect `position_jumps`, if the gaps show it."""
+    lengths, noises = gap_lengths(motion, predictions)
+    if len(lengths) < 3 or "position_jumps" in motion.untestable:
+        return None
+
+    def log_likelihood(size: float) -> float:
+        z = lengths * size / noises**2
+        return float((np.log(ive(0, z)) + z - (lengths**2 + size**2) / (2 * noises**2)).sum())
+
+    most = float(lengths.max() + 3 * noises.max())
+    options = {"xatol": 1e-3 * float(noises.min())}
+    found = minimize_scalar(lambda x: -log_likelihood(x), bounds=(0.0, most), method="bounded", options=options)
+    size = float(found.x)
+    best = log_likelihood(size)
+    if best - log_likelihood(0.0) < CERTAIN:
+        return None
+    ends = [brentq(lambda x: log_likelihood(x) - best + DROP, size, end) for end in (0.0, size + 2 * most)]
+    effect = ActiveEffect.neutral("position_jumps").with_coordinates([size])
+    return Named(effect, {"size": interval(ends)}, MEAN_SHARE * size / floor_m)

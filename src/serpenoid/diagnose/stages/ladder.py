@@ -1,0 +1,141 @@
+"""Residuals from command to motion, rung by rung: the error, its noise floor, and the share that chance cannot explain.
+
+    share above the floor = 1 - (floor / error)^2        (of the mean square error; 0 where the error is below)
+
+    actuation     commanded against realised shape [rad]; floor: scatter of the readings about local parabolas
+    observation   realised shape against markers [m]; floor: scatter of markers between neighbouring frames
+    motion        realised shape against realised motion [m]; floor: F, what repeats' residuals add up to along a path
+    whole         command against realised motion [m]; floor: F
+
+Every repeat is predicted from readings of its own, so F holds the noise of shapes, propagated, beside that of motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import register
+from serpenoid.diagnose.data.noise import residuals, total
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.finding import Rung
+from serpenoid.diagnose.stages.actuation import Plays
+from serpenoid.diagnose.stages.choose_motion import MotionFinding
+from serpenoid.diagnose.stages.marker_evidence import sample
+from serpenoid.diagnose.stages.whole import whole_errors
+
+
+@dataclass(frozen=True)
+class Error:
+    """RMS of a misfit before and after the named effects, and its noise floor, all in `unit`."""
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    floor: float
+
+    def share_above(self, error: float) -> float:
+        """Share of a mean square error that the floor does not explain."""
+        return max(0.0, 1 - (self.floor / error) ** 2) if error > 0 else 0.0
+
+    def record(self) -> dict[str, Any]:
+        """As it stands in diagnosis.json."""
+        return {
+            "name": self.name, "unit": self.unit, "before": self.before, "after": self.after, "floor": self.floor,
+            "share_above_floor_before": self.share_above(self.before),
+            "share_above_floor_after": self.share_above(self.after),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Step:
+    """One rung of the ladder: what is compared, the error as a whole, and its parts (joints, markers, directions)."""
+
+    compares: str
+    error: Error
+    parts: tuple[Error, ...]
+
+    def record(self) -> dict[str, Any]:
+        """As it stands in diagnosis.json."""
+        rung = self.error.record()
+        return {"rung": rung.pop("name"), "compares": self.compares, **rung, "parts": [p.record() for p in self.parts]}
+
+
+def climb(
+    servos: Plays, recordings: Sequence[Recording], rungs: Sequence[Rung], seen: Observation, motion: MotionFinding
+) -> tuple[Step, ...]:
+    """The ladder of the rungs that were judged; the whole needs all of them."""
+    judged = {rung.name: rung for rung in rungs}
+    return tuple(_steps(servos, recordings, judged, seen, motion))
+
+
+def _steps(
+    servos: Plays, recordings: Sequence[Recording], judged: dict[str, Rung], seen: Observation, motion: MotionFinding
+) -> Iterator[Step]:
+    if "actuation" in judged:
+        yield actuation_step(servos, judged["actuation"])
+    if "observation" in judged and not judged["observation"].skipped:
+        yield observation_step(recordings, seen)
+    yield motion_step(motion)
+    if "actuation" in judged:
+        actuators = tuple(
+            n.effect for rung in judged.values() for n in rung.named if n.effect.effect.site == "actuation"
+        )
+        before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
+        floor = motion.selection.floor_m
+        yield Step("commanded shape against realised motion", Error("whole", "m", before, after, floor), ())
+
+
+def actuation_step(data: Plays, rung: Rung) -> Step:
+    """Joint by joint [rad]."""
+    sizes = [
+        np.sqrt((data.left(data.realised(effects)) ** 2).mean(axis=0))
+        for effects in ([], [n.effect for n in rung.named])
+    ]
+    parts = [
+        Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.noise[j]))
+        for j, (a, b) in enumerate(zip(*sizes, strict=True))
+    ]
+    whole = Error("actuation", "rad", total(list(sizes[0])), total(list(sizes[1])), total(data.noise))
+    return Step("commanded against realised shape", whole, tuple(parts))
+
+
+def observation_step(recordings: Sequence[Recording], seen: Observation) -> Step:
+    """Marker by marker [m]: RMS of a coordinate, the chain laid rigidly over the markers seen."""
+    data = sample(recordings)
+    ever = data.seen.any(axis=(0, 2))
+    sizes = []
+    for now in (Observation.neutral(data.body), seen):
+        _, left = register(now.seen(data.body, now.angles(data.readings)), data.markers)
+        freedom = 1 - 3 / np.isfinite(left).sum(axis=(1, 2)).mean()  # three numbers of each frame are fitted
+        sizes.append(np.sqrt(np.nanmean(left[:, ever] ** 2, axis=(0, 2)) / freedom))
+    parts = [
+        Error(f"vertex {k}", "m", float(a), float(b), data.noise)
+        for k, a, b in zip(np.flatnonzero(ever), *sizes, strict=True)
+    ]
+    whole = Error("observation", "m", total(list(sizes[0])), total(list(sizes[1])), data.noise)
+    return Step("realised shape against markers", whole, tuple(parts))
+
+
+def motion_step(motion: MotionFinding) -> Step:
+    """Path [m], and displacement of a window by direction [m, m, rad]."""
+    found = motion.selection
+    sizes = [_rms(residuals(found.motion.tracks, fit.predictions)) for fit in (found.null, found.best)]
+    noise = _rms([found.motion.noise.of(t)[t.usable] for t in found.motion.tracks])
+    names = (("forward", "m"), ("to the left", "m"), ("turn", "rad"))
+    parts = [
+        Error(f"{name}, per window", unit, *(float(x[i]) for x in (*sizes, noise)))
+        for i, (name, unit) in enumerate(names)
+    ]
+    whole = Error("motion", "m", motion.before_m, motion.after_m, found.floor_m)
+    return Step("realised shape against realised motion", whole, tuple(parts))
+
+
+def _rms(rows: Sequence[Floats]) -> Floats:
+    return np.asarray(np.sqrt(np.nanmean(np.concatenate(rows) ** 2, axis=0)))

@@ -1,0 +1,172 @@
+"""Second rung: do markers stand where the servos' shapes put them?
+
+Every frame's chain (joint angles from the servos) is laid rigidly over the markers seen; what is left is white marker
+noise, unless a joint's zero, a marker or the length scale is off, or a joint has play behind its servo. The columns of
+these effects are derivatives of that chain, with the rigid motions projected out frame by frame.
+
+Legend: F frames (of all trials), N vertices, C columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
+from serpenoid.diagnose.data.observation import Observation, across, columns_of
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.measure.chain import link_of_edge, marker_angles
+
+FRAMES_PER_TRIAL = 250
+AVERAGED_S = 0.09  # markers are looked at over this time: as the poses at a window's ends are
+LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narrower ones are followed as this one is
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Frames of all trials, thinned: markers (F, N, 2), readings (F, m), labels (F,) of gaits, noise [m].
+
+    trials: all readings of each trial (frames, m), and which of them were taken.
+    """
+
+    body: Body
+    markers: Floats
+    readings: Floats
+    labels: np.ndarray
+    noise: float
+    frame_s: float
+    trials: tuple[tuple[Floats, np.ndarray], ...]
+
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """Whether a marker was (F, N, 1)."""
+        return np.isfinite(self.markers[..., 0])[..., None]
+
+    @cached_property
+    def gaits(self) -> list[np.ndarray]:
+        """The frames of each gait, as flags (F,)."""
+        return [self.labels == gait for gait in np.unique(self.labels)]
+
+    @cached_property
+    def counts(self) -> Floats:
+        """Degrees of freedom of each gait: coordinates seen, less the frames' poses."""
+        return np.array([2.0 * self.seen[mine].sum() - 3 * mine.sum() for mine in self.gaits])
+
+    @property
+    def count(self) -> float:
+        """Of all gaits."""
+        return float(self.counts.sum())
+
+    @cached_property
+    def levels(self) -> Floats:
+        """Noise of the averaged markers' joint angles [rad], then of link lengths [m] (m + N - 1,)."""
+        averaged = self.noise / np.sqrt(max(AVERAGED_S / self.frame_s, 1.0))
+        return averaged * np.concatenate([angle_leverage(self.body), np.full(self.body.vertices - 1, np.sqrt(2))])
+
+    def angles(self, now: Observation) -> Floats:
+        """True joint angles (F, m)."""
+        if not now.gaps.any():
+            return self.readings + now.zeros
+        return np.concatenate([now.angles(readings)[taken] for readings, taken in self.trials])
+
+    def by_gap(self, now: Observation, joint: int) -> Floats:
+        """What a joint's angle (F,) changes by with its gap."""
+        gap = float(now.gaps[joint])
+        return self._narrow[:, joint] if gap <= LEAST_PLAY else self._following(joint, gap)
+
+    @cached_property
+    def _narrow(self) -> Floats:
+        return np.stack([self._following(j, LEAST_PLAY) for j in range(self.body.joint_count)], axis=1)
+
+    def _following(self, joint: int, gap: float) -> Floats:
+        return np.concatenate([across(readings[:, joint], gap)[1][taken] for readings, taken in self.trials])
+
+
+def sample(recordings: Sequence[Recording]) -> Sample:
+    """Thin the recordings; the noise comes from neighbouring frames."""
+    body = recordings[0].body
+    markers, readings, labels, trials = [], [], [], []
+    gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
+    for r in recordings:
+        seen = np.isfinite(r.markers[..., 0]).sum(axis=1)
+        inside = np.flatnonzero((seen >= LEAST_MARKERS) & (r.time < r.end))
+        some = inside[:: max(len(inside) // FRAMES_PER_TRIAL, 1)]
+        markers.append(r.markers[some])
+        readings.append(r.angles[some])
+        trials.append((r.angles, some))
+        labels.append(np.full(len(some), gaits[r.gait]))
+    noise = float(np.median([r.marker_noise for r in recordings]))
+    return Sample(
+        body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise,
+        float(np.median([r.frame_s for r in recordings])), tuple(trials),
+    )  # fmt: skip
+
+
+def misfit(data: Sample, now: Observation) -> float:
+    """Chi squared of the sample at an observation model."""
+    return float((_left_by(data, now, data.angles(now))[1] ** 2).sum())
+
+
+def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = None) -> Evidence:
+    """Residuals and columns (all, or those given) of the sample at an observation model, in units of marker noise."""
+    body, seen = data.body, data.seen
+    chosen = range(columns_of(body, "loose_joint", body.joint_count)[0] + 1) if columns is None else columns
+    angles = data.angles(now)
+    base, rows = _left_by(data, now, angles)
+    slopes = now.derivatives(body, angles, lambda joint: data.by_gap(now, joint), chosen)
+    flat = np.where(seen, slopes, 0.0).reshape(len(chosen), *rows.shape) / data.noise
+    rigid = _rigid(base, seen) @ np.moveaxis(flat, 0, -1)  # (F, 3, C): taken away below, frame by frame
+    matrices, vectors, constants = [], [], []
+    for mine in data.gaits:
+        x, inside, r = flat[:, mine].reshape(len(chosen), -1), rigid[mine].reshape(-1, len(chosen)), rows[mine].ravel()
+        matrices.append(x @ x.T - inside.T @ inside)
+        vectors.append(x @ r)
+        constants.append(r @ r)
+    return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), data.counts)
+
+
+def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Floats]:
+    """Chains (F, N, 2) in the body frame, and what they leave of the markers there (F, 2 N), in units of noise."""
+    base = now.seen(data.body, angles)
+    pose, left = register(base, data.markers)
+    residual = np.where(data.seen, turn(-pose[:, None, 2], np.where(data.seen, left, 0.0)), 0.0)
+    return base, residual.reshape(len(base), -1) / data.noise
+
+
+def _rigid(points: Floats, seen: np.ndarray) -> Floats:
+    """Orthonormal rigid motions of the visible points, (F, 3, 2 N)."""
+    one, zero = np.ones(points.shape[:2]), np.zeros(points.shape[:2])
+    motions = [np.stack(x, axis=2) for x in ((one, zero), (zero, one), (-points[..., 1], points[..., 0]))]
+    stacked = np.stack([np.where(seen, m, 0.0).reshape(len(points), -1) for m in motions], axis=2)
+    return np.swapaxes(np.linalg.qr(stacked)[0], 1, 2)
+
+
+def signature(data: Sample, effect: Observation) -> Floats:
+    """RMS of what an observation model changes: marker angles over readings and link lengths, in floors (2 m + 1,)."""
+    return np.sqrt((_shown(data, effect) ** 2).mean(axis=0))
+
+
+def apart(data: Sample, one: Observation, other: Observation) -> float:
+    """How far two observation models' data differ: the worst joint's or link's RMS, in floors."""
+    return float(np.sqrt(((_shown(data, one) - _shown(data, other)) ** 2).mean(axis=0)).max())
+
+
+def _shown(data: Sample, effect: Observation) -> Floats:
+    """Marker angles minus readings, and link lengths minus known ones, in floors (F, 2 m + 1)."""
+    body = data.body
+    seen = effect.seen(body, data.angles(effect))
+    angle = marker_angles(body, seen) - data.readings
+    length = np.linalg.norm(np.diff(seen, axis=1), axis=2) - body.edges_m
+    return np.asarray(np.concatenate([angle, length], axis=1) / data.levels)
+
+
+def angle_leverage(body: Body) -> Floats:
+    """Noise of a joint's angle (m,) [rad] for each metre of a marker's, the three of its two links."""
+    edge, link = body.edges_m, link_of_edge(body)
+    a, b = (1 / np.bincount(link, edge)[part] for part in (slice(None, -1), slice(1, None)))
+    return np.asarray(np.sqrt(a**2 + b**2 + (a + b) ** 2))

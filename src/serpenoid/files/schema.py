@@ -1,0 +1,237 @@
+"""TOML files as validated, frozen values: a misspelt key or a bad number is refused with its place in the file."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+import unicodedata
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, cast, get_args
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, StringConstraints, ValidationError
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import no_info_before_validator_function
+
+from serpenoid.errors import InputError
+from serpenoid.files.inputs import read_text, refuse_depth
+
+
+# A word from a file that becomes part of a file's name, a figure's title or a comment: no separator, no control
+# character, no markup of HTML, of mathematics or of a programming language. Short enough for every file system.
+def _plain(name: str) -> str:
+    letters = all(c.isalnum() or unicodedata.category(c)[0] == "M" or c in NAME_SIGNS for c in name)
+    if not letters or len(name) > NAME_LENGTH or not name[:1].isalnum() or name[-1] in " .":
+        rule = f"must be letters, digits, spaces and {NAME_SIGNS.strip()}, at most {NAME_LENGTH}"
+        raise ValueError(f"{rule}, beginning with a letter or digit")
+    return name
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable() or len(text) > LINE_LENGTH:
+        raise ValueError(f"must be one line of at most {LINE_LENGTH} printable characters")
+    return text
+
+
+LINE_LENGTH = 200
+NAME_SIGNS, NAME_LENGTH = " _.,+=()-", 60
+Name = Annotated[str, AfterValidator(_plain)]
+Line = Annotated[str, AfterValidator(_printable)]  # for people: titles, comments of files
+Text = Annotated[str, StringConstraints(max_length=20_000)]
+
+
+def _strict(part: Any) -> None:
+    """Make the leaves of a core schema strict."""
+    if isinstance(part, dict):
+        if part.get("type") in ("int", "float", "str", "bool"):
+            part["strict"] = True
+        numbers = part.get("type") == "literal" and not all(isinstance(word, str) for word in part["expected"])
+        if numbers:  # Python takes `true` for 1
+            literal = dict(part)
+            part.clear()
+            part.update(no_info_before_validator_function(_same_type(literal["expected"]), cast(CoreSchema, literal)))
+            return
+        for key, below in part.items():
+            if key not in ("metadata", "serialization", "default"):
+                _strict(below)
+    elif isinstance(part, list | tuple):
+        for below in part:
+            _strict(below)
+
+
+def _same_type(expected: list[Any]) -> Callable[[Any], Any]:
+    """Refuse `true` where a number is wanted, and 1 where a boolean is."""
+    kinds = {type(value) for value in expected}
+
+    def check(value: Any) -> Any:
+        if isinstance(value, bool) != (bool in kinds) and isinstance(value, bool | int):
+            raise ValueError(f"must be {' or '.join(map(str, expected))}")
+        return value
+
+    return check
+
+
+class Record(BaseModel):
+    """Base of everything that is read from a file: frozen, no unknown keys, no NaN or infinity, strict types.
+
+    Strict are numbers, words and booleans alone; TOML's lists are taken for tuples.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: type[BaseModel], handler: GetCoreSchemaHandler) -> CoreSchema:
+        found = handler(source)
+        _strict(found)
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        """Field by field: values kept beside them (cached properties, arrays among them) are no part of it."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
+
+R = TypeVar("R", bound=Record)
+MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
+MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Parse a TOML file; raise InputError with the line and column of a syntax error."""
+    try:
+        data = tomllib.loads(read_text(path))
+    except InputError:
+        raise
+    except RecursionError:
+        raise InputError(f"{path}: not valid TOML: nested too deeply.") from None
+    except ValueError as error:  # also a number of thousands of digits
+        raise InputError(f"{path}: not valid TOML: {error}.") from None
+    refuse_depth(data, path)
+    return data
+
+
+def validate(schema: type[R], data: dict[str, Any], source: str) -> R:
+    """Build `schema` from parsed `data`; every fault is named `source: [section] key: rule, got value`.
+
+    Types are strict: `"5"` is no number, `true` no place.
+    """
+    try:
+        return schema.model_validate(data)
+    except ValidationError as error:
+        found = error.errors()
+        # a list whose entries are faulty counts as empty: that is no second fault
+        above = {fault["loc"][:depth] for fault in found for depth in range(1, len(fault["loc"]))}
+        found = [fault for fault in found if fault["type"] != "too_short" or fault["loc"] not in above]
+        faults = [f"{source}: {_describe(schema, fault)}" for fault in found[:MOST_FAULTS]]
+        rest = [f"{source}: and {len(found) - MOST_FAULTS} more."] if len(found) > MOST_FAULTS else []
+        raise InputError("\n".join([*faults, *rest])) from None
+
+
+def load(schema: type[R], path: str | Path) -> R:
+    """Read and validate one TOML file as `schema`."""
+    return validate(schema, read_toml(path), str(path))
+
+
+def override(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
+    """Apply `section.key=value` assignments (values in TOML syntax; bare words are strings) to a copy of `data`."""
+    result = _copy(data)
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--set {assignment}: write it as section.key=value.")
+        *sections, last = key.strip().split(".")
+        table = result
+        for section in sections:
+            table = table.setdefault(section, {})
+            if not isinstance(table, dict):
+                raise InputError(f"--set {assignment}: `{section}` is not a section.")
+        table[last] = _parse_value(text.strip())
+    return result
+
+
+def _parse_value(text: str) -> Any:
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except RecursionError:
+        raise InputError(f"--set: {text[:40]}... is nested too deeply.") from None
+    except ValueError:
+        return text
+    refuse_depth(value, "--set")
+    return value
+
+
+def _copy(data: Any) -> Any:
+    return {key: _copy(value) for key, value in data.items()} if isinstance(data, dict) else data
+
+
+def _describe(schema: type[BaseModel], fault: Any) -> str:
+    *sections, key = [str(part) for part in _without_tags(schema, fault["loc"])] or [""]
+    place = f"[{'.'.join(sections)}] {key}" if sections else key
+    if fault["type"] == "extra_forbidden":
+        return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
+    if fault["type"] == "missing":
+        return f"{place}: is required and not there."
+    shown = "" if isinstance(fault["input"], dict) else f", got {_short(fault['input'])}"
+    if fault["type"] == "model_type":
+        return f"{place}: must be a section, [{place}] and its keys below it{shown}."
+    if fault["type"] == "too_short":
+        least = fault["ctx"]["min_length"]
+        return f"{place}: needs {least} {'entry' if least == 1 else 'entries'} or more{shown}."
+    message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
+    if not place:
+        return f"{message}."
+    rule, _, remedy = message.partition("; ")
+    return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+
+
+def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:
+    """The closest known keys beside an unknown one, found by walking the schema down to its section."""
+    for _, below in _walk(schema, location[:-1]):
+        schema = below
+    known = list(schema.model_fields)
+    if (meant := MEANT.get(str(location[-1]))) in known:
+        return f" Did you mean `{meant}`?"
+    close = difflib.get_close_matches(str(location[-1]), known, n=1)
+    return f" Did you mean `{close[0]}`?" if close else f" Known keys: {', '.join(known)}."
+
+
+def _without_tags(schema: type[BaseModel], location: tuple[Any, ...]) -> list[Any]:
+    """A location as it stands in the file: without the tag that pydantic adds to a section with several forms."""
+    return [part for part, _ in _walk(schema, location) if part is not None]
+
+
+def _walk(schema: type[BaseModel], location: tuple[Any, ...]) -> Iterator[tuple[Any, type[BaseModel]]]:
+    """(part or None for a tag, schema below it) along a location."""
+    forms: list[type[BaseModel]] = []
+    for part in location:
+        if isinstance(part, int):  # an entry of a list
+            yield part, schema
+            continue
+        tagged = [form for form in forms if part in _tags(form)]
+        if tagged:
+            schema, forms = tagged[0], []
+            yield None, schema
+            continue
+        field = schema.model_fields.get(str(part))
+        forms = _models(field.annotation) if field is not None else []
+        schema = forms[0] if forms else schema
+        yield part, schema
+
+
+def _tags(form: type[BaseModel]) -> tuple[Any, ...]:
+    """The word that says which of several forms a section has: its `family`, or its `kind`."""
+    tag = form.model_fields.get("family") or form.model_fields.get("kind")
+    return get_args(tag.annotation) if tag is not None else ()
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """All records in an annotation, in order: of a union, of the entries of a list."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [form for part in get_args(annotation) for form in _models(part)]

@@ -1,0 +1,202 @@
+"""Finished work kept by content: what was computed once from the same inputs by the same code is not computed again.
+
+An entry is a file named by the SHA-256 of its inputs, options and the package's own source; it begins with the SHA-256
+of what follows and is verified before it is read (a damaged one is made again). Values are frozen records of this
+package, arrays and plain values, written as JSON and arrays: nothing in an entry can run. Entries are renamed into
+place when they are whole; the folder (`SERPENOID_CACHE`, else the user's cache) stays below `MOST_BYTES`, the longest
+unused leaving first.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import importlib
+import io
+import json
+import math
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from functools import lru_cache, wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, cast
+
+import numpy as np
+import platformdirs
+
+from serpenoid.files.schema import Record
+from serpenoid.files.writing import atomic
+
+MOST_BYTES = 1_000_000_000
+DIGEST = hashlib.sha256().digest_size
+PACKAGE = __name__.split(".", maxsplit=1)[0]
+Array = np.ndarray
+T = TypeVar("T")
+P = ParamSpec("P")
+
+
+def folder() -> Path:
+    """Where entries lie."""
+    return Path(os.environ.get("SERPENOID_CACHE") or platformdirs.user_cache_dir(PACKAGE)) / "work"
+
+
+def remember(work: Callable[[], T], *inputs: Any) -> T:
+    """The value of `work`, from an earlier run if its inputs (whatever can be stored) and the code are the same."""
+    path = folder() / f"{key(*inputs)}.work"
+    found = _read(path)
+    if found is not None:
+        return cast(T, found[0])
+    arrays: list[Array] = []
+    tree = json.dumps(_plain(work(), arrays)).encode()
+    _write(path, tree, arrays)
+    return cast(T, _made(json.loads(tree), [np.asarray(array, order="C") for array in arrays]))  # as it is found again
+
+
+def remembered(work: Callable[P, T]) -> Callable[P, T]:
+    """A function whose values are kept; its arguments and its name are the inputs."""
+
+    @wraps(work)
+    def kept(*args: P.args, **options: P.kwargs) -> T:
+        return remember(lambda: work(*args, **options), f"{work.__module__}:{work.__qualname__}", args, options)
+
+    return kept
+
+
+def key(*inputs: Any) -> str:
+    """SHA-256 of inputs and code, hexadecimal."""
+    arrays: list[Array] = []
+    digest = hashlib.sha256(source_digest().encode())
+    digest.update(json.dumps(_plain(inputs, arrays), sort_keys=True).encode())
+    for array in arrays:
+        digest.update(f"{array.dtype.str}{array.shape}".encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def source_digest() -> str:
+    """SHA-256 of the package's source."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's content; empty where it cannot be read (whoever reads it will say so)."""
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def _read(path: Path) -> tuple[Any] | None:
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    body = data[DIGEST:]
+    if hashlib.sha256(body).digest() != data[:DIGEST]:
+        return None
+    with np.load(io.BytesIO(body), allow_pickle=False) as file:
+        arrays = [file[f"a{i}"] for i in range(len(file.files) - 1)]
+        tree = json.loads(bytes(file["tree"]))
+    with suppress(OSError):
+        os.utime(path)
+    return (_made(tree, arrays),)
+
+
+def _write(path: Path, tree: bytes, arrays: list[Array]) -> None:
+    """A full disk or a folder that may not be written is no reason to lose the value."""
+    stream = io.BytesIO()
+    named: dict[str, Any] = {f"a{i}": np.asarray(array, order="C") for i, array in enumerate(arrays)}
+    np.savez(stream, tree=np.frombuffer(tree, np.uint8), **named)
+    body = stream.getvalue()
+    with suppress(OSError):
+        with atomic(path) as temporary:
+            temporary.write_bytes(hashlib.sha256(body).digest() + body)
+        _bound(path.parent)
+
+
+def _bound(place: Path) -> None:
+    """The longest unused entries leave; another process may be doing the same."""
+    entries = []
+    for path in place.glob("*.work"):
+        with suppress(OSError):
+            entries.append((path.stat().st_mtime, path.stat().st_size, path))
+    excess = sum(size for _, size, _ in entries) - MOST_BYTES
+    for _, size, path in sorted(entries):
+        if excess <= 0:
+            break
+        path.unlink(missing_ok=True)
+        excess -= size
+
+
+def _plain(value: Any, arrays: list[Array]) -> Any:
+    """JSON of any storable value; arrays are set aside."""
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, np.ndarray):
+        arrays.append(value)
+        return {"array": len(arrays) - 1}
+    if isinstance(value, np.generic):
+        return _plain(value.item(), arrays)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {"float": repr(value)}
+    if isinstance(value, set | frozenset):
+        return {"set": [_plain(item, arrays) for item in sorted(value)]}
+    if isinstance(value, tuple | list):
+        return {type(value).__name__: [_plain(item, arrays) for item in value]}
+    if isinstance(value, dict):
+        return {"dict": [[_plain(k, arrays), _plain(v, arrays)] for k, v in value.items()]}
+    if isinstance(value, slice):
+        return {"slice": [value.start, value.stop, value.step]}
+    name = f"{type(value).__module__}:{type(value).__qualname__}"
+    if isinstance(value, Record):
+        fields = {field: getattr(value, field) for field in type(value).model_fields}
+        return {"record": name, "fields": _plain(fields, arrays)}
+    if dataclasses.is_dataclass(value):
+        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+        return {"dataclass": name, "fields": _plain(fields, arrays)}
+    raise TypeError(f"{name} cannot be stored")
+
+
+def _made(tree: Any, arrays: list[Array]) -> Any:
+    """The value of `_plain`'s JSON."""
+    if not isinstance(tree, dict):
+        return tree
+    if "array" in tree:
+        return arrays[tree["array"]]
+    if "float" in tree:
+        return float(tree["float"])
+    if "tuple" in tree:
+        return tuple(_made(item, arrays) for item in tree["tuple"])
+    if "list" in tree:
+        return [_made(item, arrays) for item in tree["list"]]
+    if "set" in tree:
+        return frozenset(_made(item, arrays) for item in tree["set"])
+    if "dict" in tree:
+        return {_made(k, arrays): _made(v, arrays) for k, v in tree["dict"]}
+    if "slice" in tree:
+        return slice(*tree["slice"])
+    fields = _made(tree["fields"], arrays)
+    if "record" in tree:
+        return _class(tree["record"], Record).model_construct(
+            **fields
+        )  # as made here: an infinite neutral value is one
+    return _class(tree["dataclass"], object)(**fields)
+
+
+def _class(name: str, kind: type) -> Any:
+    """A record of this package by name."""
+    module, _, qualified = name.partition(":")
+    if module.split(".")[0] != PACKAGE:
+        raise TypeError(f"{name} is no record of this package")
+    found = getattr(importlib.import_module(module), qualified)
+    if not (isinstance(found, type) and issubclass(found, kind)) or not (
+        dataclasses.is_dataclass(found) or issubclass(found, Record)
+    ):
+        raise TypeError(f"{name} is no record of this package")
+    return found

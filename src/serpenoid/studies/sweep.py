@@ -1,0 +1,176 @@
+"""The family of optimal gaits over the dissipation coefficient c, continued from both ends.
+
+Each end starts from random gaits; from there every c is solved warm from its neighbour's answer. Where the two chains
+disagree the lower cost is taken: a family that folds back is followed on its better branch. Every point is written
+when it is solved, so that a killed sweep goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.files.writing import write_csv
+from serpenoid.optimise.chain_store import ChainStore
+from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
+from serpenoid.optimise.multistart import as_solution
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.starts import random_gaits
+from serpenoid.performance import electrical_cost_of_transport, pareto_front
+from serpenoid.problem import Problem
+
+Progress = Callable[[int, str], None]
+NOT_REACHED = "not reached"
+
+
+@dataclass(frozen=True)
+class SweepPoint:
+    """One value of c: the better certified answer of the two chains; None where both failed, with the reason."""
+
+    c: float
+    solution: Solution | None
+    chain: str
+    message: str
+
+    @property
+    def reached(self) -> bool:
+        """False where Ctrl-C came before this point."""
+        return self.solution is not None or self.message != NOT_REACHED
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Points in increasing c; `complete` is False after Ctrl-C."""
+
+    problem: Problem
+    points: tuple[SweepPoint, ...]
+    complete: bool
+
+    @property
+    def solved(self) -> list[Solution]:
+        """The solved points' solutions."""
+        return [p.solution for p in self.points if p.solution is not None]
+
+    @property
+    def c(self) -> Floats:
+        """c of the solved points."""
+        return np.array([s.c for s in self.solved])
+
+    @property
+    def displacement(self) -> Floats:
+        """Displacement of the solved points [body lengths]."""
+        return np.array([s.trajectory.displacement for s in self.solved])
+
+    @property
+    def dissipation(self) -> Floats:
+        """Normalised dissipation T * E of the solved points."""
+        return np.array([s.trajectory.dissipation for s in self.solved])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the gait parameters, as the problem's family calls them."""
+        return self.problem.family_of().names
+
+    @property
+    def gaits(self) -> Floats:
+        """Gait parameters of the solved points, shape (n, k)."""
+        return np.array([s.q for s in self.solved]).reshape(-1, len(self.names))
+
+
+def sweep(
+    problem: Problem,
+    values: Sequence[float] | Floats,
+    starts: int = 4,
+    seed: int = 0,
+    folder: str | Path | None = None,
+    polish: bool = True,
+    progress: Progress | None = None,
+) -> Sweep:
+    """Optimal gaits for every c in `values`; with `folder`, solved chain points are kept there and not solved again."""
+    solver = GaitSolver(problem)
+    ordered = np.unique(np.asarray(values, float))
+    gaits = random_gaits(solver, starts, seed)
+    solver.prepare(gaits[0])
+    found: dict[str, dict[float, Answer]] = {}
+    with catch_interrupt() as flag:
+        for name, chain_values in (("up", ordered), ("down", ordered[::-1])):
+            store = ChainStore(Path(folder) / "chain", name) if folder is not None else None
+            found[name] = {}
+            for c, answer in _chain(solver, chain_values, gaits, store, flag):
+                found[name][c] = answer
+                if progress is not None:
+                    progress(sum(map(len, found.values())), f"c = {c:g}: {answer.outcome.objective:.6f}")
+        points = tuple(_better(solver, c, found, polish and not flag) for c in ordered.tolist())
+    return Sweep(problem, points, complete=not flag)
+
+
+def _chain(
+    solver: GaitSolver, values: Floats, gaits: Floats, store: ChainStore | None, flag: StopFlag
+) -> Iterator[tuple[float, Answer]]:
+    last: Answer | None = None
+    for c in values.tolist():
+        if flag:
+            return
+        answer = store.load(c, solver) if store is not None else None
+        if answer is None:
+            answer = _next(solver, c, last, gaits, flag)
+            if store is not None and answer.outcome.status.ok:
+                store.save(c, answer)
+        if answer.outcome.status.ok:
+            last = answer
+        yield c, answer
+
+
+def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag: StopFlag) -> Answer:
+    """Warm from the neighbour; cold from its gait where that fails; from random gaits at the end of the chain."""
+    if last is not None:
+        answer = solver.solve(last.outcome.point, c, carried=last.carried, flag=flag)
+        return answer if answer.outcome.status.ok or flag else solver.solve(last.q, c, flag=flag)
+    answers = [solver.solve(q, c, flag=flag) for q in gaits]
+    good = [a for a in answers if a.outcome.status.ok]
+    return min(good, key=lambda a: a.outcome.objective) if good else answers[0]
+
+
+def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool) -> SweepPoint:
+    candidates = [(name, chain[c]) for name, chain in found.items() if c in chain]
+    candidates.sort(key=lambda pair: (not pair[1].outcome.status.ok, pair[1].outcome.objective))
+    reasons = []
+    for name, answer in candidates:
+        solution = as_solution(solver, answer, c, polish)
+        if solution.status.ok:
+            return SweepPoint(c, solution, name, solution.status.value)
+        reasons.append(f"{name}: {solution.status.value}")
+    return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
+
+
+BEFORE = ["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"]
+AFTER = ["iterations", "seconds", "chain", "message"]
+
+
+def write_sweep_table(path: str | Path, result: Sweep) -> None:
+    """One line per point; a failed point has its reason and empty numbers."""
+    front = iter(pareto_front(result.displacement, result.dissipation).tolist())
+    family = result.problem.family_of()
+    names = () if family.free else family.names  # a free gait is its table, in the point's folder
+    write_csv(
+        path,
+        [*BEFORE, "pareto", *names, *AFTER],
+        [_row(names, result.problem, p, next(front) if p.solution else "") for p in result.points],
+    )
+
+
+def _row(names: tuple[str, ...], problem: Problem, point: SweepPoint, on_front: bool | str) -> list:
+    s = point.solution
+    if s is None:
+        blanks = len(BEFORE) + 1 + len(names) + len(AFTER) - 3
+        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * blanks, point.message]
+    d, e = s.trajectory.displacement, s.trajectory.dissipation
+    transport = electrical_cost_of_transport(problem, d, e)
+    numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]
+    gait = s.q.tolist()[: len(names)]
+    return [point.c, "solved", *numbers, *gait, s.iterations, s.seconds, point.chain, point.message]

@@ -1,0 +1,45 @@
+"""A sweep's folder: sweep.csv, one folder per solved point, sweep.json and the pictures of the family."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from serpenoid.files.writing import provenance, write_json
+from serpenoid.joint_limits import limit_lines
+from serpenoid.performance import idle_for_minimum
+from serpenoid.results import write_solution
+from serpenoid.studies.sweep import Sweep, write_sweep_table
+
+
+def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict[str, Any]:
+    """Write everything and return the summary."""
+    folder = Path(folder)
+    for solution in result.solved:
+        write_solution(folder / f"c-{solution.c!r}", solution, figures=False)
+    write_sweep_table(folder / "sweep.csv", result)
+    solved = result.solved
+    shown = result.displacement if solved else [float("nan")]
+    window = idle_for_minimum(result.c, result.displacement, result.dissipation, 1.0, 2.0) if solved else None
+    summary = {
+        "kind": "sweep",
+        "problem": result.problem.name,
+        "folder": str(folder),
+        "complete": result.complete,
+        "points": len(result.points),
+        "solved": len(solved),
+        "failed": sum(point.reached for point in result.points) - len(solved),
+        "not_reached": sum(not point.reached for point in result.points),
+        "displacement": [float(min(shown)), float(max(shown))] if solved else [0.0, 0.0],
+        "limits": limit_lines(result.problem, solved[0].table) if solved else [],
+        "idle_for_minimum_between_1_and_2": window,
+        "status": "solved" if len(solved) == len(result.points) and result.complete else "incomplete",
+        "provenance": provenance(problem=result.problem.name, problem_hash=result.problem.hash),
+    }
+    write_json(folder / "sweep.json", summary)
+    if figures and len(solved) > 1:
+        from serpenoid.plot.family import Family
+        from serpenoid.plot.figures import sweep_figures
+
+        sweep_figures(folder, Family(result.c, result.displacement, result.dissipation, result.gaits, result.names))
+    return summary

@@ -1,0 +1,80 @@
+"""The family over c: continuation is the cold answer, a killed sweep resumes, another problem's points are not used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from serpenoid.optimise.chain_store import ChainStore
+from serpenoid.optimise.solve import solve
+from serpenoid.optimise.solver import GaitSolver
+from serpenoid.performance import pareto_front
+from serpenoid.studies.sweep import Sweep, sweep
+from specimens import problem
+
+VALUES = (0.0, 0.5, 1.0, 2.0)
+SAME_COST = 1e-7
+
+
+def costs(result: Sweep) -> np.ndarray:
+    return np.array([s.cost for s in result.solved])
+
+
+@pytest.fixture(scope="module")
+def family() -> Sweep:
+    return sweep(problem("reference-optimum"), VALUES, starts=3, seed=0)
+
+
+def test_continuation_finds_what_cold_multi_starts_find(family: Sweep) -> None:
+    cold = [solve(problem("reference-optimum", f"task.c={c}"), starts=6, seed=3).best.cost for c in VALUES]
+    np.testing.assert_allclose(costs(family), cold, atol=SAME_COST)
+    assert all(s.status.ok and s.residuals.largest <= 1e-8 and s.resimulation_error <= 1e-8 for s in family.solved)
+
+
+def test_along_the_family_distance_and_dissipation_fall_and_every_point_is_on_the_front(family: Sweep) -> None:
+    # an exchange argument: the best at each of two values of c cannot beat each other at both
+    assert (np.diff(family.displacement) < 1e-9).all()
+    assert (np.diff(family.dissipation) < 1e-9).all()
+    assert pareto_front(family.displacement, family.dissipation).all()
+    # cost is concave in c with slope dissipation (envelope theorem)
+    slope = np.diff(costs(family)) / np.diff(VALUES)
+    assert (slope <= family.dissipation[:-1] + 1e-9).all()
+    assert (slope >= family.dissipation[1:] - 1e-9).all()
+
+
+def test_a_killed_sweep_goes_on_where_it_stopped(tmp_path: Path, family: Sweep) -> None:
+    asked = problem("reference-optimum")
+    sweep(asked, VALUES[:2], starts=3, seed=0, folder=tmp_path)
+    before = {p: p.stat().st_mtime_ns for p in (tmp_path / "chain").glob("up-*.npz")}
+    assert len(before) == 2
+    resumed = sweep(asked, VALUES, starts=3, seed=0, folder=tmp_path)
+    assert {p: p.stat().st_mtime_ns for p in before} == before  # solved once
+    np.testing.assert_allclose(costs(resumed), costs(family), atol=SAME_COST)
+
+
+def test_points_stored_for_another_problem_are_solved_anew(tmp_path: Path) -> None:
+    sweep(problem("reference-optimum"), VALUES[:2], starts=2, seed=0, folder=tmp_path)
+    changed = problem("reference-optimum", "medium.anisotropy_ratio=0.1")
+    result = sweep(changed, VALUES[:2], starts=2, seed=0, folder=tmp_path)
+    assert len(result.solved) == 2
+    np.testing.assert_allclose(costs(result), costs(sweep(changed, VALUES[:2], starts=2, seed=0)), atol=SAME_COST)
+
+
+def test_a_stored_point_that_was_cut_short_is_solved_anew(tmp_path: Path) -> None:
+    solver, store = GaitSolver(problem("reference-optimum")), ChainStore(tmp_path, "up")
+    assert store.load(0.5, solver) is None
+    for rubbish in (b"PK\x03\x04 half a file", b""):
+        (tmp_path / "up-0.5.npz").write_bytes(rubbish)
+        assert store.load(0.5, solver) is None
+
+
+def test_a_value_of_c_that_cannot_be_solved_is_recorded_and_the_others_go_on() -> None:
+    impossible = problem(
+        "reference-optimum", "task.constraints.heading_change_rad=3.0", "task.bounds.a=[0.0, 0.5]", "task.steps=20"
+    )
+    result = sweep(impossible, (0.0, 1.0), starts=1, seed=0)
+    assert result.complete
+    assert [p.solution for p in result.points] == [None, None]
+    assert all(p.message for p in result.points)
