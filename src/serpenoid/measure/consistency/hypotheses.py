@@ -103,7 +103,7 @@ def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
         made.append(("rate", duration * ratio, pause * ratio))
         if period > pause:
             made.append(("duration", period - pause, pause))
-        if period > duration:
+        if period > duration and schedule.cycles > 1:  # nothing shows how long the pause after an only cycle is
             made.append(("pause", duration, period - duration))
     for kind, new_duration, new_pause in made:
         timed = replace(schedule, cycle_duration_s=new_duration, pause_s=new_pause)
