@@ -89,7 +89,7 @@ def test_a_healthy_gait_says_how_well_it_was_followed(tmp_path):
     with emulator(tmp_path) as rig:
         done = play(tmp_path, rig, cycles=1)
     assert done.returncode == 0, done.stderr
-    assert "degrees off its command (the limit is 12)" in done.stdout
+    assert "tracking: largest error beyond the lag" in done.stdout
     assert max(summary(tmp_path)["timing"]["tracking"]["worst_deg"]) < 12
 
 

@@ -28,6 +28,7 @@ from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
+    from serpenoid.objectives.term import Goal
     from serpenoid.optimise.multistart import MultiStart
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
@@ -135,13 +136,16 @@ def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
 def _lines(best: Solution, result: MultiStart) -> list[str]:
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
-    seconds = sum(s.seconds for s in result.solutions)
+    seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
+    goals: list[Goal] = [*task.objectives, *task.demands]
+    outcomes = [goal.outcome(best.trajectory.poses) for goal in goals]
     return [
         f"status            {best.status.words}",
-        f"displacement      {best.trajectory.displacement:.6f} body lengths per cycle",
+        f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
         f"cost              {best.cost:.6f} at c = {best.c:g}",
         f"heading change    {best.trajectory.heading_change:+.6f} rad",
+        *(f"goal              {words}" for words in outcomes if words),
         f"gait              {best.gait.words}",
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",

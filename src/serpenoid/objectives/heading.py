@@ -7,6 +7,7 @@ from typing import Literal
 import casadi as ca
 from pydantic import Field
 
+from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.term import Term
 
@@ -21,3 +22,8 @@ class Heading(Term):
     def expression(self, of: Criteria) -> ca.SX:
         """Zero where the heading is met."""
         return (self.cycles * of.heading_change - self.target_rad) ** 2
+
+    def outcome(self, poses: Floats) -> str:
+        """How far from the heading it ends."""
+        left = self.cycles * float(poses[-1, 2]) - self.target_rad
+        return f"heading {self.target_rad:g} rad missed by {left:+.4f}"

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
+from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Term
+from serpenoid.objectives.term import Term, after
 
 
 class Position(Term):
@@ -21,3 +23,8 @@ class Position(Term):
     def expression(self, of: Criteria) -> ca.SX:
         """Zero where the target is reached."""
         return ca.sumsqr(of.after(self.cycles)[:2] - ca.DM(self.target))
+
+    def outcome(self, poses: Floats) -> str:
+        """How far from the target it ends."""
+        left = np.hypot(*(after(poses, self.cycles)[:2] - self.target))
+        return f"({self.target[0]:g}, {self.target[1]:g}) missed by {left:.4f} body lengths"

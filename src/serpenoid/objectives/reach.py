@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
+from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand
+from serpenoid.objectives.term import Demand, after
 
 
 class Reach(Demand):
@@ -31,3 +33,10 @@ class Reach(Demand):
             of.subject_to(gap, 0.0, 0.0)
         if self.heading_rad is not None:
             of.subject_to(pose[2] - self.heading_rad, 0.0, 0.0)
+
+    def outcome(self, poses: Floats) -> str:
+        """How far from the target it is then, beside the radius that is allowed."""
+        row = max(1, round(self.at * (len(poses) - 1)))
+        pose = after(poses, self.cycles) if self.at == 1 else poses[row]
+        left = np.hypot(*(pose[:2] - self.target))
+        return f"({self.target[0]:g}, {self.target[1]:g}) within {left:.4f} body lengths ({self.radius:g} allowed)"

@@ -5,16 +5,27 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
+from serpenoid.body import Floats
 from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
 
 
-class Term(Record):
-    """One term of the objective, times its weight; one entry of `[[task.objectives]]`."""
+class Goal(Record):
+    """What is asked, whichever way."""
 
     kind: str
+
+    def outcome(self, poses: Floats) -> str:
+        """What a motion with these poses (T + 1, 3), from the origin, makes of it, in words; empty: nothing to say."""
+        return ""
+
+
+class Term(Goal):
+    """One term of the objective, times its weight; one entry of `[[task.objectives]]`."""
+
     weight: float = Field(default=1.0, ge=0, description="factor of this term in the objective")
 
     @abstractmethod
@@ -22,11 +33,16 @@ class Term(Record):
         """The term's value, to be minimised."""
 
 
-class Demand(Record):
+class Demand(Goal):
     """One requirement; one entry of `[[task.demands]]`."""
-
-    kind: str
 
     @abstractmethod
     def require(self, of: Criteria) -> None:
         """Add the requirement to the criteria."""
+
+
+def after(poses: Floats, cycles: int) -> Floats:
+    """Pose (3,) after several cycles of a motion with poses (T + 1, 3) from the origin."""
+    x, y, turn = poses[-1]
+    gone = (x + 1j * y) * np.exp(1j * turn * np.arange(cycles)).sum()
+    return np.array([gone.real, gone.imag, cycles * turn])

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from typing import Any, TypeVar
 
 from serpenoid.parallel.retry import Lost, ruled_out
@@ -36,16 +37,25 @@ def in_pool(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
 
 
 def _once(function: Callable[..., T], tasks: dict[int, tuple[Any, ...]], jobs: int) -> Iterator[tuple[int, T]]:
-    from concurrent.futures import as_completed
+    """Each worker has one task at a time: a pool that is ended trips over what it has not begun."""
+    from concurrent.futures import FIRST_COMPLETED, Future, wait
 
     from joblib.externals.loky.process_executor import ProcessPoolExecutor, TerminatedWorkerError
 
     pool = ProcessPoolExecutor(min(jobs, len(tasks)), initializer=watch_parent, initargs=(os.getpid(),))
-    try:
+    following, begun = iter(list(tasks.items())), dict[Future[T], int]()
+
+    def begin(count: int) -> None:
         with interrupts_held():
-            futures = {pool.submit(function, *task): index for index, task in tasks.items()}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+            begun.update({pool.submit(function, *task): index for index, task in islice(following, count)})
+
+    try:
+        begin(min(jobs, len(tasks)))
+        while begun:
+            for future in wait(begun, return_when=FIRST_COMPLETED).done:
+                index, result = begun.pop(future), future.result()
+                begin(1)
+                yield index, result
         pool.shutdown(wait=True)
     except TerminatedWorkerError as error:
         raise Lost(" ".join(str(error).split())) from None

@@ -18,7 +18,7 @@ from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
 from serpenoid.plot.style import PHASE_MAP, colour_bar, figure, legend_above
 from serpenoid.plot.sweep import costs_figure, family_figure, front_figure
-from serpenoid.plot.world import obstacles
+from serpenoid.plot.world import obstacles, targets
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import Trajectory
@@ -53,7 +53,8 @@ def simulation_figures(
         if gait.curve(np.zeros(1)) is not None:
             names += save(gait_figure(gait, trajectory), folder, "gait")
         duration, joint_vertices = problem.task.cycle_duration_s, problem.body.joint_vertices
-        animation(Path(folder) / "animation.gif", trajectory, ANIMATED_CYCLES, duration, _countable(joint_vertices))
+        cycles = 1 if problem.task.transient else ANIMATED_CYCLES
+        animation(Path(folder) / "animation.gif", trajectory, cycles, duration, _countable(joint_vertices))
         names.append("animation.gif")
     return names
 
@@ -99,12 +100,14 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     cycles = cycles or problem.task.cycles
     fig = figure(8.6, 4.0)
     ax = fig.add_subplot()
-    title = f"{trajectory_words(trajectory)}{contact_words(trajectory)}"
+    one = "The motion" if problem.task.transient else "A cycle"
+    title = f"{trajectory_words(trajectory, one)}{contact_words(trajectory)}"
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
     motion(trajectory, ax, cycles, bodies, title, metres(problem), dots)
+    targets(problem, ax)
     obstacles(problem, ax)
-    legend_above(ax, 4)
+    legend_above(ax, 5)
     colour_bar(ax, PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, aspect=25)
     slope = float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
     width = min(6.9, 5.0 / slope)
@@ -112,13 +115,13 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     return fig
 
 
-def trajectory_words(trajectory: Trajectory) -> str:
-    """What one cycle does, in a line."""
+def trajectory_words(trajectory: Trajectory, one: str = "A cycle") -> str:
+    """What one cycle (or the whole of a transient) does, in a line."""
     steps = trajectory.steps_per_cycle
     dx, dy, turn = trajectory.poses[steps] - trajectory.poses[0]
     dissipation = steps * trajectory.step_energy[:steps].sum()
     turns = f"{round(np.rad2deg(turn), 1) + 0.0:.1f}°".replace("-", "−")  # + 0.0: no minus before a zero
-    return f"A cycle moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}, dissipates {dissipation:.3f}"
+    return f"{one} moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}, dissipates {dissipation:.3f}"
 
 
 def contact_words(trajectory: Trajectory) -> str:
@@ -140,14 +143,15 @@ def _countable(joint_vertices: tuple[int, ...]) -> tuple[int, ...]:
 
 def joints_figure(table: Floats, problem: Problem) -> Figure:
     """Joint angles with limits; joint speeds too where the cycle's duration is known."""
-    duration, body = problem.task.cycle_duration_s, problem.body
+    duration, body, closed = problem.task.cycle_duration_s, problem.body, not problem.task.transient
     fig = figure(8.6, 5.6 if duration else 3.2)
     axes = fig.subplots(2 if duration else 1, 1, squeeze=False)[:, 0]
     most = np.rad2deg(np.abs(table).max())
-    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, up to {most:.1f}°")
+    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, up to {most:.1f}°", closed)
     if duration:
-        most = np.abs(joints.speeds_rpm(table, duration)).max()
-        title = f"Joint speeds, up to {most:.1f} rpm with a cycle in {duration:g} s"
-        joints.joint_speeds(table, axes[1], duration, body.joint_speed_limit_rpm, title)
+        speeds = joints.speeds_rpm(table, duration, closed)
+        whole = "a cycle" if closed else "the whole motion"
+        title = f"Joint speeds, up to {np.abs(speeds).max():.1f} rpm with {whole} in {duration:g} s"
+        joints.joint_speeds(speeds, axes[1], body.joint_speed_limit_rpm, title)
     joints.joint_bar(list(axes), table.shape[1])
     return fig

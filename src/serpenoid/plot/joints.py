@@ -1,6 +1,6 @@
 """Joint angles and joint speeds of a joint table over the cycle, with the limits they must keep.
 
-Legend: T rows, m joints; the row after the last is the first again.
+Legend: T rows, m joints; the row after the last is the first again, but not of a transient motion.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ def joint_colours(count: int) -> Floats:
     return CHAIN_MAP(np.arange(count) / max(count - 1, 1))
 
 
-def joint_angles(table: Floats, ax: Axes, limit_deg: float | None = None, title: str = "Joint angles") -> Axes:
-    """A line per joint, (T, m) [rad], closed at phase 1; limits dashed."""
-    steps, count = table.shape
-    closed = np.rad2deg(np.concatenate([table, table[:1]]))
-    for j, colour in enumerate(joint_colours(count)):
-        ax.plot(np.arange(steps + 1) / steps, closed[:, j], color=colour, linewidth=1.6)
-    _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(closed).max()))
+def joint_angles(
+    table: Floats, ax: Axes, limit_deg: float | None = None, title: str = "Joint angles", closed: bool = True
+) -> Axes:
+    """A line per joint, (T, m) [rad], closed at phase 1 (a transient ends there with its last row); limits dashed."""
+    angles = np.rad2deg(np.concatenate([table, table[:1]]) if closed else table)
+    phase = np.linspace(0, 1, len(angles))
+    for j, colour in enumerate(joint_colours(table.shape[1])):
+        ax.plot(phase, angles[:, j], color=colour, linewidth=1.6)
+    _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(angles).max()))
     ax.set_xlim(0, 1)
     return dress(ax, title, X_LABEL, "joint angle [deg]")
 
 
-def speeds_rpm(table: Floats, cycle_duration_s: float) -> Floats:
-    """Mean joint speed of every step, shape (T, m) [rpm]."""
-    return (np.roll(table, -1, axis=0) - table) * table.shape[0] / cycle_duration_s * 60 / (2 * np.pi)
+def speeds_rpm(table: Floats, cycle_duration_s: float, closed: bool = True) -> Floats:
+    """Mean joint speed of every step, shape (T, m) [rpm]; of a transient (T - 1, m)."""
+    steps = np.diff(np.concatenate([table, table[:1]]) if closed else table, axis=0)
+    return steps * len(steps) / cycle_duration_s * 60 / (2 * np.pi)
 
 
-def joint_speeds(
-    table: Floats, ax: Axes, cycle_duration_s: float, limit_rpm: float | None = None, title: str = "Joint speeds"
-) -> Axes:
-    """A line per joint at the middle of its steps; limits dashed."""
-    steps, count = table.shape
-    speeds = speeds_rpm(table, cycle_duration_s)
+def joint_speeds(speeds: Floats, ax: Axes, limit_rpm: float | None = None, title: str = "Joint speeds") -> Axes:
+    """A line per joint, (T, m) [rpm], at the middle of its steps; limits dashed."""
+    steps, count = speeds.shape
     for j, colour in enumerate(joint_colours(count)):
         ax.plot((np.arange(steps) + 0.5) / steps, speeds[:, j], color=colour, linewidth=1.6)
     _limits(ax, limit_rpm, f"limit {limit_rpm:g} rpm" if limit_rpm else "", float(np.abs(speeds).max()))

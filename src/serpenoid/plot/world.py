@@ -1,12 +1,15 @@
-"""Obstacles and walls of a task, as shaded regions where the body may not be."""
+"""The world of a task: places to reach; obstacles and walls, as shaded regions where the body may not be."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Circle
 
 from serpenoid.objectives.obstacles import Obstacle
-from serpenoid.plot.style import GREY
+from serpenoid.objectives.position import Position
+from serpenoid.objectives.reach import Reach
+from serpenoid.plot.style import GREY, RED
 from serpenoid.problem import Problem
 
 GRID = 240
@@ -24,4 +27,14 @@ def obstacles(problem: Problem, ax: Axes) -> Axes:
     if value.min() < 0:
         ax.contourf(x, y, value, levels=[-1e9, 0], colors=[GREY], alpha=0.35, zorder=0)
         ax.contour(x, y, value, levels=[0], colors=[GREY], linewidths=1.0, zorder=0.2)
+    return ax
+
+
+def targets(problem: Problem, ax: Axes) -> Axes:
+    """Mark the places that are asked for: a cross, in a circle where being near is enough."""
+    asked = [*problem.task.objectives, *problem.task.demands]
+    for index, goal in enumerate(goal for goal in asked if isinstance(goal, Position | Reach)):
+        ax.plot(*goal.target, "x", color=RED, markersize=9, zorder=6, label="" if index else "target")
+        if isinstance(goal, Reach) and goal.radius > 0:
+            ax.add_patch(Circle(goal.target, goal.radius, fill=False, edgecolor=RED, linewidth=1.0, zorder=6))
     return ax
