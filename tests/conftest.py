@@ -21,7 +21,27 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="also run the tests marked slow")
 
 
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """With `-n`: tests that share something dear run in one process, or each process would make it anew."""
+    if getattr(config.option, "numprocesses", None) and config.option.dist in ("no", "load"):
+        config.option.dist = "loadgroup"
+
+
+def shared(item: pytest.Item) -> str | None:
+    """The name of what a test shares with others: a fixture of the session, or those of its module."""
+    made = getattr(item, "_fixtureinfo", None)
+    found = [f[-1] for name, f in made.name2fixturedefs.items() if f and name != "virtual_machine"] if made else []
+    ours = [f for f in found if f.baseid.startswith("tests")]
+    session = sorted(f.argname for f in ours if f.scope == "session")
+    if session:
+        return session[0]
+    return item.nodeid.partition("::")[0] if any(f.scope == "module" for f in ours) else None
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        if (name := shared(item)) is not None:
+            item.add_marker(pytest.mark.xdist_group(name))
     if config.getoption("--run-slow"):
         return
     skip = pytest.mark.skip(reason="slow: run with --run-slow")

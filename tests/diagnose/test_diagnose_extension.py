@@ -31,6 +31,7 @@ def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:
     return found
 
 
+@pytest.mark.slow
 def test_a_load_too_faint_to_be_named_is_in_the_extended_model(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, SLOPE, SMALL_LOAD)
     assert [n.effect.name for n in found.named] == ["slope"]

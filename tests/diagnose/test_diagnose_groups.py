@@ -91,6 +91,7 @@ def test_gradient_and_wide_patch_are_one_group(undecided: MotionFinding) -> None
     assert [s.fit.chi2 for s in undecided.swaps] == sorted(s.fit.chi2 for s in undecided.swaps)
 
 
+@pytest.mark.slow
 def test_the_report_says_which_experiment_tells_the_group_apart(tmp_path: Path) -> None:
     write(make(972, [GRADIENT], combinations=COMBINATIONS[:2]), tmp_path / "campaign")
     out = tmp_path / "out"
