@@ -30,6 +30,8 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
 def shared(item: pytest.Item) -> str | None:
     """The name of what a test shares with others: a fixture of the session, or those of its module."""
     made = getattr(item, "_fixtureinfo", None)
+    if made and "serial_ports" in made.name2fixturedefs:  # they wait for one another and for the clock
+        return "serial_ports"
     found = [f[-1] for name, f in made.name2fixturedefs.items() if f and name != "virtual_machine"] if made else []
     ours = [f for f in found if f.baseid.startswith("tests")]
     session = sorted(f.argname for f in ours if f.scope == "session")

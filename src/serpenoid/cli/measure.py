@@ -18,7 +18,7 @@ from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
-    from serpenoid.measure.trial import Trial
+    from serpenoid.measure.trial import Motion, Trial
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -82,6 +82,7 @@ def trial_lines(trial: Trial) -> list[str]:
         lines.append(
             f"  frames            {len(motion.time_s)} in {length:.2f} s, {motion.hidden_share:.1%} of markers hidden"
         )
+        lines.append(f"  body              {_body_words(trial, motion)}")
         unit = (
             f"{1000 * trial.metres * motion.marker_sd:.3f} mm"
             if trial.metres
@@ -107,3 +108,12 @@ def trial_lines(trial: Trial) -> list[str]:
         lines.append(f"  servo clock       {servo.offset.offset_s:+.4f} s (correlation {servo.offset.correlation:.4f})")
         lines.append(f"  servo scatter     {servo.sd:.5f} rad about the markers' angles")
     return lines + [f"  note              {note}" for note in trial.notes]
+
+
+def _body_words(trial: Trial, motion: Motion) -> str:
+    """Length and period: where units of length or time are wrong, these two numbers show it."""
+    from serpenoid.measure.consistency.signals import Signal, period_s
+
+    period = period_s(Signal(motion.time_s, motion.joint_angles))
+    length = f"{trial.metres:.4g} m long" if trial.metres else "of unknown length (pixels)"
+    return f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period")

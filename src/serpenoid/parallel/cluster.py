@@ -52,7 +52,7 @@ def connected(address: str) -> Iterator[Client]:
     if address.startswith(LOCAL):
         count = _count(address)
         with (
-            LocalCluster(count, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+            LocalCluster(count, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
             Client(cluster) as client,
         ):
             yield client

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import logging
 import os
+import queue
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from itertools import islice
+from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
 from serpenoid.parallel.retry import Lost, ruled_out
@@ -37,30 +37,29 @@ def in_pool(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
 
 
 def _once(function: Callable[..., T], tasks: dict[int, tuple[Any, ...]], jobs: int) -> Iterator[tuple[int, T]]:
-    """Each worker has one task at a time: a pool that is ended trips over what it has not begun."""
-    from concurrent.futures import FIRST_COMPLETED, Future, wait
+    from concurrent.futures import as_completed
 
     from joblib.externals.loky.process_executor import ProcessPoolExecutor, TerminatedWorkerError
 
     pool = ProcessPoolExecutor(min(jobs, len(tasks)), initializer=watch_parent, initargs=(os.getpid(),))
-    following, begun = iter(list(tasks.items())), dict[Future[T], int]()
-
-    def begin(count: int) -> None:
-        with interrupts_held():
-            begun.update({pool.submit(function, *task): index for index, task in islice(following, count)})
-
     try:
-        begin(min(jobs, len(tasks)))
-        while begun:
-            for future in wait(begun, return_when=FIRST_COMPLETED).done:
-                index, result = begun.pop(future), future.result()
-                begin(1)
-                yield index, result
+        with interrupts_held():
+            futures = {pool.submit(function, *task): index for index, task in tasks.items()}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
         pool.shutdown(wait=True)
     except TerminatedWorkerError as error:
         raise Lost(" ".join(str(error).split())) from None
     finally:
+        _forget_what_waits(pool)
         pool.shutdown(wait=True, kill_workers=True)
+
+
+def _forget_what_waits(pool: Any) -> None:
+    """loky's thread drops waiting tasks as its pool is ended, then trips over their numbers, which it still has."""
+    with suppress(queue.Empty):
+        while True:
+            pool._work_ids.get_nowait()
 
 
 @contextmanager

@@ -118,6 +118,9 @@ def ranking_figure(d: Diagnosis) -> Figure:
     dress(ax, "", "chi squared that a fit to the other gaits gains, to first order", "")
     ax.ticklabel_format(axis="x", style="plain")
     ax.set_xlim(0, 1.05 * max([GAIN, *(s for *_, s in best)]))
-    ax.axvline(GAIN, color=INK, lw=1.0, ls="--")
+    ax.axvline(GAIN, color=INK, lw=1.0, ls="--", label=f"{GAIN:g}: what a name needs when fitted in full")
+    ax.plot([], [], "s", color=BLUE, label="chosen")
+    ax.plot([], [], "s", color="#9CC3DB", label="not chosen: less in full, or another explains it")
+    ax.legend(loc="lower right", fontsize=SMALL, frameon=False)
     ax.grid(visible=False, axis="y")
     return fig

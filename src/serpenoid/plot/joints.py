@@ -26,7 +26,7 @@ def joint_angles(
 ) -> Axes:
     """A line per joint, (T, m) [rad], closed at phase 1 (a transient ends there with its last row); limits dashed."""
     angles = np.rad2deg(np.concatenate([table, table[:1]]) if closed else table)
-    phase = np.linspace(0, 1, len(angles))
+    phase = np.arange(len(angles)) / (len(angles) - 1)
     for j, colour in enumerate(joint_colours(table.shape[1])):
         ax.plot(phase, angles[:, j], color=colour, linewidth=1.6)
     _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(angles).max()))
