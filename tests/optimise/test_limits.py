@@ -34,7 +34,7 @@ def test_an_exchange_takes_in_the_worst_rows_and_keeps_those_that_bind() -> None
     table = np.zeros((50, 10))
     table[7, 2] = 1.2  # violated, not among the rows
     table[rows[3], 5] = np.deg2rad(60)  # binds
-    new, staying = exchange(rows, frozenset(), table, limits)
+    new, staying = exchange(rows, frozenset(), violations(table, limits))
     assert 7 in new
     assert rows[3] in new
     assert len(set(new)) == len(new) == 10
@@ -46,8 +46,8 @@ def test_rows_grow_where_an_exchange_alone_does_not_help() -> None:
     rows = even_rows(50, 10)
     table = np.zeros((50, 10))
     table[rows[0], 0] = 1.2  # violated although its row is there already
-    assert len(exchange(rows, frozenset(), table, limits)[0]) == 20
-    assert len(exchange(list(range(50)), frozenset(), table, limits)[0]) == 50
+    assert len(exchange(rows, frozenset(), violations(table, limits))[0]) == 20
+    assert len(exchange(list(range(50)), frozenset(), violations(table, limits))[0]) == 50
 
 
 @pytest.mark.parametrize("steps", [7, 50])

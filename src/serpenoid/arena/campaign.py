@@ -19,7 +19,7 @@ from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
 from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
 from serpenoid.files.inputs import read_json
-from serpenoid.files.writing import atomic, short_hash, toml_string, write_json, write_text
+from serpenoid.files.writing import EARLIER, atomic, short_hash, toml_string, write_json, write_text
 from serpenoid.parallel import Workers, results
 from serpenoid.table_file import write_table
 
@@ -74,18 +74,13 @@ def another(protocol: Protocol, tables: dict[str, Floats], folder: Path) -> str 
         except InputError:
             return f"its {RECEIPT} is damaged, so nothing says what it holds"
         return None if mine else "holds a campaign of another protocol"
-    if folder.exists() and (not folder.is_dir() or any(not _moved(path) for path in folder.iterdir())):
+    if folder.exists() and (not folder.is_dir() or any(not path.name.startswith(EARLIER) for path in folder.iterdir())):
         return "is not empty and not a campaign of the arena"
     return None
 
 
 def _receipt(protocol: Protocol, tables: dict[str, Floats]) -> dict[str, str]:
     return {"protocol": short_hash(protocol.model_dump(), {name: table.tolist() for name, table in tables.items()})}
-
-
-def _moved(path: Path) -> bool:
-    """Whether it is what --force moved aside."""
-    return path.name.startswith("earlier-")
 
 
 def _sweep(folder: Path) -> None:

@@ -15,13 +15,12 @@ from typing import Any
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
-from serpenoid.files.writing import atomic, clear_unfinished, short_hash, write_json
+from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
 
 REQUEST = "request.json"
 # what tells a folder of results from any other
 RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json", "compare.json", "diagnosis.json",
            "in-use.json", "play.json", "campaign.toml", ".arena.json", REQUEST)  # fmt: skip
-EARLIER = "earlier"
 
 
 def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
@@ -104,7 +103,7 @@ def _aside(folder: Path) -> Path:
 def _names(folder: Path) -> Iterator[Path]:
     number = 1
     while True:
-        yield folder / f"{EARLIER}-{number}"
+        yield folder / f"{EARLIER}{number}"
         number += 1
 
 
@@ -114,7 +113,7 @@ def move_aside(folder: Path, found: Sequence[Path] | None = None) -> None:
     A sweep's solved points stay: each is checked against the problem when it is taken up.
     """
     if found is None:
-        found = [path for path in folder.iterdir() if not path.name.startswith((f"{EARLIER}-", "chain"))]
+        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, "chain"))]
     place = _aside(folder)
     place.mkdir()
     for path in found:

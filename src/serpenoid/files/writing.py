@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 UNFINISHED = ".writing-"
+EARLIER = "earlier-"  # begins the folder of what --force moved aside
 
 
 @contextmanager

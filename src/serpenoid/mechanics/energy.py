@@ -54,6 +54,11 @@ def planar_rotation(angle: ca.SX) -> ca.SX:
     return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
 
 
+def placed(pose: ca.SX, points: ca.SX) -> ca.SX:
+    """Points (2, N) of the body frame in the world, where the body has the pose (x, y, heading)."""
+    return planar_rotation(pose[2]) @ points + ca.repmat(pose[:2], 1, points.size2())
+
+
 def spatial_rotation(vector: ca.SX) -> ca.SX:
     """Rotation matrix (3, 3) of a rotation vector (3,): Cayley's map, exact and free of a singularity at zero."""
     n = vector / 2

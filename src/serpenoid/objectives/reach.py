@@ -25,7 +25,7 @@ class Reach(Demand):
 
     def require(self, of: Criteria) -> None:
         """Two equations or one inequality, and the heading."""
-        pose = of.after(self.cycles) if self.at == 1 else of.poses[:, max(1, round(self.at * of.steps))]
+        pose = of.after(self.cycles) if self.at == 1 else of.poses[:, self._row(of.steps)]
         gap = pose[:2] - ca.DM(self.target)
         if self.radius > 0:
             of.subject_to(ca.sumsqr(gap), -ca.inf, self.radius**2)
@@ -36,7 +36,10 @@ class Reach(Demand):
 
     def outcome(self, poses: Floats) -> str:
         """How far from the target it is then, beside the radius that is allowed."""
-        row = max(1, round(self.at * (len(poses) - 1)))
-        pose = after(poses, self.cycles) if self.at == 1 else poses[row]
+        pose = after(poses, self.cycles) if self.at == 1 else poses[self._row(len(poses) - 1)]
         left = np.hypot(*(pose[:2] - self.target))
         return f"({self.target[0]:g}, {self.target[1]:g}) within {left:.4f} body lengths ({self.radius:g} allowed)"
+
+    def _row(self, steps: int) -> int:
+        """Where it is asked for, if on the way."""
+        return max(1, round(self.at * steps))

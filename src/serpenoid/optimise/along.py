@@ -78,7 +78,7 @@ class GapFunctions:
             rows = [kinematics.serpenoid_joint_angles(row, edges, self.structure) for row in rows]
         angles, pose = (_mixed(ends, when[0]) for ends in (rows, ca.horzsplit(g)))
         body, _ = kinematics.vertices(angles, edges, weights, self.structure)
-        world = energy.planar_rotation(pose[2]) @ body + ca.repmat(pose[:2], 1, self.structure.vertices)
+        world = energy.placed(pose, body)
         world += when[1] * (ca.horzcat(world[:, 1:], world[:, -1]) - world)
         return ca.densify(ca.vertcat(*(gap.of(point) for point in ca.horzsplit(world) for gap in self.gaps)))
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.optimise.limits import TOLERANCE
 from serpenoid.optimise.solver import Answer, Carried, GaitBounds, GaitSolver
 from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
@@ -22,7 +23,6 @@ KKT_TOLERANCE = 1e-8
 GAIN_TOLERANCE = 1e-6
 TRIALS = 32
 DISTANCES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
-FEASIBLE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def certify(
         status = Status.NOT_STATIONARY
     if status.ok and answer.clearance is not None and answer.clearance.proven < 0:
         status = Status.COLLIDES
-    if status.ok and float(solver.excess(table[None]).max(initial=-np.inf)) > FEASIBLE:
+    if status.ok and float(solver.excess(table).max()) > TOLERANCE:
         status = Status.EXCEEDS_LIMITS
     if status.ok and polish:
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
@@ -75,7 +75,7 @@ def gait_costs(
     carried = carried or Carried()
     outside = outside + solver.obstacles.too_near(carried.watch, tables, batch, carried.margin)
     if solver.limits.any:
-        outside += np.maximum(solver.excess(tables).max(axis=(-2, -1)) - FEASIBLE, 0)
+        outside += np.maximum(solver.excess(tables).max(axis=(-2, -1)) - TOLERANCE, 0)
     target = solver.heading_target()
     if target is not None:
         outside += np.abs(batch.poses[:, -1, 2] - target)

@@ -73,9 +73,12 @@ def even_rows(steps: int, count: int) -> list[int]:
     return sorted({int(i * steps / count) for i in range(count)})
 
 
-def exchange(rows: Sequence[int], staying: Set[int], table: Floats, limits: PathLimits) -> tuple[list[int], Set[int]]:
-    """New rows for the NLP, and those of them that stay: all that ever bound or were violated. The rest lies evenly."""
-    excess, steps = violations(table, limits), len(table)
+def exchange(rows: Sequence[int], staying: Set[int], excess: Floats) -> tuple[list[int], Set[int]]:
+    """New rows for the NLP, and those of them that stay: all that ever bound or were violated. The rest lies evenly.
+
+    excess: violations of all rows (R, 2 m) with what was found.
+    """
+    steps = len(excess)
     worst = {int(excess[:, j].argmax()) for j in range(excess.shape[1]) if excess[:, j].max() > TOLERANCE}
     staying = frozenset(staying | worst | {row for row in rows if excess[row].max() > BINDING})
     count = len(rows) if worst - set(rows) else 2 * len(rows)

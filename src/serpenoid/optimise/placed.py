@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from serpenoid.mechanics import functions
+from serpenoid.mechanics import energy, functions
 from serpenoid.model import Structure
 
 
@@ -13,9 +13,5 @@ def placed_vertices(structure: Structure, poses: ca.MX, angles: ca.MX, parameter
     count, rows = poses.size2(), angles.size2()
     every = ca.horzcat(angles, angles[:, : count - rows])
     chains = functions.shape(structure).map(count)(every, ca.repmat(parameters, 1, count))[0]
-    angle = ca.SX.sym("angle")
-    c, s = ca.cos(angle), ca.sin(angle)
-    place, body = ca.SX.sym("place", 2), ca.SX.sym("body", 2, structure.vertices)
-    rotation = ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
-    moved = rotation @ body + ca.repmat(place, 1, structure.vertices)
-    return ca.Function("placed", [place, angle, body], [moved]).map(count)(poses[:2, :], poses[2, :], chains)
+    pose, body = ca.SX.sym("pose", 3), ca.SX.sym("body", 2, structure.vertices)
+    return ca.Function("placed", [pose, body], [energy.placed(pose, body)]).map(count)(poses, chains)

@@ -119,7 +119,7 @@ class GaitSolver:
         return simulate_batch(self.model, tables, self.family.closed)
 
     def excess(self, tables: Floats) -> Floats:
-        """How far joint angles and their changes exceed the limits, shape (B, rows, 2 m)."""
+        """How far joint angles and their changes exceed the limits, shape (..., rows, 2 m); -infinity without any."""
         return violations(tables, self.limits, self.family.closed)
 
     def prepare(self, q: Floats) -> None:
@@ -213,8 +213,9 @@ class GaitSolver:
     def _exchanged(self, carried: Carried, q: Floats) -> tuple[Carried, Clearance | None]:
         """What the next NLP must carry, the same where gait q keeps all limits and clear of obstacles, as is proven."""
         table = self.table(q)
-        if not self.family.sparse and self.limits.any and float(self.excess(table[None]).max()) > TOLERANCE:
-            rows, staying = exchange(carried.rows, carried.staying, table, self.limits)
+        excess = self.excess(table)
+        if not self.family.sparse and float(excess.max()) > TOLERANCE:
+            rows, staying = exchange(carried.rows, carried.staying, excess)
             return replace(carried, rows=tuple(rows), staying=staying), None
         if not self.obstacles.gaps:
             return carried, None
