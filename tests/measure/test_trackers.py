@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
+from serpenoid.measure import readers
 from serpenoid.measure.animal import bends_run, leading, remarks
+from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trackers import (
     Timing,
@@ -21,6 +23,7 @@ from serpenoid.measure.trackers import (
     read_tierpsy,
     read_wcon,
 )
+from serpenoid.measure.trex import read_trex
 
 RATE = 25.0
 NAMES = ["tail", "a", "b", "c", "d", "head"]
@@ -83,6 +86,47 @@ def array(path: Path, time: np.ndarray, points: np.ndarray) -> None:
     np.savez(path, t_s=time, points=points)
 
 
+def trex_posture(path: Path, time: np.ndarray, points: np.ndarray, several_lengths: bool = False) -> None:
+    """As TRex writes it: midlines from the head on, in pixels below and right of `offset`, with its own types."""
+    there = np.isfinite(points).all(axis=(1, 2))
+    image = (points * DOWN)[there, ::-1]
+    offset = np.floor(image.min(axis=1))
+    midlines = (image - offset[:, None]).astype(np.float64)
+    lengths = np.full(len(image), 6)
+    arrays = {"midline_points": midlines}
+    if several_lengths:
+        lengths[1] = 11  # one frame sampled twice as finely
+        fine = [np.interp(np.arange(11) / 2, np.arange(6), column) for column in midlines[1].T]
+        lines = [*midlines[:1], np.stack(fine, axis=1), *midlines[2:]]
+        arrays = {"midline_points": np.concatenate(lines)}
+    span = np.linalg.norm(np.diff(image, axis=1), axis=2).sum(axis=1)
+    np.savez(
+        path, frames=np.flatnonzero(there), offset=offset.astype(np.float32), midline_lengths=lengths.astype(np.uint64),
+        midline_centimeters=(0.02 * span).astype(np.float32), midline_offsets=np.zeros(len(image), np.float32),
+        midline_angle=np.zeros(len(image), np.float32), posture_area=np.ones(len(image), np.float32),
+        hole_points=np.zeros((0, 2), np.float32), hole_counts=np.zeros(len(image), np.uint64),
+        midline_points_raw=arrays["midline_points"], outline_lengths=np.full(len(image), 3, np.uint64),
+        outline_points=np.zeros((3 * len(image), 2), np.float32), **arrays,
+    )  # fmt: skip
+
+
+def trex_columns(time: np.ndarray, points: np.ndarray) -> dict[str, np.ndarray]:
+    """Tracking data with key points: what was not found is infinite."""
+    shown = np.where(np.isfinite(points), points * DOWN, np.inf)
+    columns = {"frame": np.arange(len(time)), "missing": np.zeros(len(time)), "time": time, "X#wcentroid": time}
+    return columns | {f"pose{axis}{k}": shown[:, k, i] for k in range(6) for i, axis in enumerate("XY")}
+
+
+def trex_npz(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    np.savez(path, **trex_columns(time, points))
+
+
+def trex_csv(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    columns = trex_columns(time, points)
+    rows = [",".join(map(repr, map(float, row))) for row in zip(*columns.values(), strict=True)]
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+
+
 Writer = Callable[[Path, np.ndarray, np.ndarray], None]
 FORMATS: dict[str, tuple[Writer, Callable, str, float]] = {
     "deeplabcut.csv": (deeplabcut_csv, read_deeplabcut, "px", 1.0),
@@ -91,6 +135,8 @@ FORMATS: dict[str, tuple[Writer, Callable, str, float]] = {
     "tierpsy.hdf5": (tierpsy, read_tierpsy, "um", 1e-6),
     "worm.wcon": (wcon, read_wcon, "um", 1e-6),
     "points.npz": (array, read_array, "m", 1.0),
+    "fish_id0.npz": (trex_npz, read_trex, "px", 1.0),
+    "fish_id0.csv": (trex_csv, read_trex, "px", 1.0),
 }
 
 
@@ -104,6 +150,36 @@ def test_every_format_gives_back_the_points(tmp_path, name):
     np.testing.assert_allclose(found.time_s, time, atol=1e-12)
     np.testing.assert_allclose(found.floor, points * metres, rtol=1e-12, atol=1e-18)
     assert found.scale_known == (FORMATS[name][2] != "px")
+
+
+@pytest.mark.parametrize("several", [False, True], ids=["one length", "several lengths"])
+def test_midlines_of_trex_are_read_head_first_with_its_own_scale(tmp_path, several):
+    """A frame without a midline is absent from the file; 0.02 cm a pixel stands in `midline_centimeters` alone."""
+    time, points = swimmer()
+    points[3] = np.nan
+    trex_posture(tmp_path / "fish_posture_fish0.npz", time, points, several)
+    found = read_trex(tmp_path / "fish_posture_fish0.npz", Timing(RATE))
+    there = np.arange(len(time)) != 3
+    np.testing.assert_allclose(found.time_s, time[there], atol=1e-12)
+    np.testing.assert_allclose(found.floor, points[there, ::-1], atol=1e-6)
+    assert not found.scale_known
+    scaled = read_trex(tmp_path / "fish_posture_fish0.npz", Timing(RATE, "cm"))
+    np.testing.assert_allclose(scaled.floor, 2e-4 * points[there, ::-1], rtol=1e-5, atol=1e-9)  # stored as float32
+    assert scaled.scale_known
+
+
+def test_tracking_data_of_trex_without_points_on_the_body_say_what_to_export(tmp_path):
+    np.savez(tmp_path / "a.npz", **{"X#wcentroid": np.arange(4.0), "time": np.arange(4.0)})
+    with pytest.raises(InputError, match=r"output_posture_data = true"):
+        read_trex(tmp_path / "a.npz", Timing(RATE))
+
+
+def test_every_format_a_campaign_may_name_has_its_reader():
+    assert tuple(readers.READERS) == readers.NAMES
+    for name, read in readers.READERS.items():
+        with pytest.raises(InputError, match=r"nothing\.csv|ezc3d|h5py"):
+            read(Path("nothing.csv"), MotionKeys(format=name, columns={"time": "t", "point": "p", "x": "x", "y": "y"},
+                                                 length_unit="mm", frames_per_second=25.0))  # fmt: skip
 
 
 @pytest.mark.parametrize("name", FORMATS)

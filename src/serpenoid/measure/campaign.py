@@ -11,25 +11,13 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.motive import read_motive
-from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
-from serpenoid.measure.trackers import (
-    Timing,
-    read_array,
-    read_deeplabcut,
-    read_sleap_analysis,
-    read_tierpsy,
-    read_wcon,
-)
+from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
 from serpenoid.measure.tracks import LengthUnit, Tracks
 from serpenoid.medium import Medium
 from serpenoid.table_file import read_table as read_joint_table
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-MotionFormat = Literal["motive", "c3d", "deeplabcut", "sleap", "tierpsy", "wcon", "array", "tidy", "long"]
-FORMATS = "motive | c3d | deeplabcut | sleap | tierpsy | wcon | array | tidy | long"
-TRACKERS = {"deeplabcut": read_deeplabcut, "tierpsy": read_tierpsy, "wcon": read_wcon, "array": read_array}
 LONG_ROLES = {"time", "frame", "point", "x", "y"}
 
 
@@ -160,29 +148,10 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
     keys, path = file.motion_of(trial), folder / trial.motion
     if keys.format is None:
         raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
-    tracks = _reader(keys, path)
+    tracks = READERS[keys.format](path, keys)
     if trial.from_s is not None or trial.to_s is not None:
         tracks = tracks.between(trial.from_s, trial.to_s)
     return tracks
-
-
-def _reader(keys: MotionKeys, path: Path) -> Tracks:
-    if keys.format == "motive":
-        return read_motive(path, keys.up_axis or "y")
-    if keys.format == "c3d":
-        return read_c3d(path, keys.up_axis or "z")
-    timing = Timing(keys.frames_per_second, keys.length_unit, keys.minimum_score)
-    if keys.format in TRACKERS:
-        return TRACKERS[keys.format](path, timing)
-    if keys.format == "sleap":
-        if path.suffix.lower() in (".h5", ".hdf5"):
-            return read_sleap_analysis(path, timing)
-        return read_sleap(path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0)
-    if keys.format == "tidy":
-        return read_tidy(path, keys.length_unit or "m", keys.frames_per_second)
-    if keys.columns is None or keys.length_unit is None:
-        raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion].')
-    return read_long(path, keys.columns, keys.length_unit, keys.frames_per_second)
 
 
 def read_table(trial: TrialEntry, body: Body, folder: Path) -> Floats | None:

@@ -139,7 +139,7 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
         raise InputError(f"{path}: `coordinates/skeletons` must be (frames, points, 2), got {skeletons.shape}.")
     if not rate:
         raise InputError(f"{path}: does not say how many frames a second: give `frames_per_second` in [motion].")
-    return _ordered(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
+    return as_tracks(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
 
 
 def read_wcon(path: str | Path, timing: Timing) -> Tracks:
@@ -163,7 +163,7 @@ def read_wcon(path: str | Path, timing: Timing) -> Tracks:
         raise InputError(f"{path}: `x` and `y` must hold as many points at every time.")
     rows.sort(key=lambda row: row[0])
     floor = np.stack([np.column_stack([x, y]) for _, x, y in rows])
-    return _ordered(path, second * np.array([t for t, _, _ in rows]), floor, timing.length_unit or length)
+    return as_tracks(path, second * np.array([t for t, _, _ in rows]), floor, timing.length_unit or length)
 
 
 def _wcon_rows(entry: dict[str, Any], path: Path) -> Iterator[tuple[float, Floats, Floats]]:
@@ -182,13 +182,7 @@ def _wcon_rows(entry: dict[str, Any], path: Path) -> Iterator[tuple[float, Float
 def read_array(path: str | Path, timing: Timing) -> Tracks:
     """An .npz with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate."""
     path = Path(path)
-    try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            arrays = {name: np.asarray(file[name], float) for name in file.files}
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except (OSError, ValueError, TypeError, AttributeError, EOFError, KeyError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: not a readable .npz of numbers: {error}.") from None
+    arrays = read_npz(path)
     if "points" not in arrays and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:
         arrays["points"] = np.stack([arrays["x"], arrays["y"]], axis=-1)
     points = arrays.get("points")
@@ -200,7 +194,18 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
         times = arrays.get("frame", np.arange(len(points), dtype=float)) / timing.frames_per_second
     else:
         raise InputError(f"{path}: has no `t_s`: give `frames_per_second` in [motion].")
-    return _ordered(path, times, points, timing.length_unit or "m")
+    return as_tracks(path, times, points, timing.length_unit or "m")
+
+
+def read_npz(path: Path) -> dict[str, Floats]:
+    """All arrays of an .npz, which must be numbers."""
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+            return {name: np.asarray(file[name], float) for name in file.files}
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file.") from None
+    except (OSError, ValueError, TypeError, AttributeError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: not a readable .npz of numbers: {error}.") from None
 
 
 def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
@@ -211,7 +216,8 @@ def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timi
     return _tracks(path, frames / timing.frames_per_second, names, floor * DOWN, unit)
 
 
-def _ordered(path: Path, times: Floats, floor: Floats, unit: str) -> Tracks:
+def as_tracks(path: Path, times: Floats, floor: Floats, unit: str) -> Tracks:
+    """Points in the order of the file (F, N, 2), in `unit`, as Tracks."""
     return _tracks(path, times, [f"point_{k}" for k in range(floor.shape[1])], floor, unit)
 
 

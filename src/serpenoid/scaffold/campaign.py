@@ -9,6 +9,7 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
+from serpenoid.measure.readers import NAMES
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number
 from serpenoid.table_file import write_table
@@ -18,18 +19,18 @@ BEGIN = "# --- made up: `serpenoid campaign add` takes this trial out again ---"
 END = "# --- end of what is made up ---"
 CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
-FORMATS = ("motive", "c3d", "sleap", "tidy", "long")
+BY_NAME = ("motive", "c3d", "deeplabcut", "sleap")  # formats whose points have names
 
 
 def _format(text: str) -> str:
-    if text not in FORMATS:
-        raise ValueError(f"needs one of {', '.join(FORMATS)}")
+    if text not in NAMES:
+        raise ValueError(f"needs one of {', '.join(NAMES)}")
     return text
 
 
 QUESTIONS = (
     Question("problem", "Problem file of the robot or animal (empty: the paper's snake)", "", existing),
-    Question("format", f"Format of the motion files: {', '.join(FORMATS)}", "motive", _format),
+    Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", _format),
     Question("frames-per-second", "Frames per second of the cameras", "120", number(0, 1e5)),
 )
 
@@ -83,7 +84,7 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
     weights = ", ".join(f"{weight:.6g}" for weight in body.vertex_weights)
     names = ", ".join(f'"Robot:{label}"' for label in _labels(body))
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
-    by_name = answers["format"] in ("motive", "c3d", "sleap")
+    by_name = answers["format"] in BY_NAME
     return "\n".join(
         [
             hint,

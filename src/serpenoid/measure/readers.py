@@ -1,0 +1,69 @@
+"""One interface for all motion files: the name in `[motion] format` -> a reader (path, keys) -> Tracks.
+
+A reader gives points in the order of the file, in metres where the file or `length_unit` says so, y up; what it does
+not understand it refuses by file, row and column. Another format is a function and a line here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
+
+from serpenoid.errors import InputError
+from serpenoid.measure.motive import read_motive
+from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
+from serpenoid.measure.trackers import (
+    Timing,
+    read_array,
+    read_deeplabcut,
+    read_sleap_analysis,
+    read_tierpsy,
+    read_wcon,
+)
+from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.trex import read_trex
+
+if TYPE_CHECKING:
+    from serpenoid.measure.campaign import MotionKeys
+
+    Reader = Callable[[Path, MotionKeys], Tracks]
+
+MotionFormat = Literal["motive", "c3d", "deeplabcut", "sleap", "tierpsy", "trex", "wcon", "array", "tidy", "long"]
+NAMES: tuple[str, ...] = get_args(MotionFormat)
+FORMATS = " | ".join(NAMES)
+
+
+def _timed(read: Callable[[Path, Timing], Tracks]) -> Reader:
+    """A reader that needs what [motion] says of time, length and score."""
+
+    def reader(path: Path, keys: MotionKeys) -> Tracks:
+        return read(path, Timing(keys.frames_per_second, keys.length_unit, keys.minimum_score))
+
+    return reader
+
+
+def _sleap(path: Path, keys: MotionKeys) -> Tracks:
+    if path.suffix.lower() in (".h5", ".hdf5"):
+        return _timed(read_sleap_analysis)(path, keys)
+    return read_sleap(path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0)
+
+
+def _long(path: Path, keys: MotionKeys) -> Tracks:
+    if keys.columns is None or keys.length_unit is None:
+        raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion].')
+    return read_long(path, keys.columns, keys.length_unit, keys.frames_per_second)
+
+
+READERS: dict[str, Reader] = {
+    "motive": lambda path, keys: read_motive(path, keys.up_axis or "y"),
+    "c3d": lambda path, keys: read_c3d(path, keys.up_axis or "z"),
+    "deeplabcut": _timed(read_deeplabcut),
+    "sleap": _sleap,
+    "tierpsy": _timed(read_tierpsy),
+    "trex": _timed(read_trex),
+    "wcon": _timed(read_wcon),
+    "array": _timed(read_array),
+    "tidy": lambda path, keys: read_tidy(path, keys.length_unit or "m", keys.frames_per_second),
+    "long": _long,
+}
