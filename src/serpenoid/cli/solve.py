@@ -15,13 +15,17 @@ depend on the number of steps; 0 .. 2.5 is the range of Even et al.
 An optimum counts only if step-by-step simulation reaches the same poses to 1e-8, the KKT conditions hold to 1e-8, a
 derivative-free search around it gains less than 1e-6, and its displacement is the gait's and not the time mesh's:
 simulated again with 2 T and 4 T steps, it is within 5 % of the extrapolated one (`--refine`: solved again with more
-steps until it is within 0.1 %; the table then has that many rows). Exit code 1: no such optimum was found. Ctrl-C keeps
-the best so far and exits with 130.
+steps until it is within 0.1 %; the table then has that many rows). Exit code 1: no such optimum was found.
+
+Starts are independent: --jobs N and --cluster ADDRESS solve them at once, with the same answers to the last bit. Each
+solved start is kept in the results folder; the same command goes on from there, and starts.csv has a line a start.
+Ctrl-C keeps the best so far (a better one that is there from before stays) and exits with 130.
 """
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from serpenoid.cli import options
@@ -51,6 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ladder", action="store_true", help="instead: ellipse, Fourier series, free table, each from the one before"
     )
+    options.add_workers(parser, "starts")
     options.add_output(parser, "results/<problem>/solve-<hash>")
 
 
@@ -67,26 +72,26 @@ def run(args: argparse.Namespace) -> int:
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.solve import refine, solve
+    from serpenoid.optimise.solve import refine
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
     from serpenoid.status import Status
+    from serpenoid.studies.many_starts import write_starts
 
     folder = options.output_folder(
         args, default_folder(problem, "solve", *_options(args)), problem.hash, *_options(args)
     )
-    with options.progress_bar(args, "starts", args.starts) as advance:
-        result = solve(
-            problem,
-            args.starts,
-            args.seed,
-            progress=lambda done, best: advance(done, "" if best is None else f"best cost {best.cost:.6f}"),
-        )
+    result = _search(args, problem, folder)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
+    better = kept_better(folder, result.best) if stopped else None
+    if better is not None:
+        options.complain(f"stopped; {folder} keeps the answer of an earlier run, which is better (cost {better:.6f})")
+        return 130
     if stopped and not args.quiet:
         options.complain("stopping: the best so far is written, with its pictures")
     best = refine(result.best) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
+    write_starts(folder / "starts.csv", result)
     record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
     if figures:
         from serpenoid.plot.figures import multistart_figures
@@ -107,6 +112,37 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(_why(problem) or best.status.value)
         return 1
     return 0
+
+
+def _search(args: argparse.Namespace, problem: Problem, folder: Path) -> MultiStart:
+    """All starts, here or by workers; those that the folder has are not solved again."""
+    from serpenoid.optimise.solve import solve
+    from serpenoid.studies.many_starts import solve_starts
+
+    workers = options.workers(args)
+    with options.progress_bar(args, "starts", args.starts) as advance:
+
+        def progress(done: int, best: Solution | None) -> None:
+            advance(done, "" if best is None else f"best cost {best.cost:.6f}")
+
+        if workers.jobs == 1 and workers.cluster is None:
+            return solve(problem, args.starts, args.seed, progress=progress, folder=folder)
+        return solve_starts(problem, args.starts, args.seed, workers, progress, folder)
+
+
+def kept_better(folder: Path, best: Solution) -> float | None:
+    """Cost of the certified answer that is there to the same request, where `best` costs more or is none; else None."""
+    from serpenoid.errors import InputError
+    from serpenoid.optimise.multistart import SAME_COST
+    from serpenoid.results import read_record
+
+    try:
+        held = read_record(folder)
+    except InputError:
+        return None
+    if held.get("status") != "solved" or not isinstance(held.get("cost"), float):
+        return None
+    return held["cost"] if not best.status.ok or best.cost > held["cost"] + SAME_COST else None
 
 
 def _why(problem: Problem) -> str | None:

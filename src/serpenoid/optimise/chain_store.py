@@ -1,4 +1,4 @@
-"""Solved points of a continuation on disk, so that an interrupted sweep does not solve them again."""
+"""Solved points on disk, of a continuation or many starts, so that what was interrupted does not solve them again."""
 
 from __future__ import annotations
 
@@ -9,14 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_bytes
-from serpenoid.files.writing import atomic
+from serpenoid.files.writing import atomic, short_hash
+from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Outcome, Point
 from serpenoid.optimise.solver import Answer, Carried, GaitSolver
 from serpenoid.optimise.watch import Watch, Watched
 from serpenoid.status import Status
 
+CHAIN = "chain"  # the folder of solved points within a results folder
 STATIONARY = 1e-8  # what a certificate asks for
 
 
@@ -34,7 +37,7 @@ class ChainStore:
         stream = io.BytesIO()
         np.savez(
             stream, x=p.x, lam_x=p.lam_x, lam_g=p.lam_g, rows=rows, watch=watch, margin=carried.margin,
-            iterations=answer.iterations, seconds=answer.seconds,
+            iterations=answer.iterations, seconds=answer.seconds, said=np.array(answer.outcome.ipopt_status),
         )  # fmt: skip
         content = stream.getvalue()
         with atomic(self._path(c)) as target:
@@ -48,7 +51,7 @@ class ChainStore:
                 watch = Watch(tuple(Watched(a, int(t), b, int(v), int(k)) for a, t, b, v, k in data["watch"].tolist()))
                 carried = Carried(tuple(data["rows"].tolist()), watch, float(data["margin"]))
                 iterations = int(data["iterations"])
-                seconds = float(data["seconds"])
+                seconds, said = float(data["seconds"]), str(data["said"])
         except (InputError, KeyError, ValueError):
             return None
         _, ipopt = solver.prepared(carried)
@@ -60,11 +63,25 @@ class ChainStore:
         if not residuals.largest <= STATIONARY:
             return None  # an answer, but to another problem
         objective = float(ipopt.functions["f"](point.x, parameters))
-        outcome = Outcome(Status.SOLVED, "Stored", point, objective, residuals, iterations, {"total": seconds})
-        return Answer(outcome, point.x[-solver.family.size :], iterations, seconds, carried)
+        outcome = Outcome(Status.SOLVED, said, point, objective, residuals, iterations, {"total": seconds})
+        q = point.x[-solver.family.size :]
+        return Answer(outcome, q, iterations, seconds, carried, _clearance(solver, q))
 
     def _path(self, c: float) -> Path:
         return self.folder / f"{self.chain}-{c!r}.npz"
+
+
+def store_of(folder: str | Path | None, start: Floats) -> ChainStore | None:
+    """Where the answer from one start is kept: beside those of the others, named by the start itself."""
+    return None if folder is None else ChainStore(Path(folder) / CHAIN, f"start-{short_hash(start.tolist())}")
+
+
+def _clearance(solver: GaitSolver, q: Floats) -> Clearance | None:
+    """What is proven of obstacles, as when the answer was found."""
+    if not solver.obstacles.gaps:
+        return None
+    table = solver.table(q)
+    return solver.obstacles.clearance(solver.simulate(table).poses, table)
 
 
 def _whole(stored: bytes) -> bytes:

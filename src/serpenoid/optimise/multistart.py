@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.optimise.certify import certify
+from serpenoid.optimise.chain_store import ChainStore, store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.mesh import study_mesh
@@ -64,9 +66,14 @@ def solve_one(
     flag: StopFlag | None = None,
     watch: Callable[[float], None] | None = None,
     carried: Carried | None = None,
+    store: ChainStore | None = None,
 ) -> tuple[Solution, Answer]:
-    """Optimise from one start and certify the answer."""
-    answer = solver.solve(start, c, gait_bounds, carried, flag, watch)
+    """Optimise from one start, or take what is stored, and certify the answer."""
+    answer = store.load(c, solver) if store is not None else None
+    if answer is None:
+        answer = solver.solve(start, c, gait_bounds, carried, flag, watch)
+        if store is not None and answer.outcome.status.ok:
+            store.save(c, answer)
     return as_solution(solver, answer, c, polish, gait_bounds), answer
 
 
@@ -102,22 +109,28 @@ def as_solution(
 
 
 def solve_many(
-    solver: GaitSolver, starts: Floats, c: float, flag: StopFlag | None = None, progress: Progress | None = None
+    solver: GaitSolver,
+    starts: Floats,
+    c: float,
+    flag: StopFlag | None = None,
+    progress: Progress | None = None,
+    folder: str | Path | None = None,
 ) -> MultiStart:
-    """Optimise from every start (S, n); polish the best of each distinct optimum."""
+    """Optimise from every start (S, n), kept in `folder` when solved; polish the best of each distinct optimum."""
     found: list[tuple[Solution, Answer]] = []
     for i, start in enumerate(starts):
         if flag:
             break
-        found.append(solve_one(solver, start, c, flag=flag))
+        found.append(solve_one(solver, start, c, flag=flag, store=store_of(folder, start)))
         if progress is not None:
-            progress(i + 1, _best([s for s, _ in found]))
-    return MultiStart(*_summary(solver, found, c, flag))
+            progress(i + 1, best_of([s for s, _ in found]))
+    return summarised(solver, found, c, flag)
 
 
-def _summary(
-    solver: GaitSolver, found: list[tuple[Solution, Answer]], c: float, flag: StopFlag | None
-) -> tuple[tuple[Solution, ...], tuple[Optimum, ...]]:
+def summarised(
+    solver: GaitSolver, found: list[tuple[Solution, Answer]], c: float, flag: StopFlag | None = None
+) -> MultiStart:
+    """Answers in the order of their starts -> distinct optima, each polished unless the flag is raised."""
     solutions = [s for s, _ in found]
     groups = list(_groups(solutions))
     optima = []
@@ -127,7 +140,7 @@ def _summary(
             optima.append(Optimum(polished, len(group)))
         for index in group:
             solutions[index] = replace(solutions[index], status=polished.status, polishing_gain=polished.polishing_gain)
-    return tuple(solutions), tuple(optima)
+    return MultiStart(tuple(solutions), tuple(optima))
 
 
 def _groups(solutions: list[Solution]) -> Iterator[list[int]]:
@@ -138,5 +151,6 @@ def _groups(solutions: list[Solution]) -> Iterator[list[int]]:
     return (list(part) for part in np.split(np.array(good, int), cuts) if part.size)
 
 
-def _best(solutions: list[Solution]) -> Solution | None:
+def best_of(solutions: Iterable[Solution]) -> Solution | None:
+    """The certified one of least objective, if there is one."""
     return min((s for s in solutions if s.status.ok), key=lambda s: s.objective, default=None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -31,21 +32,29 @@ def solve(
     seed: int = 0,
     customise: Customise | None = None,
     progress: Progress | None = None,
+    folder: str | Path | None = None,
 ) -> MultiStart:
     """Optimise a problem's gait from `starts` random gaits (the problem's own gait is the first start).
 
     `customise(criteria)` may add to the objective and the constraints. `progress(done, best)`
-    is called after each start. Ctrl-C ends the search and returns what there is.
+    is called after each start. Ctrl-C ends the search and returns what there is. With `folder` each solved start is
+    kept there, and taken from there the next time (with `customise` give each choice a folder of its own).
     """
+    solver = GaitSolver(problem, customise)
+    gaits = starts_of(solver, starts, seed)
+    solver.prepare(gaits[0])
+    with catch_interrupt() as flag:
+        return solve_many(solver, gaits, problem.task.c, flag, progress, folder)
+
+
+def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:
+    """The problem's own gait, if it moves, then random ones, shape (starts, n)."""
     if starts < 1:
         raise InputError(f"`starts` must be 1 or more, got {starts}.")
-    solver = GaitSolver(problem, customise)
     gaits = random_gaits(solver, starts, seed)
     if solver.family.moves(own := solver.own_start()):
         gaits[0] = own
-    solver.prepare(gaits[0])
-    with catch_interrupt() as flag:
-        return solve_many(solver, gaits, problem.task.c, flag, progress)
+    return gaits
 
 
 def solve_from(problem: Problem, gait: Gait, customise: Customise | None = None) -> Solution:

@@ -15,7 +15,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.files.writing import write_csv
-from serpenoid.optimise.chain_store import ChainStore
+from serpenoid.optimise.chain_store import CHAIN, ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import as_solution
 from serpenoid.optimise.solution import Solution
@@ -99,7 +99,7 @@ def sweep(
     found: dict[str, dict[float, Answer]] = {}
     with catch_interrupt() as flag:
         for name, chain_values in (("up", ordered), ("down", ordered[::-1])):
-            store = ChainStore(Path(folder) / "chain", name) if folder is not None else None
+            store = ChainStore(Path(folder) / CHAIN, name) if folder is not None else None
             found[name] = {}
             for c, answer in _chain(solver, chain_values, gaits, store, flag):
                 found[name][c] = answer
