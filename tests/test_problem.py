@@ -16,11 +16,11 @@ from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solve import solve
+from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem, load
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import write_table
-from specimens import PROBLEMS, problem
+from specimens import PROBLEMS, oracle_run, problem
 
 NAMES = sorted(path.stem for path in PROBLEMS.glob("*.toml"))
 
@@ -129,6 +129,42 @@ def reach() -> None:
     assert result.best.cost == pytest.approx(0.0041234, abs=5e-8)
 
 
+def purcell_stroke() -> None:
+    found = solve(problem("purcell-stroke", "body.vertices=13", "body.joints=[4,8]"), starts=1, seed=3).best
+    assert found.status.ok
+    assert found.mesh.displacement == pytest.approx(0.1035, abs=1e-4)  # as many digits as are published
+    run = oracle_run(found.problem.model, found.table)
+    assert np.hypot(*run.poses[-1, :2]) == pytest.approx(found.trajectory.displacement, abs=1e-9)
+    change = np.diff(np.append(found.table[:, 0], found.table[0, 0]))
+    assert (np.repeat([1, -1], 30) * change >= -1e-9).all()  # one stroke
+
+
+def transport() -> None:
+    small = "body.vertices=6", "task.steps=30"
+    found = solve(problem("transport", *small), starts=1).best
+    plain = problem("transport", *small, 'task.objectives=[{kind="displacement"}]', f"task.c={1 / found.cost}")
+    swept = solve_from(plain, found.gait)
+    motion = found.trajectory
+    value = -motion.displacement + motion.dissipation / found.cost
+    # by 0.3 / cost short of zero; the mesh makes several optima of gaits that differ in phase alone: 3e-5 apart
+    assert value == pytest.approx(-0.3 / found.cost, abs=1e-9)
+    assert swept.cost == pytest.approx(value, abs=1e-4)
+
+
+def steer() -> None:
+    found = solve(problem("steer", "body.vertices=7"), starts=2, seed=0).best
+    assert found.status.ok
+    assert oracle_run(found.problem.model, found.table).poses[-1, 2] == pytest.approx(0.3, abs=1e-8)
+
+
+def checkpoints() -> None:
+    found = solve(problem("checkpoints", "body.vertices=6", "task.steps=40"), starts=1).best
+    assert found.residuals.largest <= 1e-8
+    np.testing.assert_allclose(found.table[[0, 1, -2, -1]], 0, atol=1e-9)
+    assert np.hypot(*(found.trajectory.poses[16, :2] - [0.4, 0.1])) <= 0.05 + 1e-9
+    np.testing.assert_allclose(found.trajectory.poses[-1], [1.2, 0.1, 0.0], atol=1e-8)
+
+
 def broken_joint() -> None:
     best = solve(problem("broken-joint", "task.steps=50"), starts=1).best
     assert best.residuals.largest <= 1e-8
@@ -151,6 +187,10 @@ def disc_obstacle() -> None:
 
 
 CHECKS = {
+    "purcell-stroke": purcell_stroke,
+    "transport": transport,
+    "steer": steer,
+    "checkpoints": checkpoints,
     "broken-joint": broken_joint,
     "turn-in-a-box": turn_in_a_box,
     "disc-obstacle": disc_obstacle,

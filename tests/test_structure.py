@@ -36,7 +36,7 @@ MAY_IMPORT = {
     "medium": {"files"},
     "group": {"body"},
     "gaits": {"body", "files", "errors"},
-    "objectives": {"body", "files"},
+    "objectives": {"body", "files", "errors"},
     "table_file": {"body", "errors", "files"},
     "errors": set(),
     "status": set(),

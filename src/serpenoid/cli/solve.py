@@ -170,11 +170,14 @@ def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
 
 
 def _lines(best: Solution, result: MultiStart) -> list[str]:
+    from serpenoid.objectives.term import Played
+
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
     goals: list[Goal] = [*task.objectives, *task.demands]
-    outcomes = [goal.outcome(best.trajectory.poses) for goal in goals]
+    played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
+    outcomes = [goal.outcome(played) for goal in goals]
     return [
         f"status            {best.status.words}",
         f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",

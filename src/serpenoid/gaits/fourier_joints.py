@@ -18,6 +18,13 @@ class JointSeriesBounds(AngleBounds):
     """Where the optimiser may look."""
 
     family: Literal["fourier-joints"] = "fourier-joints"
+    mean: tuple[float, float] | None = Field(default=None, description="mean of every joint [rad]; default: as `angle`")
+
+    @model_validator(mode="after")
+    def _ordered_mean(self) -> Self:
+        if self.mean is not None and self.mean[0] > self.mean[1]:
+            raise ValueError("`mean` needs [lower, upper] with lower <= upper")
+        return self
 
 
 class JointSeriesGait(Gait):
@@ -73,8 +80,10 @@ class JointSeriesFamily(GaitFamily):
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
-        low, high = self.bounds.angle if isinstance(self.bounds, JointSeriesBounds) else (-np.pi, np.pi)
-        return np.full(self.size, low), np.full(self.size, high)
+        bounds = self.bounds if isinstance(self.bounds, JointSeriesBounds) else JointSeriesBounds()
+        pairs = np.tile(bounds.angle, (self.joints, 1 + 2 * len(self.orders), 1))
+        pairs[:, 0] = bounds.mean or bounds.angle
+        return pairs[..., 0].ravel(), pairs[..., 1].ravel()
 
     @property
     def widths(self) -> Floats:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Criteria:
     """Symbols of one cycle; add to them with `minimise`, `also_minimise` and `subject_to`.
 
     poses (3, T + 1): body frames from the origin on [body lengths, rad]; joint_angles (m, R) [rad], the joint table;
-    dissipation: T times E; gait (n): the family's parameters; c: weight of the dissipation, which sweeps vary.
+    dissipation: T times E; gait (n): the family's parameters; c: weight of the dissipation, which sweeps vary. chain:
+    from a row's joint angles to the vertices (2, N) in the body frame, if the body is known.
     """
 
     steps: int
@@ -40,6 +42,7 @@ class Criteria:
     joints: int
     size: int
     names: tuple[str, ...] = ()
+    chain: Callable[[ca.SX], ca.SX] | None = None
     moved: ca.SX = field(init=False)
     poses: ca.SX = field(init=False)
     angles: ca.SX = field(init=False)
@@ -78,6 +81,19 @@ class Criteria:
         return (ca.horzcat(angles[:, 1:], angles[:, 0]) if self.rows == self.steps else angles[:, 1:]) - angles[
             :, : self.steps
         ]
+
+    def row(self, share: float) -> int:
+        """The row nearest to a part of the cycle; the last of a closed gait is the first again."""
+        return round(share * self.steps) % self.rows
+
+    def vertices(self, row: int) -> ca.SX:
+        """Vertices (2, N), tail to head, at a row 0 .. T, as they are commanded [body lengths]."""
+        if self.chain is None:
+            raise InputError("`vertices` needs the body: it is known where a problem is solved.")
+        body, pose = self.chain(self.joint_angles[:, row % self.rows]), self.poses[:, row]
+        c, s = ca.cos(pose[2]), ca.sin(pose[2])
+        turned = ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c)) @ body
+        return turned + ca.repmat(pose[:2], 1, body.size2())
 
     def after(self, cycles: int) -> ca.SX:
         """Pose (3) after the cycle was played `cycles` times: its net motion, composed with itself."""

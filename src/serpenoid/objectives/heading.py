@@ -7,9 +7,8 @@ from typing import Literal
 import casadi as ca
 from pydantic import Field
 
-from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Term
+from serpenoid.objectives.term import Played, Term
 
 
 class Heading(Term):
@@ -23,7 +22,7 @@ class Heading(Term):
         """Zero where the heading is met."""
         return (self.cycles * of.heading_change - self.target_rad) ** 2
 
-    def outcome(self, poses: Floats) -> str:
+    def outcome(self, played: Played) -> str:
         """How far from the heading it ends."""
-        left = self.cycles * float(poses[-1, 2]) - self.target_rad
+        left = self.cycles * float(played.poses[-1, 2]) - self.target_rad
         return f"heading {self.target_rad:g} rad missed by {left:+.4f}"

@@ -8,9 +8,8 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Term, after
+from serpenoid.objectives.term import Played, Term, after
 
 
 class Position(Term):
@@ -24,7 +23,7 @@ class Position(Term):
         """Zero where the target is reached."""
         return ca.sumsqr(of.after(self.cycles)[:2] - ca.DM(self.target))
 
-    def outcome(self, poses: Floats) -> str:
+    def outcome(self, played: Played) -> str:
         """How far from the target it ends."""
-        left = np.hypot(*(after(poses, self.cycles)[:2] - self.target))
+        left = np.hypot(*(after(played.poses, self.cycles)[:2] - self.target))
         return f"({self.target[0]:g}, {self.target[1]:g}) missed by {left:.4f} body lengths"

@@ -8,9 +8,8 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand, after
+from serpenoid.objectives.term import Demand, Played, after
 
 
 class Reach(Demand):
@@ -34,8 +33,9 @@ class Reach(Demand):
         if self.heading_rad is not None:
             of.subject_to(pose[2] - self.heading_rad, 0.0, 0.0)
 
-    def outcome(self, poses: Floats) -> str:
+    def outcome(self, played: Played) -> str:
         """How far from the target it is then, beside the radius that is allowed."""
+        poses = played.poses
         pose = after(poses, self.cycles) if self.at == 1 else poses[self._row(len(poses) - 1)]
         left = np.hypot(*(pose[:2] - self.target))
         return f"({self.target[0]:g}, {self.target[1]:g}) within {left:.4f} body lengths ({self.radius:g} allowed)"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -13,13 +14,22 @@ from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
 
 
+@dataclass(frozen=True)
+class Played:
+    """A motion from the origin: poses (T + 1, 3), vertices (T + 1, N, 2) and the joint table (R, m) that made it."""
+
+    poses: Floats
+    vertices: Floats
+    table: Floats
+
+
 class Goal(Record):
     """What is asked, whichever way."""
 
     kind: str
 
-    def outcome(self, poses: Floats) -> str:
-        """What a motion with these poses (T + 1, 3), from the origin, makes of it, in words; empty: nothing to say."""
+    def outcome(self, played: Played) -> str:
+        """What a motion makes of it, in words; empty: nothing to say."""
         return ""
 
 

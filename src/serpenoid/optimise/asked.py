@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily
+from serpenoid.mechanics import kinematics
+from serpenoid.model import Model
 from serpenoid.objectives import Criteria
 from serpenoid.problem import Task
 from serpenoid.simulation.rollout import Batch
@@ -57,10 +60,11 @@ class Asked:
         return f[0], outside.sum(0)
 
 
-def asked(task: Task, family: GaitFamily, customise: Customise | None = None) -> Asked:
-    """The criteria of a task for gaits of a family, with what the user adds."""
+def asked(task: Task, family: GaitFamily, customise: Customise | None = None, model: Model | None = None) -> Asked:
+    """The criteria of a task for gaits of a family, with what the user adds; `model`: whose points may be asked for."""
     steps = family.rows - (not family.closed)
-    criteria = Criteria(steps, family.rows, family.joints, family.size, family.names)
+    chain = None if model is None else partial(_chain, model)
+    criteria = Criteria(steps, family.rows, family.joints, family.size, family.names, chain)
     for term in task.objectives:
         criteria.also_minimise(term.weight * term.expression(criteria))
     criteria.also_minimise(criteria.c * criteria.dissipation)
@@ -69,3 +73,14 @@ def asked(task: Task, family: GaitFamily, customise: Customise | None = None) ->
     if customise is not None:
         customise(criteria)
     return Asked(criteria)
+
+
+def _chain(model: Model, angles: ca.SX) -> ca.SX:
+    """Vertices (2, N) in the body frame of joint angles as they are commanded."""
+    if model.actuation_effects:
+        raise InputError(
+            f"[[effects]] `{model.actuation_effects[0].name}` makes other joint angles than those commanded: goals for "
+            "single points of the body are not known with it. Ask for the centre, or leave the effect out."
+        )
+    body = model.body
+    return kinematics.vertices(angles, ca.SX(body.edges), ca.SX(body.vertex_weights), model.structure)[0]

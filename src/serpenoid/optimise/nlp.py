@@ -19,6 +19,7 @@ def gait_nlp(
 ) -> GaitNLP:
     """The NLP of `problem` in the family of `gait` (default the problem's); see GaitNLP."""
     family = problem.family_of(gait)
-    law, criteria = motion_law(problem.model, family, portable), asked(problem.task, family, customise).criteria
+    law = motion_law(problem.model, family, portable)
+    criteria = asked(problem.task, family, customise, problem.model).criteria
     obstacles = Obstacles(tuple(criteria.clear_of), problem.model, law.steps, family.closed)
     return GaitNLP(law, criteria, path_rows, portable, watch=obstacles.first())

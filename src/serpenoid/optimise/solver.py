@@ -76,7 +76,7 @@ class GaitSolver:
         self.problem, self.model = problem, problem.model
         self.family = problem.family_of(gait)
         self.steps = self.family.rows - (not self.family.closed)
-        self.asked = asked(problem.task, self.family, customise)
+        self.asked = asked(problem.task, self.family, customise, self.model)
         self.limits = path_limits(problem)
         soft = softer(problem)
         self._softer = None if soft is None else GaitSolver(soft, customise, gait)

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from serpenoid.objectives.obstacles import Obstacle
+from serpenoid.objectives.path import Path
 from serpenoid.objectives.position import Position
 from serpenoid.objectives.reach import Reach
 from serpenoid.plot.style import GREY, RED
@@ -31,10 +32,12 @@ def obstacles(problem: Problem, ax: Axes) -> Axes:
 
 
 def targets(problem: Problem, ax: Axes) -> Axes:
-    """Mark the places that are asked for: a cross, in a circle where being near is enough."""
+    """Mark what is asked for: a place by a cross, in a circle where being near is enough; a line to follow, dashed."""
     asked = [*problem.task.objectives, *problem.task.demands]
     for index, goal in enumerate(goal for goal in asked if isinstance(goal, Position | Reach)):
         ax.plot(*goal.target, "x", color=RED, markersize=9, zorder=6, label="" if index else "target")
         if isinstance(goal, Reach) and goal.radius > 0:
             ax.add_patch(Circle(goal.target, goal.radius, fill=False, edgecolor=RED, linewidth=1.0, zorder=6))
+    for way in (goal for goal in asked if isinstance(goal, Path)):
+        ax.plot(*np.array(way.line).T, "--", color=RED, linewidth=1.0, zorder=5, label=f"line of the {way.point}")
     return ax

@@ -1,0 +1,40 @@
+"""Have a shape: all joint angles at the beginning, at the end or on the way; a motion from shape to shape."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import casadi as ca
+import numpy as np
+from pydantic import Field
+
+from serpenoid.errors import InputError
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Demand, Played
+
+
+class Shape(Demand):
+    """The commanded joint angles at the row nearest to `at`; of a closed gait the last shape is the first."""
+
+    kind: Literal["shape"] = "shape"
+    at: Annotated[float, Field(ge=0, le=1, description="when, as a part of the cycle or of the whole motion")] = 0.0
+    angles: tuple[float, ...] | None = Field(
+        default=None, description="joint angles, tail to head [rad]; none: straight"
+    )
+    still: bool = Field(default=False, description="the joints rest in the step before or after, too")
+
+    def require(self, of: Criteria) -> None:
+        """One equation per joint, and with `still` another."""
+        if self.angles is not None and len(self.angles) != of.joints:
+            raise InputError(f"[[task.demands]] shape: `angles` needs {of.joints} numbers, got {len(self.angles)}.")
+        row = of.row(self.at)
+        of.subject_to(of.joint_angles[:, row] - ca.DM(self.angles or [0.0] * of.joints), 0.0, 0.0)
+        if self.still:
+            beside = row + 1 if row + 1 < of.rows else row - 1
+            of.subject_to(of.joint_angles[:, beside] - of.joint_angles[:, row], 0.0, 0.0)
+
+    def outcome(self, played: Played) -> str:
+        """How far the farthest joint is from its angle."""
+        row = round(self.at * (len(played.poses) - 1)) % len(played.table)
+        left = np.abs(played.table[row] - (0.0 if self.angles is None else np.array(self.angles))).max()
+        return f"shape at {self.at:g} missed by {left:.1e} rad"

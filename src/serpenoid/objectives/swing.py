@@ -1,0 +1,26 @@
+"""Swing once: a joint bends to and fro once per cycle, so that a gait is one stroke and not several in a row."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import casadi as ca
+from pydantic import Field
+
+from serpenoid.errors import InputError
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Demand
+
+
+class Swing(Demand):
+    """The joint's angle never falls in the first half of the cycle and never rises in the second; fixes the phase."""
+
+    kind: Literal["swing"] = "swing"
+    joint: Annotated[int, Field(ge=1, description="number of the joint, from the tail")] = 1
+
+    def require(self, of: Criteria) -> None:
+        """One inequality per step."""
+        if self.joint > of.joints:
+            raise InputError(f"[[task.demands]] swing: `joint` must be at most {of.joints}, got {self.joint}.")
+        change, half = of.changes[self.joint - 1, :], of.steps // 2
+        of.subject_to(ca.horzcat(change[:half], -change[half:]), 0.0, ca.inf)
