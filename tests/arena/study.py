@@ -31,7 +31,7 @@ from serpenoid.diagnose.report.write import write
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
 
-KEPT = ("verdict", "effects", "alternatives", "below_the_floor", "left", "residual_pattern", "noise_floor_m", "gain")
+KEPT = ("verdict", "effects", "alternatives", "below_detection", "left", "residual_pattern", "noise_level_m", "gain")
 ROOT = Path(__file__).parents[2]
 PROTOCOL = ROOT / "problems" / "protocols" / "six-gaits.toml"
 MODEL = ROOT / "problems" / "snake10.toml"

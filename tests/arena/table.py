@@ -15,7 +15,7 @@ HEAD = """# Hidden changes of the arena's robot
 
 `python -m arena.study --out results/blind/arena`: six gaits twice, diagnosed with a healthy campaign as reference.
 *Change*: path RMS between changed and healthy trials (healthy repeats: {repeats:.0f} mm), which is what there is to be
-explained. *Left*: floors, on the rung of motion. One campaign each.
+explained. *Left*: floors, on the stage of motion. One campaign each.
 
 | hidden | change [mm] | said | also | verdict | left | outcome |
 | --- | --- | --- | --- | --- | --- | --- |

@@ -54,7 +54,7 @@ def test_the_healthy_robot_is_not_what_the_model_says(then):
     assert then.verdict in ("partly explained", "unexplained")
     assert "servo_lag" in {n.effect.name for n in then.named}  # soft servos, told to jump from row to row
     assert any("motion: what is left repeats" in text for text in then.words)  # Coulomb contacts
-    assert then.motion.rung.discrepancy_m > 1e-3
+    assert then.motion.stage.discrepancy_m > 1e-3
     medium = [n for n in then.named if isinstance(n.effect.effect, MediumEffect)]
     assert all(n.stand_in for n in medium)  # no law of the catalogue is Coulomb's with loads that move about
     assert not any(n.stand_in for n in then.named if n not in medium)

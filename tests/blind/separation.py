@@ -1,7 +1,7 @@
 """Separation S_ab: what the best-fitting rival b leaves of effect a, over the floor.
 
-Rivals on the path rung are fitted together with eps to the clean paths, on the shape rung to the clean signature.
-A rival on the other rung explains nothing of a: then S_ab = S_a.
+Rivals on the path stage are fitted together with eps to the clean paths, on the shape stage to the clean signature.
+A rival on the other stage explains nothing of a: then S_ab = S_a.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 F: start-aligned path RMS between the measurement and the true law driven by the recorded shapes [m].
 S: what the effect leaves of the true (noise-free, slip-free) path after eps and the start pose are refitted, over F.
-Effects on shapes and on markers are judged on their own rung (`shape_signature`): the worst joint's or link's RMS,
-over that rung's floor.
+Effects on shapes and on markers are judged on their own stage (`shape_signature`): the worst joint's or link's RMS,
+over that stage's floor.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def null_fit(drives: Sequence[Drive], targets: Sequence[Floats], ground: Ground)
 
 
 def path_strength(c: Campaign, noise_floor: float) -> float:
-    """S on the rung of motion."""
+    """S on the stage of motion."""
     drives = clean_drives(c)
     return null_fit(drives, clean_paths(c, drives, range(len(drives))), null_ground(c)).rms / noise_floor
 
@@ -131,7 +131,7 @@ def _whole(steps: int, plan: Plan) -> int:
 
 
 def shape_signature(c: Campaign, w: World) -> Floats:
-    """Noise-free residuals of the shape rung in units of their floors, shape (time, channels).
+    """Noise-free residuals of the shape stage in units of their floors, shape (time, channels).
 
     Channels: reading - set-point per joint; marker joint angle - reading per joint (without a log: - set-point); link
     length - known length. A marker that is never seen has none.

@@ -15,7 +15,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_floor
+from serpenoid.diagnose.data.noise import path_noise
 from serpenoid.diagnose.data.observation import Observation, columns_of
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
@@ -121,7 +121,7 @@ def test_motion_of_held_out_gaits_is_best_predicted_with_the_hidden_effect(hidde
 
 def test_jumps_of_position_are_found_in_gaps(tmp_path: Path) -> None:
     motion, null = calibrated_motion(recorded(tmp_path, JUMPS))
-    found = find_jumps(motion, null.predictions, path_floor(motion, null.predictions))
+    found = find_jumps(motion, null.predictions, path_noise(motion, null.predictions))
     assert found is not None
     low, high = found.intervals["size"]
     assert low < JUMPS.parameters["size"] < high
@@ -129,8 +129,8 @@ def test_jumps_of_position_are_found_in_gaps(tmp_path: Path) -> None:
 
 def test_a_fast_clock_is_found(tmp_path: Path) -> None:
     recordings = recorded(tmp_path, CLOCK)
-    rung, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
-    assert [n.effect.name for n in rung.named] == ["clock_offset"]
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert [n.effect.name for n in stage.named] == ["clock_offset"]
 
 
 def test_jumps_far_above_their_noise_have_a_narrow_interval(monkeypatch: pytest.MonkeyPatch) -> None:

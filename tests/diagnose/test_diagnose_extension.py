@@ -1,4 +1,4 @@
-"""The extended model: what is named, and what is too faint to be named where held-out paths need it."""
+"""The extended model: what is named, and what is too weak to be named where held-out paths need it."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:
 
 
 @pytest.mark.slow
-def test_a_load_too_faint_to_be_named_is_in_the_extended_model(tmp_path: Path) -> None:
+def test_a_load_too_weak_to_be_named_is_in_the_extended_model(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, SLOPE, SMALL_LOAD)
     assert [n.effect.name for n in found.named] == ["slope"]
     (load,) = (e for e in found.extension.effects if e.key == ("load", 2))
     assert load.parameters["share"] == pytest.approx(SMALL_LOAD.parameters["share"], rel=0.5)
-    (listed,) = record(found)["below_the_floor"]
+    (listed,) = record(found)["below_detection"]
     assert (listed["name"], listed["place"], listed["in_extended_model"]) == ("load", 2, True)
     written = read_model_file(tmp_path / "out" / "extended-model.toml")["effects"]
     assert {(e["name"], e.get("place")) for e in written} == {("slope", None), ("load", 2)}
@@ -50,4 +50,4 @@ def test_where_nothing_is_named_the_extended_model_is_the_baseline(tmp_path: Pat
     found = diagnosed(tmp_path, SMALL_LOAD)
     assert found.verdict == "nothing"
     assert found.model.effects == ()
-    assert [e["in_extended_model"] for e in record(found)["below_the_floor"]] == [False]
+    assert [e["in_extended_model"] for e in record(found)["below_detection"]] == [False]

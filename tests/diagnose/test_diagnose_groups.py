@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.noise import strength
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
-from serpenoid.diagnose.inference.finding import BAND, Rung, excludable
+from serpenoid.diagnose.inference.finding import BAND, Stage, excludable
 from serpenoid.diagnose.inference.medium import fit
 from serpenoid.diagnose.inference.select import trace, visible
 from serpenoid.diagnose.stages.actuation import plays
@@ -49,34 +49,34 @@ def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
     return choose_motion(recordings, seen, Baseline(baseline(None, file, file.body)), lambda text: None)
 
 
-def observed(recordings: tuple[Recording, ...]) -> Rung:
+def observed(recordings: tuple[Recording, ...]) -> Stage:
     return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
 
 
-def members(rung: Rung) -> set[tuple[str, int | None]]:
-    chosen = {(n.effect.name, n.effect.place) for n in rung.named}
-    return chosen | {(r.effect.name, r.effect.place) for r in rung.rivals}
+def members(stage: Stage) -> set[tuple[str, int | None]]:
+    chosen = {(n.effect.name, n.effect.place) for n in stage.named}
+    return chosen | {(r.effect.name, r.effect.place) for r in stage.rivals}
 
 
 def test_a_joint_without_gain_and_one_stuck_at_zero_are_one_group(tmp_path: Path) -> None:
-    rung = choose_actuation(plays(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0}))))
-    assert members(rung) == {("gain_loss", 4), ("stuck_joint", 4)}
-    assert all(r.separation < 0.1 for r in rung.rivals)
+    stage = choose_actuation(plays(recorded(tmp_path, 31, Effect("gain_loss", 4, {"loss": 1.0}))))
+    assert members(stage) == {("gain_loss", 4), ("stuck_joint", 4)}
+    assert all(r.separation < 0.1 for r in stage.rivals)
 
 
 def test_a_stuck_joint_off_zero_has_no_rival(tmp_path: Path) -> None:
-    rung = choose_actuation(plays(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1}))))
-    assert members(rung) == {("stuck_joint", 7)}
+    stage = choose_actuation(plays(recorded(tmp_path, 32, Effect("stuck_joint", 7, {"angle": 0.1}))))
+    assert members(stage) == {("stuck_joint", 7)}
 
 
 def test_the_first_joints_zero_and_the_tail_markers_side_are_one_group(tmp_path: Path) -> None:
-    rung = observed(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
-    assert members(rung) == {("zero_offset", 1), ("marker_offset", 0)}
+    stage = observed(recorded(tmp_path, 33, Effect("zero_offset", 1, {"offset": 0.02})))
+    assert members(stage) == {("zero_offset", 1), ("marker_offset", 0)}
 
 
 def test_a_zero_in_mid_body_has_no_rival(tmp_path: Path) -> None:
-    rung = observed(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
-    assert members(rung) == {("zero_offset", 6)}
+    stage = observed(recorded(tmp_path, 34, Effect("zero_offset", 6, {"offset": 0.02})))
+    assert members(stage) == {("zero_offset", 6)}
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def undecided(tmp_path_factory: pytest.TempPathFactory) -> MotionFinding:
 
 
 def test_gradient_and_wide_patch_are_one_group(undecided: MotionFinding) -> None:
-    assert {("friction_gradient", None), ("friction_patch", None)} <= members(undecided.rung)
+    assert {("friction_gradient", None), ("friction_patch", None)} <= members(undecided.stage)
     assert all(s.rival.separation < 3 for s in undecided.swaps)
     assert [s.fit.chi2 for s in undecided.swaps] == sorted(s.fit.chi2 for s in undecided.swaps)
 
@@ -121,7 +121,7 @@ def test_an_experiment_for_the_group_stays_near_what_the_campaign_did(undecided:
 
 def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(tmp_path: Path) -> None:
     found = motion(tmp_path, 950, SLOPE, TOE)
-    assert members(found.rung) == {("slope", None), ("toe", None)}
+    assert members(found.stage) == {("slope", None), ("toe", None)}
     best = found.selection.best
     for effect, left in zip(best.effects, found.selection.bases, strict=True):
         assert {e.name for e in left.effects} == {e.name for e in best.effects} - {effect.name}
@@ -133,9 +133,9 @@ def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Pat
     assert [e.name for e in found.best.effects] == ["slope"]
     slope, toe = found.best.effects[0], ActiveEffect.of("toe", angle=1e-4)
     both = fit(found.motion, found.best.model, [slope, toe], np.array([*found.best.coordinates, 1e-4]))
-    best, bases, lost = visible(found.motion, found.null, both, found.floor_m)
+    best, bases, lost = visible(found.motion, found.null, both, found.noise_level_m)
     assert [e.name for e in best.effects] == ["slope"]
-    assert [(f.attempt.added.name, f.attempt.strength_m < found.floor_m) for f in lost] == [("toe", True)]
+    assert [(f.attempt.added.name, f.attempt.strength_m < found.noise_level_m) for f in lost] == [("toe", True)]
     assert [b.effects for b in bases] == [()]
 
 

@@ -1,4 +1,4 @@
-"""The ladder of residuals: what stands above its noise floor, on which rung, before and after."""
+"""The ladder of residuals: what stands above its noise level, on which stage, before and after."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ def test_share_above_the_floor_is_of_the_mean_square() -> None:
 
 
 def test_every_rung_and_the_whole_have_error_floor_and_share(diagnosed: Diagnosed) -> None:
-    steps = {s["rung"]: s for s in diagnosed[1]["ladder"]}
+    steps = {s["stage"]: s for s in diagnosed[1]["ladder"]}
     assert list(steps) == ["actuation", "observation", "motion", "whole"]
     assert [len(steps[n]["parts"]) for n in steps] == [10, 12, 3, 0]
     for name in ("actuation", "motion", "whole"):  # 3 degrees of one joint, centimetres of path
-        assert steps[name]["share_above_floor_before"] > 0.9
-        assert steps[name]["after"] < 1.5 * steps[name]["floor"]
+        assert steps[name]["share_above_noise_before"] > 0.9
+        assert steps[name]["after"] < 1.5 * steps[name]["noise_level"]
     healthy = steps["observation"]
-    assert healthy["before"] == healthy["after"] == pytest.approx(healthy["floor"], rel=0.1)
+    assert healthy["before"] == healthy["after"] == pytest.approx(healthy["noise_level"], rel=0.1)
 
 
 def test_the_weak_joint_alone_stands_above_the_floor(diagnosed: Diagnosed) -> None:
     joints = diagnosed[0].ladder[0].parts
-    assert [p.name for p in joints if p.before > 3 * p.floor] == ["joint 3"]
-    assert all(p.after < 1.3 * p.floor for p in joints)
+    assert [p.name for p in joints if p.before > 3 * p.noise_level] == ["joint 3"]
+    assert all(p.after < 1.3 * p.noise_level for p in joints)
 
 
 def test_from_command_to_path_the_weak_joint_counts(diagnosed: Diagnosed) -> None:
@@ -44,4 +44,4 @@ def test_from_command_to_path_the_weak_joint_counts(diagnosed: Diagnosed) -> Non
     # a payload alone does not bring the commanded motion to the measured one; measured shapes need no weak joint
     _, payload_alone = whole_errors(recordings, Observation.neutral(recordings[0].body), d.motion, [], [])
     assert payload_alone > 1.5 * whole.after
-    assert whole.after == pytest.approx(motion.after, abs=0.3 * whole.floor)
+    assert whole.after == pytest.approx(motion.after, abs=0.3 * whole.noise_level)

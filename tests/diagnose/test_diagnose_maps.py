@@ -58,6 +58,8 @@ def test_bins_hold_every_window_once(diagnosed: tuple[Diagnosis, dict[str, Any],
 def test_residuals_are_chance_after_and_not_before(diagnosed: tuple[Diagnosis, dict[str, Any], Any]) -> None:
     body = diagnosed[1]["residual_maps"]["along_body"]
     assert len(body) == 12
-    before, after = (np.array([v[k] for v in body]) / [v["floor"] for v in body] for k in ("before_rms", "after_rms"))
+    before, after = (
+        np.array([v[k] for v in body]) / [v["noise_level"] for v in body] for k in ("before_rms", "after_rms")
+    )
     assert before.max() > 5
     assert after == pytest.approx(1, abs=0.4)  # noise estimated from as many repeats

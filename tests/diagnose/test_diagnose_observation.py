@@ -95,11 +95,11 @@ def test_a_loose_joint_is_named_alone_and_its_interval_covers_it(
 ) -> None:
     write(make(seed, [Effect("loose_joint", place, {"width": width})], combinations=COMBINATIONS[:3]), tmp_path)
     recordings = read_recordings(tmp_path)[1]
-    rung, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
-    assert [(n.effect.name, n.effect.place) for n in rung.named] == [("loose_joint", place)]
-    assert rung.settled
-    assert not rung.rivals
-    low, high = rung.named[0].intervals["width"]
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert [(n.effect.name, n.effect.place) for n in stage.named] == [("loose_joint", place)]
+    assert stage.settled
+    assert not stage.rivals
+    low, high = stage.named[0].intervals["width"]
     assert low is not None
     assert high is not None
     assert low < width < high

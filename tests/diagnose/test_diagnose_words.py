@@ -9,7 +9,7 @@ import pytest
 from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
-from serpenoid.diagnose.report.words import faint, lines, parameter, ratio, shown, times, title
+from serpenoid.diagnose.report.words import lines, parameter, ratio, shown, times, title, undetected
 
 
 @pytest.mark.parametrize(
@@ -41,16 +41,16 @@ def test_places_are_joints_or_vertices() -> None:
     assert title({"name": "toe", "place": None}) == "toe"
 
 
-def test_an_effect_too_faint_to_name_is_told_of_with_its_strength(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
-    trace = {"name": "friction_patch", "site": "medium", "place": None, "parameters": {}, "strength_floors": 1.44}
+def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    trace = {"name": "friction_patch", "site": "medium", "place": None, "parameters": {}, "strength_over_noise": 1.44}
     trace["in_extended_model"] = False
-    record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_the_floor": [trace]}
-    assert faint(record) == ["below detection: friction_patch (1.4 times the noise)"]
+    record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_detection": [trace]}
+    assert undetected(record) == ["below detection: friction_patch (1.4 times the noise)"]
     assert "  below detection: friction_patch (1.4 times the noise)" in lines(record)
     told = [text for card in cards(record) for text in card.sentences]
     assert any(text.startswith("Below detection: friction_patch (1.4 times the noise)") for text in told)
-    kept = record | {"below_the_floor": [trace | {"in_extended_model": True}]}
-    assert faint(kept) == ["below detection, but in the extended model: friction_patch (1.4 times the noise)"]
+    kept = record | {"below_detection": [trace | {"in_extended_model": True}]}
+    assert undetected(kept) == ["below detection, but in the extended model: friction_patch (1.4 times the noise)"]
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:
@@ -75,7 +75,7 @@ def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_first_and_no_p
     verdict, cause, _ = cards(doubtful)
     assert verdict.sentences[0].startswith("The model is inadequate by 3.1 mm a window")
     assert not any("What to do" in text for text in cause.sentences)
-    assert all(f"{title(e)} ({times(e['strength_floors'])}), perhaps a stand-in" in "\n".join(lines(doubtful))
+    assert all(f"{title(e)} ({times(e['strength_over_noise'])}), perhaps a stand-in" in "\n".join(lines(doubtful))
                for e in record["effects"])  # fmt: skip
 
 

@@ -169,17 +169,17 @@ def _diagnosis(path: Path) -> None:
     effect = {
         "name": "worn_wheel",
         "place": 2,
-        "strength_floors": 3.0,
+        "strength_over_noise": 3.0,
         "stand_in": False,
         "parameters": {"seizure": seizure},
     }
-    step = {"rung": "motion", "compares": "shape against motion", "before": 0.05, "after": 0.02, "floor": 0.01,
-            "unit": "m", "share_above_floor_before": 0.96, "share_above_floor_after": 0.75}  # fmt: skip
-    record = {"campaign": "two", "verdict": "explained", "effects": [effect], "gain": gain, "noise_floor_m": 0.001,
+    step = {"stage": "motion", "compares": "shape against motion", "before": 0.05, "after": 0.02, "noise_level": 0.01,
+            "unit": "m", "share_above_noise_before": 0.96, "share_above_noise_after": 0.75}  # fmt: skip
+    record = {"campaign": "two", "verdict": "explained", "effects": [effect], "gain": gain, "noise_level_m": 0.001,
               "anisotropy_ratio": {"before": 0.2, "after": 0.21, "interval": [0.2, 0.22], "at_bound": False},
               "drag_ratio": None,
               "ladder": [step], "discrepancy_m": 0.003, "provenance": {"written": "today"},
-              "reference": None, "alternatives": [effect | {"separation_floors": 2.0}], "below_the_floor": [],
+              "reference": None, "alternatives": [effect | {"separation_over_noise": 2.0}], "below_detection": [],
               "untestable": {"slope": "one heading alone"}, "skipped": {}, "next_experiment": None,
               "residual_pattern": ["motion: repeats"], "used_s": 11.5, "dropped_s": 0.5, "remarks": []}  # fmt: skip
     path.write_text(json.dumps(record, indent=1))

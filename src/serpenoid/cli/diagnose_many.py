@@ -107,7 +107,7 @@ def _answers(out: Path) -> dict[str, Any]:
         "alternatives": "; ".join(title(e) for e in record["alternatives"]),
         "path_rms_before_m": rms["before"],
         "path_rms_after_m": rms["after"],
-        "noise_level_m": record["noise_floor_m"],
+        "noise_level_m": record["noise_level_m"],
         "anisotropy_ratio": record["anisotropy_ratio"]["after"],
         "seconds": json.loads((out / RECEIPT).read_text(encoding="utf-8"))["seconds"],
     }

@@ -1,7 +1,7 @@
 """From measured trials to the cause of what the simulation gets wrong.
 
-Three rungs, top to bottom: commanded against realised shape (actuation), what markers and clocks report (observation),
-realised shape against realised motion (medium). Effects found on the upper rungs are taken out of the data before the
+Three stages, top to bottom: commanded against realised shape (actuation), what markers and clocks report (observation),
+realised shape against realised motion (medium). Effects found on the upper stages are taken out of the data before the
 lower one is judged.
 """
 

@@ -1,4 +1,4 @@
-"""The whole diagnosis: three rungs from command to motion, a verdict, and what it rests on."""
+"""The whole diagnosis: three stages from command to motion, a verdict, and what it rests on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import ratio_at_bound
-from serpenoid.diagnose.inference.finding import Named, Rival, Rung
+from serpenoid.diagnose.inference.finding import Named, Rival, Stage
 from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.diagnose.inference.select import unclear
@@ -34,18 +34,18 @@ NO_LOG = "no servo log: shapes are what the points show"
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Verdict, rungs from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
+    """Verdict, stages from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
 
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
     baseline: what was taken for granted; seen: the observation model; extension: the fit that the extended model takes
-    over, with what is too faint to be named where paths of held-out gaits need it. drag_ratio: of an animal, K and its
+    over, with what is too weak to be named where paths of held-out gaits need it. drag_ratio: of an animal, K and its
     95 % interval if drag is all there is, as `fit` says.
     """
 
     verdict: str
     baseline: Baseline
     seen: Observation
-    rungs: tuple[Rung, ...]
+    stages: tuple[Stage, ...]
     motion: MotionFinding
     extension: Fit
     before: Scores
@@ -57,21 +57,21 @@ class Diagnosis:
     @property
     def named(self) -> tuple[Named, ...]:
         """All effects named."""
-        return tuple(n for rung in self.rungs for n in rung.named)
+        return tuple(n for stage in self.stages for n in stage.named)
 
     @property
     def rivals(self) -> tuple[Rival, ...]:
         """What cannot be told apart from them."""
-        return tuple(r for rung in self.rungs for r in rung.rivals)
+        return tuple(r for stage in self.stages for r in stage.rivals)
 
     @property
     def words(self) -> tuple[str, ...]:
         """What is left above chance."""
-        return tuple(f"{rung.name}: {w}" for rung in self.rungs for w in rung.words)
+        return tuple(f"{stage.name}: {w}" for stage in self.stages for w in stage.words)
 
     @property
     def model(self) -> Model:
-        """The extended model: what was known before, what the motion's fit found, and what the upper rungs did."""
+        """The extended model: what was known before, what the motion's fit found, and what the upper stages did."""
         fitted = self.extension.model
         every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects, *self.extension.effects)
         return Model(fitted.body, fitted.medium, tuple({e.key: e for e in every}.values()))
@@ -84,59 +84,59 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     recordings = [replace(r, schedule=replace(r.schedule, held=servos.held)) for r in recordings]
     actuation = choose_actuation(servos)
     say("shape against markers")
-    observation, seen = Rung("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
+    observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
     if all(r.by_servos for r in recordings):
         observation, seen = choose_observation(recordings, seen, baseline.without)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say)
-    rungs = (actuation, observation, motion.rung)
-    return concluded(baseline, seen, rungs, motion, climb(servos, recordings, rungs, seen, motion), say)
+    stages = (actuation, observation, motion.stage)
+    return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)
 
 
 def diagnose_tracked(
     recordings: Sequence[TrackedRecording], baseline: Baseline, say: Callable[[str], None]
 ) -> Diagnosis:
-    """The same where there are tracked points alone: the rung of motion, and why the others are skipped."""
-    actuation = Rung("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
-    observation = Rung("observation", left=np.nan, skipped=NO_LOG)
+    """The same where there are tracked points alone: the stage of motion, and why the others are skipped."""
+    actuation = Stage("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
+    observation = Stage("observation", left=np.nan, skipped=NO_LOG)
     say("shape against motion")
     motion = choose_tracked(recordings, baseline, say)
-    rungs = (actuation, observation, motion.rung)
-    return concluded(baseline, baseline.observation(), rungs, motion, (motion_step(motion),), say, fitted_again)
+    stages = (actuation, observation, motion.stage)
+    return concluded(baseline, baseline.observation(), stages, motion, (motion_step(motion),), say, fitted_again)
 
 
 def concluded(
     baseline: Baseline,
     seen: Observation,
-    rungs: tuple[Rung, ...],
+    stages: tuple[Stage, ...],
     motion: MotionFinding,
     ladder: tuple[Step, ...],
     say: Callable[[str], None],
     leave_out: LeaveOut = first_order,
 ) -> Diagnosis:
-    """The verdict of three rungs, and the gain."""
+    """The verdict of three stages, and the gain."""
     say("gain on held-out gaits")
     found = motion.selection
-    jumps = any(n.effect.name == "position_jumps" for n in motion.rung.named)
+    jumps = any(n.effect.name == "position_jumps" for n in motion.stage.named)
     if unclear(found.best):
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(held_out(found.motion, found.null, leave_out))
     extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
     _, fullest = found.fullest
-    if fullest is not found.best and any(rung.named for rung in rungs):
+    if fullest is not found.best and any(stage.named for stage in stages):
         unseen = tuple(held_out(found.motion, fullest, leave_out))
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
             extension, better = fullest, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
     return Diagnosis(
-        verdict(rungs), baseline, seen, rungs, motion, extension, before, after, (predicted, better), ladder
+        verdict(stages), baseline, seen, stages, motion, extension, before, after, (predicted, better), ladder
     )  # fmt: skip
 
 
-def verdict(rungs: Sequence[Rung]) -> str:
-    """One of four: only what has no structure left on any rung is explained."""
-    named = any(rung.named for rung in rungs)
-    settled = all(rung.settled for rung in rungs)
+def verdict(stages: Sequence[Stage]) -> str:
+    """One of four: only what has no structure left on any stage is explained."""
+    named = any(stage.named for stage in stages)
+    settled = all(stage.settled for stage in stages)
     if settled:
         return "explained" if named else "nothing"
     return "partly explained" if named else "unexplained"
@@ -150,21 +150,21 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "verdict": d.verdict,
         "effects": [n.record() for n in d.named],
         "alternatives": [r.record() for r in d.rivals],
-        "below_the_floor": [
-            n.record() | {"in_extended_model": n.effect.key in extended} for rung in d.rungs for n in rung.faint
+        "below_detection": [
+            n.record() | {"in_extended_model": n.effect.key in extended} for stage in d.stages for n in stage.undetected
         ],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
             "interval": list(ratio_interval(found)), "at_bound": ratio_at_bound(found.best.model),
         },
-        "discrepancy_m": d.motion.rung.discrepancy_m,
+        "discrepancy_m": d.motion.stage.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
-        "noise_floor_m": found.floor_m,
+        "noise_level_m": found.noise_level_m,
         "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),
-        "left": {rung.name: None if rung.skipped else rung.left for rung in d.rungs},
-        "skipped": {rung.name: rung.skipped for rung in d.rungs if rung.skipped},
-        "untestable": {name: why for rung in d.rungs for name, why in rung.untestable.items()},
+        "left": {stage.name: None if stage.skipped else stage.left for stage in d.stages},
+        "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
+        "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},
         "residual_pattern": list(d.words),
         "used_s": usage.used_s,
         "dropped_s": usage.dropped_s,

@@ -36,13 +36,13 @@ def stage(error: Error, ax: Axes) -> Axes:
     scale, unit = UNITS[error.unit]
     for i, (value, colour) in enumerate(((error.before, ORANGE), (error.after, BLUE))):
         ax.bar(i, scale * value, color=colour, width=0.62)
-        top = scale * max(value, error.floor)  # clear of the line
-        times = f"{value / error.floor:.2g} \N{MULTIPLICATION SIGN}\nnoise"
+        top = scale * max(value, error.noise_level)  # clear of the line
+        times = f"{value / error.noise_level:.2g} \N{MULTIPLICATION SIGN}\nnoise"
         ax.text(i, top, times, ha="center", va="bottom", fontsize=SMALL)
-    ax.axhline(scale * error.floor, color=INK, lw=1.0, ls="--")
+    ax.axhline(scale * error.noise_level, color=INK, lw=1.0, ls="--")
     ax.set_xticks([0, 1], ["before", "after"])
     ax.set_xlim(-0.6, 1.6)
-    ax.set_ylim(0, 1.3 * scale * max(error.before, error.after, error.floor))
+    ax.set_ylim(0, 1.3 * scale * max(error.before, error.after, error.noise_level))
     dress(ax, "", "", f"RMS [{unit}]")
     ax.set_title(TITLES[error.name], fontsize=SMALL + 0.5, loc="left", color=INK)
     ax.grid(visible=False, axis="x")
@@ -60,14 +60,14 @@ def parts(step: Step, ax: Axes) -> Axes:
     """Dots, since a logarithmic scale has no zero to stand on."""
     scale, unit = UNITS[step.error.unit]
     numbers = [int(p.name.split()[-1]) for p in step.parts]
-    floor = [scale * p.floor for p in step.parts]
+    noise_level = [scale * p.noise_level for p in step.parts]
     for p, k in zip(step.parts, numbers, strict=True):
         ax.plot([k, k], [scale * p.before, scale * p.after], color=GREY, lw=0.8, zorder=1)
     ax.plot(numbers, [scale * p.before for p in step.parts], "o", color=ORANGE, ms=6, label="before")
     ax.plot(numbers, [scale * p.after for p in step.parts], "o", color=BLUE, ms=4, label="after")
-    ax.plot(numbers, floor, "--", color=INK, lw=1.0, label="noise level")
+    ax.plot(numbers, noise_level, "--", color=INK, lw=1.0, label="noise level")
     ax.set_yscale("log")
-    ax.set_ylim(0.4 * min(floor), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in floor]))
+    ax.set_ylim(0.4 * min(noise_level), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in noise_level]))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.yaxis.set_minor_formatter("")
     ax.set_xticks(numbers)

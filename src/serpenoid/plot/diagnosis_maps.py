@@ -101,9 +101,9 @@ def body_figure(w: Windows, extended: bool, scores: Scores) -> Figure:
 
 def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axes) -> Axes:
     """RMS over the windows of play [mm/s]."""
-    floor = 1e3 * w.noise_along_body()[:, component]
-    vertices = np.arange(len(floor))
-    ax.fill_between(vertices, 0, floor, color=FAINT, lw=0, label="noise level")
+    noise = 1e3 * w.noise_along_body()[:, component]
+    vertices = np.arange(len(noise))
+    ax.fill_between(vertices, 0, noise, color=FAINT, lw=0, label="noise level")
     ax.plot(vertices, 1e3 * w.along_body(w.before)[:, component], "-o", color=ORANGE, ms=4, label="baseline")
     if extended:
         ax.plot(vertices, 1e3 * w.along_body(w.after)[:, component], "-o", color=BLUE, ms=4, label="extended")

@@ -1,4 +1,4 @@
-"""What the rung of motion has to go by: tracks, the noise of their windows, what is known beforehand."""
+"""What the stage of motion has to go by: tracks, the noise of their windows, what is known beforehand."""
 
 from __future__ import annotations
 

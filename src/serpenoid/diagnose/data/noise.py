@@ -97,7 +97,7 @@ def _each(differences: dict[tuple[str, float], Floats], least: Floats) -> dict[t
     return {setting: np.sqrt(v) for setting, v in zip(many, variances, strict=True)}
 
 
-def path_floor(motion: Motion, predictions: Sequence[Prediction]) -> float:
+def path_noise(motion: Motion, predictions: Sequence[Prediction]) -> float:
     """F [m]: the path RMS that window noise adds up to."""
     return total(path_draws(motion, predictions))
 

@@ -1,4 +1,4 @@
-"""Second rung, the model: where markers appear when zeros, play, displaced markers or a length scale lie in between.
+"""Second stage, the model: where markers appear when zeros, play, displaced markers or a length scale lie in between.
 
 Legend: F frames, N vertices, m joints, C columns.
 """

@@ -1,8 +1,8 @@
 """Recordings that have tracked points and nothing else (animals): their shapes are what the points show.
 
-There is no command and no servo to compare with, so only the rung of motion is left. A recording is cut into parts, and
-each is predicted by a fit to the others. Nothing is repeated, so chance is what the points' own noise makes of shapes,
-poses and first velocity, drawn again and again; all else is a fault of the model.
+There is no command and no servo to compare with, so only the stage of motion is left. A recording is cut into parts,
+and each is predicted by a fit to the others. Nothing is repeated, so chance is what the points' own noise makes of
+shapes, poses and first velocity, drawn again and again; all else is a fault of the model.
 
 Legend: R rows of a part's time mesh, B boundaries of windows, N vertices.
 """

@@ -20,7 +20,7 @@ from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
 WINDOWS_PER_CYCLE = 8
-STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the floor
+STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the noise level
 STEPS_PER_PAUSE = 16
 COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
 HALF_AVERAGE_S, HALF_AVERAGE_FRAMES = 0.045, 2.5  # poses at a boundary: frames within this distance, or so many,

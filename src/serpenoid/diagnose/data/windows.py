@@ -1,4 +1,4 @@
-"""Third rung: measured motion between window boundaries, and what a model makes of the same shapes.
+"""Third stage: measured motion between window boundaries, and what a model makes of the same shapes.
 
 Within a window a model's steps are strung together from the measured pose at its beginning; the residual is measured
 minus modelled displacement, seen from there.

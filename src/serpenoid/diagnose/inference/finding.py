@@ -1,4 +1,4 @@
-"""One named effect with what is known of its size; its rivals; what a rung of the ladder found."""
+"""One named effect with what is known of its size; its rivals; what a stage of the ladder found."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 
 from serpenoid.effects.active import ActiveEffect
 
-SEPARABLE = 3.0  # floors
+SEPARABLE = 3.0  # times the noise level
 BAND = 25.0  # chi squared: as much as an effect must gain to be named, a rival must lose to be excluded
 
 
 @dataclass(frozen=True)
 class Named:
-    """An effect, 95 % intervals by parameter, its strength in floors, and parameters that ended at a bound.
+    """An effect, 95 % intervals by parameter, its strength over the noise level, and parameters that ended at a bound.
 
     stand_in: what the model misses repeats, so that a cause which the catalogue does not hold may be behind it.
     """
@@ -37,7 +37,7 @@ class Named:
         effect = self.effect
         return {
             "name": effect.name, "site": effect.effect.site, "place": effect.place, "parameters": parameters,
-            "strength_floors": self.strength, "stand_in": self.stand_in,
+            "strength_over_noise": self.strength, "stand_in": self.stand_in,
         }  # fmt: skip
 
 
@@ -45,7 +45,7 @@ class Named:
 class Rival:
     """An effect that could stand in the place of a chosen one.
 
-    separation: S_ab in floors, the RMS between what the two predict on the rung's own scale.
+    separation: S_ab over the noise level, the RMS between what the two predict on the stage's own scale.
     """
 
     effect: ActiveEffect
@@ -62,7 +62,7 @@ class Rival:
         e, other = self.effect, self.instead_of
         return {
             "name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters),
-            "instead_of": {"name": other.name, "place": other.place}, "separation_floors": self.separation,
+            "instead_of": {"name": other.name, "place": other.place}, "separation_over_noise": self.separation,
         }  # fmt: skip
 
 
@@ -75,18 +75,19 @@ def excludable(chi2: float, least: float, count: float, slack: float = 0.0) -> b
 
 
 @dataclass(frozen=True)
-class Rung:
-    """What one rung says: effects named, rivals that cannot be excluded, effects too faint to name, what is left.
+class Stage:
+    """What one stage says: effects named, rivals that cannot be excluded, effects too weak to name, what is left.
 
     discrepancy_m: what repeats share and no effect accounts for, RMS of a window [m]; 0 where chance is all.
-    left: remaining misfit in floors (1 = chance alone); words: its pattern, empty where there is none. skipped: why
-    the recordings say nothing on this rung, empty where they do; untestable: effects that were no candidates, and why.
+    left: remaining misfit over the noise level (1 = chance alone); words: its pattern, empty where there is none.
+    skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
+    candidates, and why.
     """
 
     name: str
     named: tuple[Named, ...] = ()
     rivals: tuple[Rival, ...] = ()
-    faint: tuple[Named, ...] = ()
+    undetected: tuple[Named, ...] = ()
     left: float = 1.0
     words: tuple[str, ...] = field(default=())
     skipped: str = ""

@@ -1,9 +1,9 @@
-"""Groups on the rung of motion: what else could stand in the place of each chosen effect, the others kept.
+"""Groups on the stage of motion: what else could stand in the place of each chosen effect, the others kept.
 
 A rival is fitted to the data together with eps and the kept effects. It belongs to the group if the data cannot exclude
 it (chi squared within a band of the choice) and if it is not separable: S_ab, the path RMS between the predictions of
-the choice and of the rival over the floor, is below three. Candidates are scored linearly first; those that could come
-close are fitted in full.
+the choice and of the rival over the noise level, is below three. Candidates are scored linearly first; those that
+could come close are fitted in full.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, SCREENED * gained)]
     rivals: dict[tuple[str, int | None], Swap] = {}
     for t in in_processes([(finished, (motion, base, t)) for t in tries]):
-        apart = strength(motion, best.predictions, t.fit.predictions) / found.floor_m
+        apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
         rival = Rival(t.fitted, effect, apart)
         key = t.added.key
         if excludable(t.fit.chi2, best.chi2, size) or rival.separable:

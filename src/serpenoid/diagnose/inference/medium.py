@@ -1,4 +1,4 @@
-"""Fits on the rung of motion: every candidate is scored linearly, the best are fitted in full.
+"""Fits on the stage of motion: every candidate is scored linearly, the best are fitted in full.
 
 Legend: W windows of all trials, P columns.
 """

@@ -1,4 +1,4 @@
-"""Every candidate of the rung of motion at once: its gain on held-out gaits to first order."""
+"""Every candidate of the stage of motion at once: its gain on held-out gaits to first order."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Which effects of the medium: linear scores of all candidates, full fits of the best, forward selection with pruning.
 
 What decides is the prediction of held-out gaits; "nothing" always competes. An effect must gain more than the best of
-all tries would by chance, and its trace in the path must stand above the floor.
+all tries would by chance, and its trace in the path must stand above the noise level.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_error, path_floor, residuals, strength, window_noise
+from serpenoid.diagnose.data.noise import path_error, path_noise, residuals, strength, window_noise
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.held_out import Rule, held_out_error
 from serpenoid.diagnose.inference.medium import (
@@ -39,9 +39,9 @@ TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against d
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 MINOR = 0.1  # of the path's error: what takes away less while much is left is not the cause
-VISIBLE = 1.6  # floors: a fainter trace is not told from chance, and does not stay below one floor
-MARKED = 1.3  # floors, for what the windows show as clearly
-ASTRAY = 5.0  # floors: such a path says little about small traces
+VISIBLE = 1.6  # times the noise level: a weaker trace is not told from chance, and does not stay below it
+MARKED = 1.3  # times the noise level, for what the windows show as clearly
+ASTRAY = 5.0  # times the noise level: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
 UNCLEAR = 2.0  # the same: with the right effects there is less
 
@@ -65,7 +65,7 @@ class Try:
 
 
 @dataclass(frozen=True)
-class Faint:
+class Undetected:
     """A try that gains but does not stand out, fitted on tracks made about it."""
 
     attempt: Try
@@ -74,20 +74,21 @@ class Faint:
 
 @dataclass(frozen=True)
 class Selection:
-    """null: eps alone; best: what was chosen; bases: it without each of its effects; faint: gains below the floor."""
+    """null: eps alone; best: what was chosen; bases: it without each of its effects; undetected: gains below noise."""
 
     motion: Motion
     null: Fit
     best: Fit
     bases: tuple[Fit, ...]
-    floor_m: float
-    faint: tuple[Faint, ...]
+    noise_level_m: float
+    undetected: tuple[Undetected, ...]
     scores: tuple[tuple[str, int | None, float], ...]
 
     @property
     def fullest(self) -> tuple[Motion, Fit]:
-        """The fit with all that is too faint to be named, and the tracks it was made on."""
-        return (self.faint[-1].motion, self.faint[-1].attempt.fit) if self.faint else (self.motion, self.best)
+        """The fit with all that is too weak to be named, and the tracks it was made on."""
+        last = self.undetected[-1] if self.undetected else None
+        return (self.motion, self.best) if last is None else (last.motion, last.attempt.fit)
 
 
 def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
@@ -101,8 +102,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, fit_eps(motion, model))
     best = null
-    faint: tuple[Faint, ...] = ()
-    floor: float | None = None
+    undetected: tuple[Undetected, ...] = ()
+    noise_level: float | None = None
     rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
     for level in range(AT_MOST):
@@ -131,36 +132,39 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
         extended = replace(motion, tracks=retrack(first.fit.model))
         extended, better = calibrated(extended, fit_guided(extended, first.fit))
-        floor = path_floor(extended, better.predictions)  # repeats differ by what is missing, too, until it is there
+        # repeats differ by what is missing, too, until it is there
+        noise_level = path_noise(extended, better.predictions)
         astray = level > 0 and motion.ratio is None and unclear(better)  # then it may stay until the end
-        if not astray and not stands_out(motion, best, first, floor):
-            faint = (Faint(replace(first, fit=better), extended),)
+        if not astray and not stands_out(motion, best, first, noise_level):
+            undetected = (Undetected(replace(first, fit=better), extended),)
             break
-        motion, floor = extended, None
+        motion, noise_level = extended, None
         null = fit(motion, null.model, [], null.coordinates)
         best = pruned(motion, better, rule)
         if level and path_error(motion, best.predictions) > (1 - MINOR) * path_error(motion, null.predictions):
             break  # two effects that leave the path as wrong as it was: more of the kind would not mend it
         if not any(e.key == first.added.key for e in best.effects):
             break
-    floor = floor or path_floor(motion, best.predictions)
-    best, bases, lost = visible(motion, null, best, floor)
-    return Selection(motion, null, best, bases, floor, (*lost, *faint), scores)
+    noise_level = noise_level or path_noise(motion, best.predictions)
+    best, bases, lost = visible(motion, null, best, noise_level)
+    return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), scores)
 
 
-def visible(motion: Motion, null: Fit, best: Fit, floor_m: float) -> tuple[Fit, tuple[Fit, ...], tuple[Faint, ...]]:
-    """Without effects whose trace the later ones took over, the faintest first; the fits without each of the others."""
-    lost: list[Faint] = []
+def visible(
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...]]:
+    """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
+    lost: list[Undetected] = []
     while True:
         effects = best.effects
         bases = (null,) if len(effects) == 1 else each_without(motion, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
-        hidden = [i for i, b in enumerate(bases) if traces[i] < floor_m and not needed(motion, best, b)]
+        hidden = [i for i, b in enumerate(bases) if traces[i] < noise_level_m and not needed(motion, best, b)]
         if len(effects) < 2 or not hidden:
             return best, bases, tuple(lost[::-1])
-        faintest = min(hidden, key=lambda i: traces[i])
-        lost.append(Faint(Try(best, effects[faintest], traces[faintest]), motion))
-        best = fit_guided(motion, bases[faintest], TO_THE_END)
+        weakest = min(hidden, key=lambda i: traces[i])
+        lost.append(Undetected(Try(best, effects[weakest], traces[weakest]), motion))
+        best = fit_guided(motion, bases[weakest], TO_THE_END)
 
 
 def unclear(found: Fit) -> bool:
@@ -169,18 +173,18 @@ def unclear(found: Fit) -> bool:
 
 
 def needed(motion: Motion, full: Fit, base: Fit) -> bool:
-    """Whether held-out paths are predicted better with an effect: where a model is far off, faint ones may do that."""
+    """Whether held-out paths are predicted better with an effect: where a model is far off, weak ones may do that."""
     if not unclear(full) or motion.ratio is not None:
         return False
     return held_out_error(motion, full) < held_out_error(motion, base)
 
 
-def stands_out(motion: Motion, base: Fit, t: Try, floor_m: float) -> bool:
-    """Whether a trace in the path is above the floor; less will do, or paths that stray, if windows show it."""
-    if t.strength_m >= VISIBLE * floor_m:
+def stands_out(motion: Motion, base: Fit, t: Try, noise_level_m: float) -> bool:
+    """Whether a trace in the path is above the noise level; less will do, or paths that stray, if windows show it."""
+    if t.strength_m >= VISIBLE * noise_level_m:
         return True
     gained = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
-    marked = t.strength_m >= MARKED * floor_m or path_error(motion, base.predictions) > ASTRAY * floor_m
+    marked = t.strength_m >= MARKED * noise_level_m or path_error(motion, base.predictions) > ASTRAY * noise_level_m
     return bool(marked and gained > VISIBLE**2)
 
 

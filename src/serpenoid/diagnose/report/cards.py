@@ -7,12 +7,12 @@ from serpenoid.diagnose.report.words import (
     Record,
     advice,
     drag_ratio,
-    faint,
     inadequacy,
     parameter,
     shown,
     times,
     title,
+    undetected,
     unseen,
 )
 from serpenoid.report.pages import Card
@@ -35,8 +35,8 @@ def cards(record: Record) -> list[Card]:
 def _verdict(record: Record) -> Card:
     said = [f"{text.capitalize()}." for text in inadequacy(record)]
     said.append(f"{MEANINGS[record['verdict']].capitalize()}.")
-    rows = [(s["rung"], times_noise(s["after"], s["floor"])) for s in record["ladder"]]
-    rows += [(rung, "skipped") for rung in record["skipped"] if record["drag_ratio"] is None]
+    rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
+    rows += [(stage, "skipped") for stage in record["skipped"] if record["drag_ratio"] is None]
     return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,
                 TONES.get(record["verdict"], "warn"))  # fmt: skip
 
@@ -45,13 +45,13 @@ def _cause(record: Record) -> Card:
     effects = record["effects"]
     rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
     said = [
-        f"{title(e)} ({times(e['strength_floors'])}): {advice(record, e).looks_like}. "
+        f"{title(e)} ({times(e['strength_over_noise'])}): {advice(record, e).looks_like}. "
         + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
         for e in effects
     ]
     others = [title(e) for e in record["alternatives"]]
     said += [f"The data cannot tell this from {', '.join(others)}."] if others else []
-    said += [f"{text.capitalize()}." for text in faint(record)]
+    said += [f"{text.capitalize()}." for text in undetected(record)]
     if record["drag_ratio"]:
         said.append(f"Drag across over drag along the body, K = 1 / eps: {drag_ratio(record)}.")
     elif not effects:
@@ -62,7 +62,7 @@ def _cause(record: Record) -> Card:
 def _gain(record: Record) -> Card:
     rms = record["gain"]["path_rms_m"]
     rows = [(GAINS[key][0].partition(",")[0].partition(" (")[0], _change(record, key)) for key in GAINS]
-    rows.append(("noise level", shown(record["noise_floor_m"], "m")))
+    rows.append(("noise level", shown(record["noise_level_m"], "m")))
     said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
     bad = worse(record)
     said.append(f"Worse with the extension: {', '.join(bad)}." if bad else "Nothing became worse.")

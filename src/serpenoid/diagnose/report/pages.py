@@ -11,7 +11,17 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.diagnose.report.cards import GAINS, cards, times_noise
-from serpenoid.diagnose.report.words import Record, ends, faint, reference, seconds, shown, title, unseen, untestable
+from serpenoid.diagnose.report.words import (
+    Record,
+    ends,
+    reference,
+    seconds,
+    shown,
+    title,
+    undetected,
+    unseen,
+    untestable,
+)
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
 from serpenoid.report.pages import Picture, Table, write_page
@@ -55,7 +65,7 @@ def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -
         ladder=_ladder(record),
         parameters=_parameters(record),
         alternatives=_alternatives(record),
-        faint=[text.capitalize() for text in faint(record)],
+        undetected=[text.capitalize() for text in undetected(record)],
         pictures={place: _pictures(folder, names, unseen(record)) for place, names in FIGURES.items()},
         **_experiment(record["next_experiment"]),
     )
@@ -100,8 +110,8 @@ def _with_interval(g: Record, side: str, unit: str) -> str:
 
 def _ladder(record: Record) -> Table:
     rows = [
-        [s["rung"], s["compares"], *(shown(s[k], s["unit"]) for k in ("before", "after", "floor"))]
-        + [times_noise(s[side], s["floor"]) for side in ("before", "after")]
+        [s["stage"], s["compares"], *(shown(s[k], s["unit"]) for k in ("before", "after", "noise_level"))]
+        + [times_noise(s[side], s["noise_level"]) for side in ("before", "after")]
         for s in record["ladder"]
     ]
     head = ["stage", "compares", "RMS before", "RMS after", "noise level", "before", "after"]
@@ -135,7 +145,7 @@ def _values(e: Record) -> str:
 
 
 def _apart(e: Record) -> str:
-    return f"{e['separation_floors']:.1f} times the noise" if e.get("separation_floors") is not None else ""
+    return f"{e['separation_over_noise']:.1f} times the noise" if e.get("separation_over_noise") is not None else ""
 
 
 def _experiment(plan: Record | None) -> dict[str, Any]:

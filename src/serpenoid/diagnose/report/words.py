@@ -72,12 +72,12 @@ def ends(p: Record) -> tuple[str, str, str]:
     return value, first, last
 
 
-def faint(record: Record) -> list[str]:
+def undetected(record: Record) -> list[str]:
     """Effects below detection: they improve the prediction, but chance makes traces as large."""
     kept = {True: ", but in the extended model", False: ""}
     return [
-        f"below detection{kept[e['in_extended_model']]}: {title(e)} ({times(e['strength_floors'])})"
-        for e in record["below_the_floor"]
+        f"below detection{kept[e['in_extended_model']]}: {title(e)} ({times(e['strength_over_noise'])})"
+        for e in record["below_detection"]
     ]
 
 
@@ -127,13 +127,13 @@ def lines(record: Record) -> list[str]:
     found += [f"first             {text}" for text in inadequacy(record)]
     found.append(f"verdict           {record['verdict']}")
     for e in record["effects"]:
-        found.append(f"  {title(e)} ({times(e['strength_floors'])}){STAND_IN if e['stand_in'] else ''}")
+        found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
-    found += [f"  or {title(e)} ({times(e['separation_floors'])} apart)" for e in record["alternatives"]]
-    found += [f"  {text}" for text in faint(record)]
+    found += [f"  or {title(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
+    found += [f"  {text}" for text in undetected(record)]
     found += [_stage(s) for s in record["ladder"]]
     if record["drag_ratio"] is None:  # of an animal nobody expects servos
-        found += [f"skipped           {rung}: {why}" for rung, why in record["skipped"].items()]
+        found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
     found += [f"not tested        {text}" for text in untestable(record)]
     found.append(f"seconds           {seconds(record)}")
     found += [f"note              {text}" for text in record["remarks"]]
@@ -160,6 +160,6 @@ def times(ratio: float) -> str:
 
 
 def _stage(s: Record) -> str:
-    before, after, noise = (shown(s[k], s["unit"]) for k in ("before", "after", "floor"))
-    beside = f" ({times(s['after'] / s['floor'])})" if s["floor"] > 0 else ""
-    return f"{s['rung']:18}{before} -> {after}, noise {noise}{beside}"
+    before, after, noise = (shown(s[k], s["unit"]) for k in ("before", "after", "noise_level"))
+    beside = f" ({times(s['after'] / s['noise_level'])})" if s["noise_level"] > 0 else ""
+    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}"

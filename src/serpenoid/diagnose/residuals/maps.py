@@ -193,7 +193,7 @@ def residual_maps(motion: Motion, before: Sequence[Prediction], after: Sequence[
         "against_speed": [_record(b, "speed") for b in by_speed(w)],
         "against_time": [_record(b, "time") for b in by_time(w)],
         "along_body": [
-            {"vertex": k, "before_rms": a, "after_rms": b, "floor": c}
+            {"vertex": k, "before_rms": a, "after_rms": b, "noise_level": c}
             for k, (a, b, c) in enumerate(body.transpose(1, 0, 2).tolist())
         ],
         "on_floor": {

@@ -1,4 +1,4 @@
-"""First rung: what was commanded against what the servos read, joint by joint.
+"""First stage: what was commanded against what the servos read, joint by joint.
 
 The set-point runs linearly from row to row, or jumps to each when it is due, whichever the readings follow better
 (with a lag or without); every actuation effect that the reading shows is a law from set-point to angle, played by the

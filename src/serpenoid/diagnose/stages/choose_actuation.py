@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from serpenoid.diagnose.inference.finding import Named, Rival, Rung, excludable, interval
+from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.stages.actuation import Attempt, Plays, attempts, channels, fit_everywhere
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
 AT_MOST = 3
-VISIBLE, SUSPECT = 1.6, 1.0  # floors: what is named, and what is told of
+VISIBLE, SUSPECT = 1.6, 1.0  # times the noise level: what is named, and what is told of
 SHARE = 0.3  # of the excess of chi squared that one more effect must take away
 T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
 SETTLED = 1.6  # RMS of the worst joint, in noise
 
 
 @remembered
-def choose_actuation(data: Plays) -> Rung:
+def choose_actuation(data: Plays) -> Stage:
     """Forward selection on the worst joints' misfit."""
     chosen: list[ActiveEffect] = []
-    faint: tuple[Named, ...] = ()
+    undetected: tuple[Named, ...] = ()
     singles: list[Attempt] = []
     for _ in range(AT_MOST):
         now = channels(data, chosen)
@@ -34,16 +34,16 @@ def choose_actuation(data: Plays) -> Rung:
         if (now**2).sum() * len(data.readings) - best.chi2.sum() < SHARE * excess:
             break
         if seen < VISIBLE:
-            faint = (_named(data, [*chosen, best.effect], best.effect),)
+            undetected = (_named(data, [*chosen, best.effect], best.effect),)
             break
         chosen = _refined(data, [*chosen, best.effect])
-    left = channels(data, [*chosen, *(n.effect for n in faint)])
+    left = channels(data, [*chosen, *(n.effect for n in undetected)])
     worst = int(left.argmax())
     words: tuple[str, ...] = ()
     if left[worst] > SETTLED:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
     named = tuple(_named(data, chosen, e) for e in chosen)
-    return Rung("actuation", named, tuple(_rivals(data, chosen, singles)), faint, float(left[worst]), words)
+    return Stage("actuation", named, tuple(_rivals(data, chosen, singles)), undetected, float(left[worst]), words)
 
 
 def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:

@@ -15,7 +15,7 @@ from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
-from serpenoid.diagnose.inference.finding import Named, Rung, interval
+from serpenoid.diagnose.inference.finding import Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.held_out import LeaveOut, Rule, first_order, held_out_error
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
@@ -31,15 +31,15 @@ GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
 CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
-FLOOR_UNCERTAIN = 0.06  # standard deviation of the logarithm of a floor that is itself estimated from repeats
+NOISE_UNCERTAIN = 0.06  # standard deviation of the logarithm of a noise level that is itself estimated from repeats
 SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
 @dataclass(frozen=True)
 class MotionFinding:
-    """The rung's finding and everything it rests on."""
+    """The stage's finding and everything it rests on."""
 
-    rung: Rung
+    stage: Stage
     selection: Selection
     swaps: tuple[Swap, ...]
     before_m: float
@@ -76,22 +76,22 @@ def choose_on_tracks(
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
         model = fit_eps(motion, model).model
     found = finding(select(motion, model, track, say, rule))
-    return replace(found, rung=replace(found.rung, untestable=barred))
+    return replace(found, stage=replace(found.stage, untestable=barred))
 
 
 def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order) -> MotionFinding:
     """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
     chosen = found.selection.best.effects
-    if not chosen or found.rung.settled:
+    if not chosen or found.stage.settled:
         return found
     share = explained_share(found.selection, leave_out)
     if share >= least:
         return found
-    bare = finding(replace(found.selection, best=found.selection.null, bases=(), faint=()))
+    bare = finding(replace(found.selection, best=found.selection.null, bases=(), undetected=()))
     names = " and ".join(e.name for e in chosen)
     would = f"would take away {share:.0%} of" if share > 0 else "would add to"
-    words = (*bare.rung.words, f"{names} {would} the path's error: too little to be the cause")
-    return replace(bare, rung=replace(bare.rung, words=words, untestable=found.rung.untestable))
+    words = (*bare.stage.words, f"{names} {would} the path's error: too little to be the cause")
+    return replace(bare, stage=replace(bare.stage, words=words, untestable=found.stage.untestable))
 
 
 def explained_share(found: Selection, leave_out: LeaveOut) -> float:
@@ -110,23 +110,23 @@ def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
 
 def finding(found: Selection) -> MotionFinding:
     """The selection in words and intervals."""
-    motion, best, floor = found.motion, found.best, found.floor_m
+    motion, best, noise_level = found.motion, found.best, found.noise_level_m
     before = path_error(motion, found.null.predictions)
     after = path_error(motion, best.predictions)
     named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
-    jumps = find_jumps(motion, best.predictions, floor)
-    faint = [faint_of(f.attempt, floor) for f in found.faint]
+    jumps = find_jumps(motion, best.predictions, noise_level)
+    undetected = [undetected_of(f.attempt, noise_level) for f in found.undetected]
     if jumps is not None:
-        (named if jumps.strength >= VISIBLE else faint).append(jumps)
+        (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
     if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
         named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
     if jumps is not None and jumps in named:
         after = path_error(motion, best.predictions, mend=True)
     rivals = tuple(s.rival for s in swaps)
-    rung = Rung("motion", tuple(named), rivals, tuple(faint), after / floor, words, discrepancy_m=missed_m)
-    return MotionFinding(rung, found, swaps, before, after)
+    stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
+    return MotionFinding(stage, found, swaps, before, after)
 
 
 def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
@@ -134,19 +134,19 @@ def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
     return motion, fit.predictions
 
 
-def faint_of(t: Try, floor_m: float) -> Named:
-    """What held-out gaits are better predicted with, though its trace in the path is too faint to name it."""
-    return Named(t.fitted, {}, t.strength_m / floor_m)
+def undetected_of(t: Try, noise_level_m: float) -> Named:
+    """What held-out gaits are better predicted with, though its trace in the path is too weak to name it."""
+    return Named(t.fitted, {}, t.strength_m / noise_level_m)
 
 
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
-    """What neither the effects named nor one too faint to be named account for; mend: steps across gaps are known."""
+    """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
     motion, predictions = _fullest(found)
     after_m = path_error(motion, predictions, mend)
     _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
-    draws = np.log(path_draws(motion, predictions) / found.floor_m)
-    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), FLOOR_UNCERTAIN)))
-    return pattern(motion, predictions, after_m / found.floor_m, chance, differences)
+    draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
+    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), NOISE_UNCERTAIN)))
+    return pattern(motion, predictions, after_m / found.noise_level_m, chance, differences)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
@@ -172,7 +172,7 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
-    return Named(effect, ends, trace(found.motion, best, base, effect) / found.floor_m, tuple(bound))
+    return Named(effect, ends, trace(found.motion, best, base, effect) / found.noise_level_m, tuple(bound))
 
 
 def ratio_interval(found: Selection) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.observation import Observation, columns_of
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.finding import Named, Rival, Rung, excludable, interval
+from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.stages.marker_evidence import Sample, apart, evidence, misfit, sample, signature
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
@@ -18,7 +18,7 @@ AT_MOST = 3
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
 SHARE, MORE = 0.2, 0.4  # of what is left above chance, the first and each further one: less, and the cause is another
-VISIBLE = 1.6  # floors
+VISIBLE = 1.6  # times the noise level
 SETTLED = 1.35  # chi squared per marker coordinate
 Key = tuple[str, int | None]
 
@@ -33,8 +33,8 @@ def all_keys(body: Body) -> list[Key]:
 @remembered
 def choose_observation(
     recordings: Sequence[Recording], now: Observation, without: Set[str] = frozenset()
-) -> tuple[Rung, Observation]:
-    """What is new beside the observation model `now`, and the model to be taken out of the data (faint effects too).
+) -> tuple[Stage, Observation]:
+    """What is new beside the observation model `now`, and the model to be taken out of the data (weak effects too).
 
     without: effects that are no candidates.
     """
@@ -46,20 +46,20 @@ def choose_observation(
             break
         chosen, now = found
     shown: list[Named] = []
-    faint: list[Named] = []
+    undetected: list[Named] = []
     for key in chosen:
         named = _named(data, now, chosen, key)
-        (shown if named.strength >= VISIBLE else faint).append(named)
+        (shown if named.strength >= VISIBLE else undetected).append(named)
     left = misfit(data, now) / data.count
     clock = None if "clock_offset" in without else _clock(recordings, data)
     if clock is not None:
-        (shown if clock.strength >= VISIBLE else faint).append(clock)
+        (shown if clock.strength >= VISIBLE else undetected).append(clock)
     words = (
         () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
     )
     visible = [k for k in chosen if k in {n.effect.key for n in shown}]
     rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k, without))
-    return Rung("observation", tuple(shown), rivals, tuple(faint), left, words), now
+    return Stage("observation", tuple(shown), rivals, tuple(undetected), left, words), now
 
 
 def _next(data: Sample, now: Observation, chosen: list[Key], without: Set[str]) -> tuple[list[Key], Observation] | None:

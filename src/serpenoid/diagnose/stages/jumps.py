@@ -32,7 +32,7 @@ def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.n
     return np.array(lengths), np.array(noises)
 
 
-def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float) -> Named | None:
+def find_jumps(motion: Motion, predictions: Sequence[Prediction], noise_level_m: float) -> Named | None:
     """The effect `position_jumps`, if the gaps show it."""
     lengths, noises = gap_lengths(motion, predictions)
     if len(lengths) < 3 or "position_jumps" in motion.untestable:
@@ -51,4 +51,4 @@ def find_jumps(motion: Motion, predictions: Sequence[Prediction], floor_m: float
         return None
     ends = [brentq(lambda x: log_likelihood(x) - best + DROP, size, end) for end in (0.0, size + 2 * most)]
     effect = ActiveEffect.neutral("position_jumps").with_coordinates([size])
-    return Named(effect, {"size": interval(ends)}, MEAN_SHARE * size / floor_m)
+    return Named(effect, {"size": interval(ends)}, MEAN_SHARE * size / noise_level_m)

@@ -1,11 +1,11 @@
-"""Residuals from command to motion, rung by rung: the error, its noise floor, and the share that chance cannot explain.
+"""Residuals from command to motion, stage by stage: the error, the noise level, and what chance cannot explain.
 
-    share above the floor = 1 - (floor / error)^2        (of the mean square error; 0 where the error is below)
+    share above noise = 1 - (noise level / error)^2        (of the mean square error; 0 where the error is below)
 
-    actuation     commanded against realised shape [rad]; floor: scatter of the readings about local parabolas
-    observation   realised shape against markers [m]; floor: scatter of markers between neighbouring frames
-    motion        realised shape against realised motion [m]; floor: F, what repeats' residuals add up to along a path
-    whole         command against realised motion [m]; floor: F
+    actuation     commanded against realised shape [rad]; noise level: scatter of the readings about local parabolas
+    observation   realised shape against markers [m]; noise level: scatter of markers between neighbouring frames
+    motion        realised shape against realised motion [m]; noise level: F, what repeats' residuals add up to
+    whole         command against realised motion [m]; noise level: F
 
 Every repeat is predicted from readings of its own, so F holds the noise of shapes, propagated, beside that of motion.
 """
@@ -23,7 +23,7 @@ from serpenoid.diagnose.data.geometry import register
 from serpenoid.diagnose.data.noise import residuals, total
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.finding import Rung
+from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.stages.actuation import Plays
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.diagnose.stages.marker_evidence import sample
@@ -32,30 +32,31 @@ from serpenoid.diagnose.stages.whole import whole_errors
 
 @dataclass(frozen=True)
 class Error:
-    """RMS of a misfit before and after the named effects, and its noise floor, all in `unit`."""
+    """RMS of a misfit before and after the named effects, and its noise level, all in `unit`."""
 
     name: str
     unit: str
     before: float
     after: float
-    floor: float
+    noise_level: float
 
     def share_above(self, error: float) -> float:
-        """Share of a mean square error that the floor does not explain."""
-        return max(0.0, 1 - (self.floor / error) ** 2) if error > 0 else 0.0
+        """Share of a mean square error that noise does not explain."""
+        return max(0.0, 1 - (self.noise_level / error) ** 2) if error > 0 else 0.0
 
     def record(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""
         return {
-            "name": self.name, "unit": self.unit, "before": self.before, "after": self.after, "floor": self.floor,
-            "share_above_floor_before": self.share_above(self.before),
-            "share_above_floor_after": self.share_above(self.after),
+            "name": self.name, "unit": self.unit, "before": self.before, "after": self.after,
+            "noise_level": self.noise_level,
+            "share_above_noise_before": self.share_above(self.before),
+            "share_above_noise_after": self.share_above(self.after),
         }  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Step:
-    """One rung of the ladder: what is compared, the error as a whole, and its parts (joints, markers, directions)."""
+    """One stage of the ladder: what is compared, the error as a whole, and its parts (joints, markers, directions)."""
 
     compares: str
     error: Error
@@ -63,20 +64,25 @@ class Step:
 
     def record(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""
-        rung = self.error.record()
-        return {"rung": rung.pop("name"), "compares": self.compares, **rung, "parts": [p.record() for p in self.parts]}
+        stage = self.error.record()
+        return {
+            "stage": stage.pop("name"),
+            "compares": self.compares,
+            **stage,
+            "parts": [p.record() for p in self.parts],
+        }
 
 
 def climb(
-    servos: Plays, recordings: Sequence[Recording], rungs: Sequence[Rung], seen: Observation, motion: MotionFinding
+    servos: Plays, recordings: Sequence[Recording], stages: Sequence[Stage], seen: Observation, motion: MotionFinding
 ) -> tuple[Step, ...]:
-    """The ladder of the rungs that were judged; the whole needs all of them."""
-    judged = {rung.name: rung for rung in rungs}
+    """The ladder of the stages that were judged; the whole needs all of them."""
+    judged = {stage.name: stage for stage in stages}
     return tuple(_steps(servos, recordings, judged, seen, motion))
 
 
 def _steps(
-    servos: Plays, recordings: Sequence[Recording], judged: dict[str, Rung], seen: Observation, motion: MotionFinding
+    servos: Plays, recordings: Sequence[Recording], judged: dict[str, Stage], seen: Observation, motion: MotionFinding
 ) -> Iterator[Step]:
     if "actuation" in judged:
         yield actuation_step(servos, judged["actuation"])
@@ -85,18 +91,18 @@ def _steps(
     yield motion_step(motion)
     if "actuation" in judged:
         actuators = tuple(
-            n.effect for rung in judged.values() for n in rung.named if n.effect.effect.site == "actuation"
+            n.effect for stage in judged.values() for n in stage.named if n.effect.effect.site == "actuation"
         )
         before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
-        floor = motion.selection.floor_m
-        yield Step("commanded shape against realised motion", Error("whole", "m", before, after, floor), ())
+        noise_level = motion.selection.noise_level_m
+        yield Step("commanded shape against realised motion", Error("whole", "m", before, after, noise_level), ())
 
 
-def actuation_step(data: Plays, rung: Rung) -> Step:
+def actuation_step(data: Plays, stage: Stage) -> Step:
     """Joint by joint [rad]."""
     sizes = [
         np.sqrt((data.left(data.realised(effects)) ** 2).mean(axis=0))
-        for effects in ([], [n.effect for n in rung.named])
+        for effects in ([], [n.effect for n in stage.named])
     ]
     parts = [
         Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.noise[j]))
@@ -133,7 +139,7 @@ def motion_step(motion: MotionFinding) -> Step:
         Error(f"{name}, per window", unit, *(float(x[i]) for x in (*sizes, noise)))
         for i, (name, unit) in enumerate(names)
     ]
-    whole = Error("motion", "m", motion.before_m, motion.after_m, found.floor_m)
+    whole = Error("motion", "m", motion.before_m, motion.after_m, found.noise_level_m)
     return Step("realised shape against realised motion", whole, tuple(parts))
 
 

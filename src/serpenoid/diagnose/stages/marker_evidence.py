@@ -1,4 +1,4 @@
-"""Second rung: do markers stand where the servos' shapes put them?
+"""Second stage: do markers stand where the servos' shapes put them?
 
 Every frame's chain (joint angles from the servos) is laid rigidly over the markers seen; what is left is white marker
 noise, unless a joint's zero, a marker or the length scale is off, or a joint has play behind its servo. The columns of
@@ -147,17 +147,17 @@ def _rigid(points: Floats, seen: np.ndarray) -> Floats:
 
 
 def signature(data: Sample, effect: Observation) -> Floats:
-    """RMS of what an observation model changes: marker angles over readings and link lengths, in floors (2 m + 1,)."""
+    """RMS of what an observation model changes: marker angles over readings and link lengths, over noise (2 m + 1,)."""
     return np.sqrt((_shown(data, effect) ** 2).mean(axis=0))
 
 
 def apart(data: Sample, one: Observation, other: Observation) -> float:
-    """How far two observation models' data differ: the worst joint's or link's RMS, in floors."""
+    """How far two observation models' data differ: the worst joint's or link's RMS, over the noise level."""
     return float(np.sqrt(((_shown(data, one) - _shown(data, other)) ** 2).mean(axis=0)).max())
 
 
 def _shown(data: Sample, effect: Observation) -> Floats:
-    """Marker angles minus readings, and link lengths minus known ones, in floors (F, 2 m + 1)."""
+    """Marker angles minus readings, and link lengths minus known ones, over the noise level (F, 2 m + 1)."""
     body = data.body
     seen = effect.seen(body, data.angles(effect))
     angle = marker_angles(body, seen) - data.readings
