@@ -151,6 +151,13 @@ def transport() -> None:
     assert swept.cost == pytest.approx(value, abs=1e-4)
 
 
+def robust() -> None:
+    found = solve(problem("robust", "body.vertices=6", "task.steps=30"), starts=1).best
+    assert found.status.ok
+    assert found.cost == found.cases[1].value  # the most nearly isotropic floor
+    assert found.cases[0].value < found.cost - 0.1
+
+
 def steer() -> None:
     found = solve(problem("steer", "body.vertices=7"), starts=2, seed=0).best
     assert found.status.ok
@@ -190,6 +197,7 @@ CHECKS = {
     "purcell-stroke": purcell_stroke,
     "transport": transport,
     "steer": steer,
+    "robust": robust,
     "checkpoints": checkpoints,
     "broken-joint": broken_joint,
     "turn-in-a-box": turn_in_a_box,

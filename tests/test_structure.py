@@ -46,9 +46,11 @@ MAY_IMPORT = {
     "trajectory": LEFT_OF_MODELS,
     "problem": LEFT_OF_MODELS | {"model", "effects", "model_file"},
     "model_file": LEFT_OF_MODELS | {"effects"},
+    "cases": LEFT_OF_MODELS | {"model", "effects", "model_file", "problem"},
     "mechanics": LEFT_OF_MODELS | {"model", "effects", "media"},
     "simulation": LEFT_OF_MODELS | {"model", "effects", "media", "trajectory", "problem", "mechanics"},
-    "optimise": LEFT_OF_MODELS | {"model", "media", "effects", "trajectory", "problem", "mechanics", "simulation"},
+    "optimise": LEFT_OF_MODELS
+    | {"model", "media", "effects", "trajectory", "problem", "cases", "mechanics", "simulation"},
 }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -62,6 +62,24 @@ class Constraints(Record):
         return self
 
 
+class Robust(Record):
+    """Cases that one gait must serve together; `[task.robust]`. Demands and limits hold in every case."""
+
+    over: Literal["worst", "mean"] = Field(default="worst", description="best worst case, or best mean")
+    anisotropy_ratio: tuple[float, float] | None = Field(default=None, description="an interval of ratios")
+    models: tuple[str, ...] = Field(default=(), description="model files, relative to the problem file")
+    diagnosis: str | None = Field(default=None, description="folder of `diagnose`: extended model and alternatives")
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        given = [self.anisotropy_ratio is not None, bool(self.models), self.diagnosis is not None]
+        if sum(given) != 1:
+            raise ValueError("give one of `anisotropy_ratio`, `models` and `diagnosis`")
+        if self.anisotropy_ratio is not None and not 0 < self.anisotropy_ratio[0] < self.anisotropy_ratio[1] <= 1:
+            raise ValueError("`anisotropy_ratio` needs [lower, upper] with 0 < lower < upper <= 1")
+        return self
+
+
 class Task(Record):
     """What to compute."""
 
@@ -76,6 +94,7 @@ class Task(Record):
     )
     bounds: AnyBounds = Field(default=EllipseBounds(), description="where the optimiser may look; by family")
     constraints: Constraints = Constraints()
+    robust: Robust | None = Field(default=None, description="cases that one gait must serve together")
 
 
 class Power(Record):
@@ -175,6 +194,8 @@ class Problem(Record):
         medium = data["medium"]
         if self.medium.anisotropy_ratio_bounds is None:
             del medium["anisotropy_ratio_bounds"]
+        if self.task.robust is None:
+            del data["task"]["robust"]
         if self.medium.law == "viscous":
             del medium["law"], medium["softening"]
         holds = {"joint_limits": self.joint_limit_deg, "joint_speed_limits": self.joint_speed_limit_rpm}

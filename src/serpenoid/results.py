@@ -73,6 +73,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "polishing_gain": solution.polishing_gain,
         "clearance": None if solution.clearance is None else asdict(solution.clearance),
         "mesh": solution.mesh.record,
+        **_cases(solution),
         "ipopt_status": solution.ipopt_status,
         "iterations": solution.iterations,
         "wall_time_s": solution.seconds,
@@ -80,6 +81,22 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "provenance": provenance(problem=problem.name, problem_hash=problem.hash),
     }
     return record
+
+
+def _cases(solution: Solution) -> dict[str, Any]:
+    """What a robust gait does in each of its cases."""
+    robust = solution.problem.task.robust
+    if robust is None:
+        return {}
+    cases = [
+        {"case": case.name, "objective": _number(case.value),
+         **({"weight": case.weight} if robust.over == "mean" else {}),
+         "displacement_body_lengths": _number(case.trajectory.displacement),
+         "heading_change_rad": _number(case.trajectory.heading_change),
+         "dissipation": _number(case.trajectory.dissipation)}
+        for case in solution.cases
+    ]  # fmt: skip
+    return {"robust": {"over": robust.over, "cases": cases}}
 
 
 def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, Any]:

@@ -185,6 +185,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"cost              {best.cost:.6f} at c = {best.c:g}",
         f"heading change    {best.trajectory.heading_change:+.6f} rad",
         *(f"goal              {words}" for words in outcomes if words),
+        *_case_lines(best),
         f"gait              {best.gait.words}",
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
@@ -192,6 +193,19 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"mesh              {best.mesh.words}",
         f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s)",
+    ]
+
+
+def _case_lines(best: Solution) -> list[str]:
+    """One line for every case that a robust gait serves."""
+    robust = best.problem.task.robust
+    if robust is None:
+        return []
+    head = f"{robust.over} case over"
+    return [
+        f"{head if i == 0 else '':18}{case.name}: objective {case.value:.6f}, {case.trajectory.displacement:.6f} body "
+        f"lengths, {case.trajectory.heading_change:+.4f} rad"
+        for i, case in enumerate(best.cases)
     ]
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.optimise.limits import TOLERANCE
 from serpenoid.optimise.solver import Answer, Carried, GaitBounds, GaitSolver
-from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -43,8 +42,7 @@ def certify(
     """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's)."""
     table = solver.table(answer.q)
     trajectory = solver.simulate(table)
-    poses = answer.outcome.point.x[: 3 * solver.steps].reshape(-1, 3)
-    error = float(np.max(np.abs(trajectory.poses[1:] - poses)))
+    error = solver.pose_error(answer.outcome.point, table, trajectory)
     gain: float | None = None
     status = answer.outcome.status
     if status.ok and (not trajectory.status.ok or not error <= POSE_TOLERANCE):
@@ -58,7 +56,7 @@ def certify(
     if status.ok and polish:
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
-    cost = objective_of(solver, answer.q, table, trajectory, c)
+    cost = solver.value(answer.q, table, trajectory, c)
     return Certificate(status, trajectory, table, error, gain, cost)
 
 
@@ -69,24 +67,14 @@ def gait_costs(
     lower, upper = gait_bounds
     inside = np.clip(gaits, np.maximum(lower, -1e6), upper)
     tables = solver.tables(inside)
-    batch = solver.batch(tables)
-    cost, outside = solver.asked.evaluate(batch, tables, inside, c)
-    outside = outside + np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
-    carried = carried or Carried()
-    outside = outside + solver.obstacles.too_near(carried.watch, tables, batch, carried.margin)
+    found = solver.costs(tables, inside, c)
+    outside = found.outside + np.maximum(lower - gaits, 0).sum(1) + np.maximum(gaits - upper, 0).sum(1)
+    if found.batch is not None:
+        carried = carried or Carried()
+        outside = outside + solver.obstacles.too_near(carried.watch, tables, found.batch, carried.margin)
     if solver.limits.any:
         outside += np.maximum(solver.excess(tables).max(axis=(-2, -1)) - TOLERANCE, 0)
-    target = solver.heading_target()
-    if target is not None:
-        outside += np.abs(batch.poses[:, -1, 2] - target)
-    return np.where(batch.sound, cost + penalty * outside, np.inf)
-
-
-def objective_of(solver: GaitSolver, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
-    """The objective of a simulated gait; not a number where the simulation failed."""
-    poses, dissipation = trajectory.poses[None], np.array([trajectory.dissipation])
-    batch = Batch(poses, dissipation, np.array([trajectory.residual]), np.array([trajectory.status.ok]))
-    return float(solver.asked.evaluate(batch, table[None], q[None], c)[0][0])
+    return np.where(found.sound, found.value + penalty * outside, np.inf)
 
 
 def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds) -> float:

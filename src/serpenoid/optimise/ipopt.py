@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.optimise.interrupt import IterationCallback, StopFlag
-from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.status import Status
 
 OPTIONS = {
@@ -94,14 +94,28 @@ class Outcome:
     timing: dict[str, float]
 
 
+class NLP(Protocol):
+    """What is solved: variables, parameters, numbers of constraints, and Functions as those of a GaitNLP."""
+
+    variables: ca.MX
+    parameters: ca.MX
+
+    @property
+    def constraint_counts(self) -> tuple[int, ...]:
+        """How many constraints of each kind there are."""
+
+    def functions(self) -> dict[str, ca.Function]:
+        """As `GaitNLP.functions`."""
+
+
 class Ipopt:
-    """A prepared solver for one GaitNLP; bounds, start and parameters are given per solve.
+    """A prepared solver for one NLP; bounds, start and parameters are given per solve.
 
     `kept` names the constraints that IPOPT sees (default all): rows that nothing limits would only cost time.
     Points, bounds and residuals always have all constraints; a row left out has the multiplier zero.
     """
 
-    def __init__(self, nlp: GaitNLP, kept: np.ndarray | None = None, options: dict | None = None) -> None:
+    def __init__(self, nlp: NLP, kept: np.ndarray | None = None, options: dict | None = None) -> None:
         self.functions = nlp.functions()
         nx, np_, ng = nlp.variables.numel(), nlp.parameters.numel(), sum(nlp.constraint_counts)
         self._kept = np.arange(ng) if kept is None else kept
@@ -161,7 +175,7 @@ class Ipopt:
         complementarity = max(_complementarity(*pair) for pair in pairs)
         return Residuals(float(np.max(np.abs(slope), initial=0.0)), feasibility, complementarity)
 
-    def _seen(self, nlp: GaitNLP) -> dict[str, ca.Function]:
+    def _seen(self, nlp: NLP) -> dict[str, ca.Function]:
         """The constraint Functions restricted to the kept rows."""
         total = sum(nlp.constraint_counts)
         names = {key: self.functions[key] for key in ("g", "jac_g", "hess_lag")}

@@ -13,7 +13,6 @@ from serpenoid.optimise.certify import certify
 from serpenoid.optimise.chain_store import ChainStore, store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
-from serpenoid.optimise.mesh import study_mesh
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, Carried, GaitBounds, GaitSolver
 from serpenoid.shown import Shown
@@ -83,7 +82,8 @@ def as_solution(
     """Certify an answer and write it as a Solution."""
     check = certify(solver, answer, c, polish, gait_bounds)
     outcome = answer.outcome
-    mesh = study_mesh(lambda factor: solver.simulate(solver.finer(answer.q, factor)), solver.steps)
+    meshes = solver.meshes(answer.q)
+    mesh = next((mesh for mesh in meshes if not mesh.converged), meshes[0])
     coarse = check.status.ok and not mesh.converged
     return Solution(
         status=Status.MESH_TOO_COARSE if coarse else check.status,
@@ -105,6 +105,7 @@ def as_solution(
         iterations=answer.iterations,
         seconds=answer.seconds,
         timing=outcome.timing,
+        cases=solver.outcomes(answer.q, c),
     )
 
 

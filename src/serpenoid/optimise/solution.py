@@ -15,12 +15,23 @@ from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
 
+@dataclass(frozen=True)
+class CaseOutcome:
+    """What a robust gait does in one of its cases; value: its objective there."""
+
+    name: str
+    weight: float
+    value: float
+    trajectory: Trajectory
+
+
 @dataclass(frozen=True, repr=False)
 class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
-    optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,).
+    optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,). cases:
+    those that a robust gait serves; `cost` is then over all of them, `trajectory` is in the problem's own medium.
     """
 
     status: Status
@@ -42,6 +53,7 @@ class Solution(Shown):
     iterations: int
     seconds: float
     timing: dict[str, float]
+    cases: tuple[CaseOutcome, ...] = ()
 
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""

@@ -14,6 +14,7 @@ from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import MultiStart, solve_many, solve_one
+from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits, within
@@ -40,7 +41,7 @@ def solve(
     is called after each start. Ctrl-C ends the search and returns what there is. With `folder` each solved start is
     kept there, and taken from there the next time (with `customise` give each choice a folder of its own).
     """
-    solver = GaitSolver(problem, customise)
+    solver = solver_of(problem, customise)
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])
     with catch_interrupt() as flag:
@@ -59,7 +60,7 @@ def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:
 
 def solve_from(problem: Problem, gait: Gait, customise: Customise | None = None) -> Solution:
     """Optimise from one gait, in its family; the answer is certified with polishing."""
-    solver = GaitSolver(problem, customise, gait)
+    solver = solver_of(problem, customise, gait)
     start = np.clip(solver.family.start(), *solver.gait_bounds())
     solver.prepare(start)
     with catch_interrupt() as flag:
@@ -103,7 +104,7 @@ def improve(
     progress: Callable[[int], None] | None = None,
 ) -> list[Improved]:
     """The paper's set: `count` random gaits, each improved within +-`fraction` of its own parameters."""
-    solver = GaitSolver(problem)
+    solver = solver_of(problem)
     gaits = random_gaits(solver, count, seed)
     solver.prepare(gaits[0])
     result: list[Improved] = []

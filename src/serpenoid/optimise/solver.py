@@ -19,9 +19,11 @@ from serpenoid.optimise.coarse import FACTOR, coarser, on_coarser_rows
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, violations
+from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.optimise.motion_law import motion_law
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.softening import ITERATIONS, softer
+from serpenoid.optimise.solution import CaseOutcome
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.optimise.watch import MARGIN, Watch
 from serpenoid.problem import Problem
@@ -64,6 +66,16 @@ class Answer:
     seconds: float
     carried: Carried
     clearance: Clearance | None = None
+
+
+@dataclass(frozen=True)
+class Costs:
+    """value: objectives (B,); outside: sums of the violations (B,); sound: whether gaits could be simulated (B,)."""
+
+    value: Floats
+    outside: Floats
+    sound: np.ndarray
+    batch: Batch | None = None
 
 
 class GaitSolver:
@@ -117,6 +129,34 @@ class GaitSolver:
     def batch(self, tables: Floats) -> Batch:
         """The motions of tables (B, R, m)."""
         return simulate_batch(self.model, tables, self.family.closed)
+
+    def costs(self, tables: Floats, gaits: Floats, c: float) -> Costs:
+        """Objective, violations of what is asked, and soundness of gaits (B, n) with these tables, simulated."""
+        batch = self.batch(tables)
+        value, outside = self.asked.evaluate(batch, tables, gaits, c)
+        target = self.heading_target()
+        if target is not None:
+            outside = outside + np.abs(batch.poses[:, -1, 2] - target)
+        return Costs(value, outside, batch.sound, batch)
+
+    def value(self, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
+        """The objective of a simulated gait; not a number where the simulation failed."""
+        poses, dissipation = trajectory.poses[None], np.array([trajectory.dissipation])
+        batch = Batch(poses, dissipation, np.array([trajectory.residual]), np.array([trajectory.status.ok]))
+        return float(self.asked.evaluate(batch, table[None], q[None], c)[0][0])
+
+    def pose_error(self, point: Point, table: Floats, trajectory: Trajectory) -> float:
+        """Largest difference between the poses of the NLP and those of the simulation."""
+        poses = point.x[: 3 * self.steps].reshape(-1, 3)
+        return float(np.max(np.abs(trajectory.poses[1:] - poses)))
+
+    def meshes(self, q: Floats) -> list[MeshStudy]:
+        """How the motion depends on the number of steps."""
+        return [study_mesh(lambda factor: self.simulate(self.finer(q, factor)), self.steps)]
+
+    def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
+        """What gait q does in every case that it must serve; of one model: nothing more to say."""
+        return ()
 
     def excess(self, tables: Floats) -> Floats:
         """How far joint angles and their changes exceed the limits, shape (..., rows, 2 m); -infinity without any."""

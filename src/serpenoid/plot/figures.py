@@ -14,6 +14,7 @@ from serpenoid.gaits import Gait
 from serpenoid.plot import joints, optima
 from serpenoid.plot.animate import animation
 from serpenoid.plot.body import shapes
+from serpenoid.plot.cases import cases_figure
 from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
 from serpenoid.plot.style import PHASE_MAP, colour_bar, figure, legend_above
@@ -60,8 +61,9 @@ def simulation_figures(
 
 
 def solution_figures(folder: str | Path, solution: Solution) -> list[str]:
-    """The figures of a solution's re-simulated motion."""
-    return simulation_figures(folder, solution.problem, solution.trajectory, solution.table, solution.gait)
+    """The figures of a solution's re-simulated motion; of a robust gait also what it does in each case."""
+    names = simulation_figures(folder, solution.problem, solution.trajectory, solution.table, solution.gait)
+    return names + (save(cases_figure(solution), folder, "cases") if solution.cases else [])
 
 
 def sweep_figures(folder: str | Path, data: Family) -> list[str]:

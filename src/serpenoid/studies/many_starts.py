@@ -13,6 +13,7 @@ from serpenoid.files.writing import write_csv
 from serpenoid.optimise.chain_store import store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.multistart import MultiStart, Optimum, Progress, as_solution, best_of, summarised
+from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import starts_of
 from serpenoid.optimise.solver import Answer, GaitSolver
@@ -32,7 +33,7 @@ def solve_starts(
     folder: str | Path | None = None,
 ) -> MultiStart:
     """What `optimise.solve.solve` gives, its starts solved by `workers`. Ctrl-C returns the finished ones."""
-    solver, c = GaitSolver(problem), problem.task.c
+    solver, c = solver_of(problem), problem.task.c
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])
     stores = [store_of(folder, gait) for gait in gaits]
@@ -77,7 +78,7 @@ class _Asked:
 
 @lru_cache(maxsize=1)
 def _solver(asked: _Asked) -> GaitSolver:
-    return GaitSolver(asked.problem)
+    return solver_of(asked.problem)
 
 
 def write_starts(path: str | Path, result: MultiStart) -> None:

@@ -18,6 +18,7 @@ from serpenoid.files.writing import write_csv
 from serpenoid.optimise.chain_store import CHAIN, ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import as_solution
+from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.starts import random_gaits
@@ -92,7 +93,7 @@ def sweep(
     progress: Progress | None = None,
 ) -> Sweep:
     """Optimal gaits for every c in `values`; with `folder`, solved chain points are kept there and not solved again."""
-    solver = GaitSolver(problem)
+    solver = solver_of(problem)
     ordered = np.unique(np.asarray(values, float))
     gaits = random_gaits(solver, starts, seed)
     solver.prepare(gaits[0])

@@ -1,0 +1,218 @@
+"""Robust gaits: the best worst case, or the best mean, over several models that share one gait.
+
+For the worst case over an interval of anisotropy ratios the NLP begins with the ends. Its answer is simulated at
+CHECKS ratios of the interval, and about each peak among them; a ratio that is worse than every case so far becomes a
+case, and the next NLP starts from there, until none is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from serpenoid.body import Floats
+from serpenoid.cases import Case, at_ratio, cases_of
+from serpenoid.errors import InputError
+from serpenoid.gaits import Gait
+from serpenoid.optimise.asked import Customise
+from serpenoid.optimise.interrupt import StopFlag
+from serpenoid.optimise.ipopt import Bounds, Ipopt, Point
+from serpenoid.optimise.limits import PathLimits, path_limits
+from serpenoid.optimise.mesh import MeshStudy
+from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.robust_nlp import RobustNLP
+from serpenoid.optimise.solution import CaseOutcome
+from serpenoid.optimise.solver import Answer, Carried, Costs, GaitBounds, GaitSolver
+from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.problem import Problem
+from serpenoid.simulation import simulate_batch
+from serpenoid.status import Status
+from serpenoid.trajectory import Trajectory
+
+CHECKS = 33  # ratios of an interval at which a worst case is looked for: it is smooth in the ratio, and mostly monotone
+WORSE = 1e-6  # of the objective: what polishing may gain, too
+ROUNDS = 8  # cases that may be added to the ends: a gait has a few ratios at which it is worst
+
+
+def solver_of(problem: Problem, customise: Customise | None = None, gait: Gait | None = None) -> GaitSolver:
+    """The solver of a problem: of one model, or of several cases together."""
+    kind = GaitSolver if problem.task.robust is None else RobustSolver
+    return kind(problem, customise, gait)
+
+
+class RobustSolver(GaitSolver):
+    """A GaitSolver whose NLP has one motion per case; `model` is the problem's own, of which nothing is asked."""
+
+    def __init__(self, problem: Problem, customise: Customise | None = None, gait: Gait | None = None) -> None:
+        alone = problem.model_copy(update={"task": problem.task.model_copy(update={"robust": None})})
+        super().__init__(alone, customise, gait)
+        if self.asked.criteria.clear_of:
+            raise InputError("[task.robust]: obstacles are proven clear of for one model; leave one of the two out.")
+        self.problem, self._customise, self._gait = problem, customise, gait
+        self._softer = self._coarser = None
+        self._c = problem.task.c
+        robust = problem.task.robust
+        self.over, self.interval = (robust.over, robust.anisotropy_ratio) if robust else ("worst", None)
+        self.cases: list[Case] = []
+        self.each: list[GaitSolver] = []
+        for case in cases_of(problem):
+            self._add(case)
+        uppers = [path_limits(case.problem).upper for case in self.cases]
+        self.limits = PathLimits(np.min(uppers, axis=0))
+
+    def _add(self, case: Case) -> None:
+        self.cases.append(case)
+        alone = GaitSolver(case.problem, self._customise, self._gait)
+        alone._softer = alone._coarser = None
+        self.each.append(alone)
+
+    def start(self, q: Floats) -> Floats:
+        """The simulated motion of every case; the worst value."""
+        size = self.family.size
+        own = [solver.start(q)[:-size] for solver in self.each]
+        worst = [[np.nan_to_num(max(self._values(q, self._c)))]] if self.over == "worst" else []
+        return np.concatenate([*own, *worst, q])
+
+    def solve(
+        self,
+        start: Floats | Point,
+        c: float,
+        gait_bounds: GaitBounds | None = None,
+        carried: Carried | None = None,
+        flag: StopFlag | None = None,
+        watch: Callable[[float], None] | None = None,
+    ) -> Answer:
+        """As a GaitSolver's; over an interval until no ratio of it is worse than the cases."""
+        self._c = c
+        answer = super().solve(start, c, gait_bounds, carried, flag, watch)
+        for left in reversed(range(ROUNDS + 1)):
+            ratio = self._worse(answer.q, c) if answer.outcome.status.ok and not flag else None
+            if ratio is None:
+                break
+            if not left:
+                return replace(answer, outcome=replace(answer.outcome, status=Status.NOT_CONVERGED))
+            self._add(at_ratio(self.problem, ratio))
+            again = super().solve(answer.q, c, gait_bounds, None, flag, watch)
+            answer = replace(again, iterations=answer.iterations + again.iterations,
+                             seconds=answer.seconds + again.seconds)  # fmt: skip
+        return answer
+
+    def prepared(self, carried: Carried, penalised: bool = True) -> tuple[RobustNLP, Ipopt]:  # type: ignore[override]
+        """The NLP of all cases, and its solver."""
+        key = len(carried.rows), penalised, len(self.cases)
+        if key not in self._prepared:
+            laws = [motion_law(solver.model, self.family) for solver in self.each]
+            parts = [
+                GaitNLP(law, solver.asked.criteria, len(carried.rows), penalised=penalised)
+                for law, solver in zip(laws, self.each, strict=True)
+            ]
+            weights = None if self.over == "worst" else np.array([case.weight for case in self.cases])
+            nlp = RobustNLP(parts, weights)
+            self._prepared[key] = nlp, Ipopt(nlp, self._kept(nlp, len(carried.rows)))  # type: ignore[index, assignment]
+        return self._prepared[key]  # type: ignore[index, return-value]
+
+    def _kept(self, nlp: RobustNLP, rows: int) -> np.ndarray:
+        """Limits are the gait's: the first case carries them for all."""
+        kept, begin = [], 0
+        for k, part in enumerate(nlp.cases):
+            motion, path, added = part.constraint_counts
+            limited = motion + np.flatnonzero(np.tile(self._limited, rows)) if k == 0 else np.zeros(0, int)
+            kept += [begin + np.concatenate([np.arange(motion), limited, motion + path + np.arange(added)]).astype(int)]
+            begin += motion + path + added
+        return np.concatenate([*kept, np.arange(begin, sum(nlp.constraint_counts))])
+
+    def parameters(self, c: float, rows: tuple[int, ...]) -> Floats:
+        """Numbers for the NLP's parameters."""
+        shared = super().parameters(c, rows)[: -len(self.model.parameters)]
+        return np.concatenate([shared, *(solver.model.parameters for solver in self.each)])
+
+    def bounds(self, carried: Carried, gait_bounds: GaitBounds | None = None) -> Bounds:
+        """Bounds of all variables and constraints."""
+        lower, upper = gait_bounds or self.gait_bounds()
+        nlp, _ = self.prepared(carried)
+        own, turn = np.full(sum(nlp.own) + (self.over == "worst"), np.inf), self.heading_target()
+        lbx, ubx = np.concatenate([-own, lower]), np.concatenate([own, upper])
+        path, (least, most) = np.tile(self.limits.upper, len(carried.rows)), self.asked.bounds
+        low: list[Floats] = []
+        high: list[Floats] = []
+        for part, begin in zip(nlp.cases, np.cumsum([0, *nlp.own]), strict=False):
+            zero = np.zeros(part.constraint_counts[0])
+            low, high = [*low, zero, -path, least], [*high, zero, path, most]
+            if turn is not None:
+                lbx[begin + 3 * self.steps - 1] = ubx[begin + 3 * self.steps - 1] = turn
+        epigraph = np.zeros(nlp.constraint_counts[-1])
+        return Bounds(lbx, ubx, np.concatenate([*low, epigraph - np.inf]), np.concatenate([*high, epigraph]))
+
+    def costs(self, tables: Floats, gaits: Floats, c: float) -> Costs:
+        """The worst (or mean) objective of the cases, all their violations, and whether all could be simulated."""
+        found = [solver.costs(tables, gaits, c) for solver in self.each]
+        outside, sound = sum(f.outside for f in found), np.all([f.sound for f in found], axis=0)
+        return Costs(self._together(np.array([f.value for f in found])), np.asarray(outside), sound)
+
+    def pose_error(self, point: Point, table: Floats, trajectory: Trajectory) -> float:
+        """Of the case that fares worst."""
+        own = 3 * self.steps + (not self.asked.criteria.separable)
+        count = (point.x.size - self.family.size) // own  # cases may have been added since
+        parts = [Point(point.x[k * own :], point.lam_x, point.lam_g) for k in range(count)]
+        return max(s.pose_error(p, table, s.simulate(table)) for s, p in zip(self.each, parts, strict=False))
+
+    def value(self, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
+        """Over all cases."""
+        return float(self.costs(table[None], q[None], c).value[0])
+
+    def meshes(self, q: Floats) -> list[MeshStudy]:
+        """In the problem's own medium, then of every case."""
+        return [*super().meshes(q), *(mesh for solver in self.each for mesh in solver.meshes(q))]
+
+    def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
+        """What gait q does in every case, re-simulated."""
+        table, values = self.table(q), self._values(q, c)
+        found = [
+            CaseOutcome(case.name, case.weight, value, solver.simulate(table))
+            for case, solver, value in zip(self.cases, self.each, values, strict=True)
+        ]
+        ratios = [solver.model.medium.anisotropy_ratio for solver in self.each]
+        order = np.argsort(ratios) if self.interval else range(len(found))
+        return tuple(found[i] for i in order)
+
+    def _values(self, q: Floats, c: float) -> list[float]:
+        table = self.table(q)[None]
+        return [float(solver.costs(table, q[None], c).value[0]) for solver in self.each]
+
+    def _together(self, values: Floats) -> Floats:
+        weights = [case.weight for case in self.cases]
+        return np.asarray(values.max(0) if self.over == "worst" else np.average(values, axis=0, weights=weights))
+
+    def _worse(self, q: Floats, c: float) -> float | None:
+        """The ratio of the interval that is worst, where it is worse than every case."""
+        if self.interval is None or self.over != "worst":
+            return None
+        table, known = self.table(q)[None], self.costs(self.table(q)[None], q[None], c)
+
+        def at(ratio: float) -> Floats:
+            """Objective and violations there."""
+            model = at_ratio(self.problem, ratio).problem.model
+            batch = simulate_batch(model, table, self.family.closed)
+            return np.array(self.asked.evaluate(batch, table, q[None], c))[:, 0]
+
+        ratio, outside = _highest(lambda r: float(at(r)[1]), *self.interval)
+        if outside > float(known.outside[0]) + WORSE:
+            return ratio
+        ratio, value = _highest(lambda r: float(at(r)[0]), *self.interval)
+        return ratio if value > float(known.value[0]) + WORSE else None
+
+
+def _highest(value: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Where a function of an interval is greatest, and how great: on a grid, and about each peak of the grid."""
+    grid = np.linspace(low, high, CHECKS)
+    values = np.array([value(x) for x in grid.tolist()])
+    best = float(grid[values.argmax()]), float(values.max())
+    inner = values[1:-1]
+    for peak in 1 + np.flatnonzero((inner >= values[:-2]) & (inner >= values[2:])):
+        bracket = grid[peak - 1], grid[peak + 1]
+        found = minimize_scalar(lambda x: -value(float(x)), bounds=bracket, method="bounded")
+        best = max(best, (float(found.x), -float(found.fun)), key=lambda pair: pair[1])
+    return best
