@@ -16,7 +16,6 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.effects.base import Wave
 from serpenoid.effects.catalogue import actuation_effects, medium_effects
-from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import kinematics
 from serpenoid.mechanics.extended import SETTING, wrench
@@ -80,13 +79,6 @@ def realised_angles(model: Model, family: GaitFamily, p: ca.SX, data: ca.SX, edg
 
     Effects with memory need a family whose rows are a function of their phase (`data[0]`) alone.
     """
-    kinds = [e.effect for e in model.actuation_effects]
-    remembering = [k.name for k in kinds if getattr(k, "memory", False) and k.name != "speed_saturation"]
-    if remembering and not family.harmonic:
-        raise InputError(
-            f"[[effects]] `{remembering[0]}` remembers: only gaits whose joints move in sines (ellipse) can be "
-            "optimised with it. Leave it out, or optimise an ellipse."
-        )
     joints = range(len(model.structure.joints))
     return ca.vertcat(*(_realised(model, family, joint, p, data, edges, steps) for joint in joints))
 

@@ -21,13 +21,16 @@ from serpenoid.optimise.blocks import StepBlocks
 from serpenoid.optimise.extended import combination, extended_blocks, realised_angles, settings
 from serpenoid.optimise.joint_blocks import baseline_blocks
 from serpenoid.optimise.layer import Layer, RowFunctions, row_functions
+from serpenoid.optimise.played import Played, remembers
 from serpenoid.optimise.rows import joint_functions
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 
 
 @dataclass(frozen=True)
 class MotionLaw:
-    """shapes: None where the parameters are the shapes. combine (3 T, v T): None where values are residuals."""
+    """shapes: None where the parameters are the shapes. combine (3 T, v T): None where values are residuals. played:
+    servos with memory, where the gait's family has no formula for what they settle on.
+    """
 
     structure: Structure
     family: GaitFamily
@@ -37,6 +40,16 @@ class MotionLaw:
     shapes: Layer | None
     combine: ca.DM | None = None
     settings: ca.MX | None = None
+    played: Played | None = None
+
+    @property
+    def states(self) -> int:
+        """Numbers of the servos' memories: NLP variables before the gait's parameters."""
+        return 0 if self.played is None else self.played.states
+
+    def behind(self, layer: Layer) -> Layer:
+        """A layer of the gait's parameters as one of these variables."""
+        return layer if self.played is None else self.played.behind(layer)
 
 
 def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> MotionLaw:
@@ -46,12 +59,19 @@ def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> Moti
     if plain and family.coordinates == "serpenoid" and family.modes == 1:
         blocks: StepBlocks = SerpenoidBlocks(structure, portable)
         return MotionLaw(structure, family, steps, 3, blocks, _coordinates(family, structure, portable))
-    shapes = _angles(model, family, steps, portable)
+    played = Played(model, family) if needs_states(model, family) else None
+    shapes = _angles(model, family, steps, portable) if played is None else played.realised()
     m = len(structure.joints)
     if model.is_plain:
-        return MotionLaw(structure, family, steps, m, baseline_blocks(structure, portable), shapes)
-    blocks = extended_blocks(model, steps, portable)
-    return MotionLaw(structure, family, steps, m, blocks, shapes, combination(model, steps), settings(model, steps))
+        return MotionLaw(structure, family, steps, m, baseline_blocks(structure, portable), shapes, played=played)
+    blocks, combine = extended_blocks(model, steps, portable), combination(model, steps)
+    return MotionLaw(structure, family, steps, m, blocks, shapes, combine, settings(model, steps), played)
+
+
+def needs_states(model: Model, family: GaitFamily) -> bool:
+    """Whether servos remember, and the family has no formula for what they settle on."""
+    remembering = any(remembers(active.effect) for active in model.actuation_effects)
+    return remembering and not (family.harmonic and family.closed)
 
 
 def _coordinates(family: GaitFamily, structure: Structure, portable: bool) -> Layer:

@@ -154,9 +154,10 @@ class RobustSolver(GaitSolver):
 
     def pose_error(self, point: Point, table: Floats, trajectory: Trajectory) -> float:
         """Of the case that fares worst."""
-        own = 3 * self.steps + (not self.asked.criteria.separable)
-        count = (point.x.size - self.family.size) // own  # cases may have been added since
-        parts = [Point(point.x[k * own :], point.lam_x, point.lam_g) for k in range(count)]
+        sizes = [3 * self.steps + (not self.asked.criteria.separable) + solver.states for solver in self.each]
+        begins = np.cumsum([0, *sizes])
+        whole = begins[1:] <= point.x.size - self.family.size  # cases may have been added since
+        parts = [Point(point.x[begin:], point.lam_x, point.lam_g) for begin in begins[:-1][whole]]
         return max(s.pose_error(p, table, s.simulate(table)) for s, p in zip(self.each, parts, strict=False))
 
     def value(self, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:

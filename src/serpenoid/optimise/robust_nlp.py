@@ -28,7 +28,7 @@ class RobustNLP:
     def __init__(self, cases: Sequence[GaitNLP], weights: Floats | None) -> None:
         self.cases, self.weights = tuple(cases), weights
         first = self.cases[0]
-        self.size, self.lifted = first.family.size, first.lifted
+        self.size = first.family.size
         self.own = [nlp.variables.numel() - self.size for nlp in self.cases]
         total = sum(self.own) + (weights is None) + self.size
         self.variables = ca.MX.sym("variables", total)

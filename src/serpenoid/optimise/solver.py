@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Set
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,8 +21,9 @@ from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Point
 from serpenoid.optimise.limits import FIRST_ROWS, TOLERANCE, even_rows, exchange, path_limits, violations
 from serpenoid.optimise.mesh import MeshStudy, study_mesh
-from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.motion_law import motion_law, needs_states
 from serpenoid.optimise.obstacles import Obstacles
+from serpenoid.optimise.played import Played
 from serpenoid.optimise.softening import ITERATIONS, softer
 from serpenoid.optimise.solution import CaseOutcome
 from serpenoid.optimise.transcription import GaitNLP
@@ -195,7 +197,18 @@ class GaitSolver:
         trajectory = self.simulate(self.table(q))
         poses = np.nan_to_num(trajectory.poses[1:] - trajectory.poses[0])
         lifted = [] if self.asked.criteria.separable else [trajectory.dissipation]
-        return np.concatenate([poses.ravel(), np.nan_to_num(lifted), q])
+        states = np.zeros(0) if self._played is None else self._played.start(self.table(q))
+        return np.concatenate([poses.ravel(), np.nan_to_num(lifted), states, q])
+
+    @property
+    def states(self) -> int:
+        """Numbers of the servos' memories in the NLP."""
+        return 0 if self._played is None else self._played.states
+
+    @cached_property
+    def _played(self) -> Played | None:
+        """Servos whose memories are variables of the NLP."""
+        return Played(self.model, self.family) if needs_states(self.model, self.family) else None
 
     def solve(
         self,
@@ -316,12 +329,12 @@ class GaitSolver:
         lower, upper = gait_bounds or self.gait_bounds()
         nlp, _ = self.prepared(carried)
         n = 3 * self.steps
-        lbx = np.concatenate([np.full(n + nlp.lifted, -np.inf), lower])
-        ubx = np.concatenate([np.full(n + nlp.lifted, np.inf), upper])
+        own = np.full(nlp.variables.numel() - self.family.size, np.inf)
+        lbx, ubx = np.concatenate([-own, lower]), np.concatenate([own, upper])
         turn = self.heading_target()
         if turn is not None:
             lbx[n - 1] = ubx[n - 1] = turn
-        path, zero = np.tile(self.limits.upper, len(carried.rows)), np.zeros(n + nlp.lifted)
+        path, zero = np.tile(self.limits.upper, len(carried.rows)), np.zeros(nlp.constraint_counts[0])
         least, most = self.asked.bounds
         gaps = nlp.constraint_counts[2] - least.size
         free = np.full(gaps, -np.inf)

@@ -1,9 +1,10 @@
 """The gait NLP: the only place that lays one out, for every family, model and criterion.
 
-    variables    poses g_1 .. g_T of the body frame (g_0 = origin), [dissipation], gait parameters p
+    variables    poses g_1 .. g_T of the body frame (g_0 = origin), [dissipation], [servos' states], gait parameters p
     minimise     the criteria's objective
     subject to   T (step values combined) = 0 for every step    (3 T equations: the geometric momentum vanishes)
                  [dissipation = T * E]                          (a variable where the criteria are not linear in it)
+                 [servos with memory do what they do]           (see played.py)
                  joint angles and their changes in limits       (at K rows of the table; see limits.py)
                  what the criteria add
 
@@ -59,19 +60,28 @@ class GaitNLP:
         self.lifted = not criteria.separable
         self.structure, self.watch = law.structure, watch or Watch()
         d = self.family.data.shape[1]
-        self.variables = ca.MX.sym("variables", 3 * self.steps + self.lifted + self.family.size)
+        self.size = law.states + self.family.size
+        self.variables = ca.MX.sym("variables", 3 * self.steps + self.lifted + self.size)
         self.parameters = ca.MX.sym("parameters", 1 + 2 * d * path_rows + 2 * self.structure.vertices)
 
     @property
     def gait(self) -> ca.MX:
         """Gait parameters (n)."""
+        return self._free[self.law.states :]
+
+    @property
+    def _free(self) -> ca.MX:
+        """What the shapes depend on: states of the servos, gait parameters."""
         return self.variables[3 * self.steps + self.lifted :]
 
     @cached_property
     def vertices(self) -> ca.MX:
         """Vertices (2, N (T + 1)) at rows 0 .. T, tail to head, in the body frame of row 0 [body lengths]."""
-        made = self._angles or table_layer(self.law.family, self.structure, self.portable)
-        angles = self.gait if self.family.free else made.value(self.gait, self._data, self.model_parameters)
+        if self.family.free:
+            angles = self.gait
+        else:
+            made = self._angles or self._table_layer()
+            angles = made.value(self._free, self._data, self.model_parameters)
         table = ca.reshape(angles, len(self.structure.joints), -1)
         return placed_vertices(self.structure, self._cycle.poses, table, self.model_parameters)
 
@@ -94,12 +104,12 @@ class GaitNLP:
         """Numbers of (motion, path, added) constraints; added ones: the criteria's, then gaps, instant by instant."""
         path = 2 * len(self.structure.joints) * self.path_rows
         added = self.criteria.constraints.numel() + (self._along.total if self._along else 0)
-        return 3 * self.steps + self.lifted, path, added
+        return 3 * self.steps + self.lifted + self._servo_count, path, added
 
     def split(self, x: Floats) -> tuple[Floats, Floats]:
         """Poses (T, 3) and gait parameters (n,) of a point."""
         n = 3 * self.steps
-        return x[:n].reshape(-1, 3), x[n + self.lifted :]
+        return x[:n].reshape(-1, 3), x[n + self.lifted + self.law.states :]
 
     def functions(self) -> dict[str, ca.Function]:
         """The NLP as named Functions, as `casadi.nlpsol` takes them.
@@ -151,7 +161,7 @@ class GaitNLP:
         shapes = (
             ca.reshape(self.gait, self.law.coordinates, -1)
             if layer is None
-            else layer.value(self.gait, self._data, self.model_parameters)
+            else layer.value(self._free, self._data, self.model_parameters)
         )
         return Cycle(poses, shapes, self.family.closed, self.model_parameters, self.law.settings)
 
@@ -169,14 +179,17 @@ class GaitNLP:
         """The layer of the joint table, where the criteria ask for it and the shapes are something else."""
         if not self.criteria.needs(self.criteria.angles):
             return None
-        return None if self.family.free else table_layer(self.law.family, self.structure, self.portable)
+        return None if self.family.free and not self.law.states else self._table_layer()
+
+    def _table_layer(self) -> Layer:
+        return self.law.behind(table_layer(self.law.family, self.structure, self.portable))
 
     @cached_property
     def _asked_at(self) -> list[ca.MX]:
         """Arguments of the criteria's functions."""
         c, size = self.criteria, self.criteria.angles.numel()
         if self._angles is not None:
-            angles = ca.vec(self._angles.value(self.gait, self._data, self.model_parameters))
+            angles = ca.vec(self._angles.value(self._free, self._data, self.model_parameters))
         else:
             angles = self.gait if c.needs(c.angles) else ca.MX.zeros(size)
         needed = self.lifted or (self.penalised and c.needs(c.dissipation))
@@ -207,17 +220,17 @@ class GaitNLP:
         if self.law.shapes is None:
             return shapes, 0, 0  # all three are the same
         table = self.criteria.angles.numel() if self._angles is not None or self.family.free else 0
-        return shapes, 0 if self.family.free else table, self.family.size
+        return shapes, 0 if self._angles is None else table, self.size
 
     @cached_property
     def _psi(self) -> ca.MX | None:
         if self.law.shapes is None:
             return None
-        at = self.gait, self._data, self.model_parameters
+        at = self._free, self._data, self.model_parameters
         parts = [self.law.shapes.slope(*at)]
         if self._groups[1] and self._angles is not None:
             parts.append(self._angles.slope(*at))
-        return ca.vertcat(*parts, ca.MX.eye(self.family.size))
+        return ca.vertcat(*parts, ca.MX.eye(self.size))
 
     def _to_parameters(self, by_q: ca.MX) -> ca.MX:
         return by_q if self._psi is None else by_q @ self._psi
@@ -229,7 +242,9 @@ class GaitNLP:
         shapes, table, _ = self._groups
         if self.law.shapes is None:
             return poses, dissipation, (angles if angles.numel() and self.family.free else 0) + gait
-        if self.family.free:
+        if self.law.states:
+            gait = ca.horzcat(ca.MX(matrix.size1(), self.law.states), gait)
+        elif self.family.free:
             return poses, dissipation, ca.horzcat(ca.MX(matrix.size1(), shapes), angles + gait)
         middle = [angles] if table else []
         return poses, dissipation, ca.horzcat(ca.MX(matrix.size1(), shapes), *middle, gait)
@@ -246,17 +261,32 @@ class GaitNLP:
         return flat * self.steps
 
     def _lift(self, energy: ca.MX) -> list[ca.MX]:
-        return [energy - self.variables[3 * self.steps]] if self.lifted else []
+        lifted = [energy - self.variables[3 * self.steps]] if self.lifted else []
+        return lifted if self._servos is None else [*lifted, ca.vec(self._servos[0].value(*self._servos[1]))]
 
     @cached_property
     def _path(self) -> Layer | None:
-        return path_layer(self.family, self.structure, self.path_rows, self.portable) if self.path_rows else None
+        if not self.path_rows:
+            return None
+        return self.law.behind(path_layer(self.family, self.structure, self.path_rows, self.portable))
+
+    @cached_property
+    def _servos(self) -> tuple[Layer, tuple[ca.MX, ca.MX, ca.MX]] | None:
+        """The equations of servos with memory, and what they are evaluated at."""
+        if self.law.played is None:
+            return None
+        layer, data = self.law.played.equations()
+        return layer, (self._free, ca.MX(ca.DM(data.T)), self.model_parameters)
+
+    @property
+    def _servo_count(self) -> int:
+        return self.law.states
 
     @cached_property
     def _path_at(self) -> tuple[ca.MX, ca.MX, ca.MX]:
         d = self.family.data.shape[1]
         data = ca.reshape(self.parameters[1 : 1 + 2 * d * self.path_rows], 2 * d, self.path_rows)
-        return self.gait, data, self.model_parameters
+        return self._free, data, self.model_parameters
 
     @property
     def _path_value(self) -> ca.MX:
@@ -291,6 +321,9 @@ class GaitNLP:
             pose_places, shape_places = self._places.gradient()
             falls = self.law.blocks.gradient(self._cycle) * self.steps
             rows.append(self._row(pose_places(falls).T, ca.MX(-1), self._beside(shape_places(falls).T)))
+        if self._servos is not None:
+            slope = self._servos[0].slope(*self._servos[1])
+            rows.append(ca.horzcat(ca.MX(slope.size1(), 3 * self.steps + self.lifted), slope))
         if self._path is not None:
             slope = self._path.slope(*self._path_at)
             rows.append(ca.horzcat(ca.MX(slope.size1(), 3 * self.steps + self.lifted), slope))
@@ -333,6 +366,9 @@ class GaitNLP:
         else:
             pp = self._psi.T @ (qq @ self._psi) + self._curvature(force, factor, on_asked)
             up = uq @ self._psi
+        if self._servos is not None:
+            on_states = ca.reshape(on_motion[3 * self.steps + self.lifted :], -1, self.family.rows)
+            pp = pp + self._servos[0].curvature(*self._servos[1], on_states)
         if self._path is not None:
             on_rows = ca.reshape(on_path, -1, self.path_rows)
             pp = pp + self._path.curvature(*self._path_at, on_rows)
@@ -344,7 +380,7 @@ class GaitNLP:
         combine = self.law.combine
         flat = residual if combine is None else combine.T @ residual
         if self.lifted:
-            energy = on_motion[-1] * self.steps
+            energy = on_motion[3 * self.steps] * self.steps
         elif self._needs_energy:
             energy = factor * self.steps * ca.densify(asked[0])[3 * self.steps]
         else:
@@ -366,9 +402,9 @@ class GaitNLP:
 
     def _curvature(self, force: ca.MX, factor: ca.MX, on_asked: ca.MX) -> ca.MX:
         """What the layers' own second derivatives add, (n, n)."""
-        at = self.gait, self._data, self.model_parameters
+        at = self._free, self._data, self.model_parameters
         layer = self.law.shapes
-        total = ca.MX(self.family.size, self.family.size)
+        total = ca.MX(self.size, self.size)
         if layer is not None and layer.functions.curvature is not None:
             total = total + layer.curvature(*at, ca.reshape(force, self.law.coordinates, -1))
         if self._angles is not None and self._angles.functions.curvature is not None:
