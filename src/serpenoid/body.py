@@ -19,6 +19,11 @@ Floats = NDArray[np.float64]
 Length = Annotated[float, Field(ge=1e-9, le=1e6)]  # metres, or any unit: sums and ratios stay finite
 Weight = Annotated[float, Field(ge=1e-9, le=1e9)]
 ANIMALS = ("swimmer", "crawler")
+# metres; sperm and bacteria to blue whales, nematodes to pythons; who is longer or shorter is asked about the unit
+PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
+    "wheeled robot": (0.02, 20.0), "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0), None: (5e-6, 40.0),
+}  # fmt: skip
+SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
 MOST_VERTICES = 1000  # compiling takes minutes beyond
 Kind = Literal["wheeled robot", "swimmer", "crawler"]
 Part = Literal["servos", "wheels", "ground", "water"]
@@ -74,6 +79,16 @@ class Body(Record):
     def total_length_m(self) -> float:
         """Body length = sum of the edges [m]."""
         return float(self.edges_m.sum())
+
+    @property
+    def odd_length(self) -> str | None:
+        """A sentence where no such body is as long or as short, with the unit that may be meant."""
+        (low, high), length = PLAUSIBLE_M[self.kind], self.total_length_m
+        if low <= length <= high:
+            return None
+        meant = next((unit for unit, metre in SMALLER.items() if low <= length * metre <= high), None)
+        unit = f" Lengths are in metres: were they given in {meant}?" if length > high and meant else ""
+        return f"the body is {length:.4g} m long, where {low:g} to {high:g} m is plausible.{unit}"
 
     @cached_property
     def edges(self) -> Floats:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import Field
 
@@ -29,6 +29,8 @@ from serpenoid.medium import Medium
 class ModelFile(Record):
     """What a model file holds."""
 
+    file_kind: ClassVar[str | None] = "model"
+
     medium: Medium
     effects: tuple[ActiveEffect, ...] = Field(default=(), description="see `serpenoid effects`")
     body: Body | None = Field(default=None, description="where it differs from the problem's")
@@ -36,7 +38,7 @@ class ModelFile(Record):
 
 def read_model_file(path: str | Path) -> dict[str, Any]:
     """The sections of a model file, checked: `medium`, `effects` (even if there are none), `body` if there is one."""
-    data = schema.read_toml(path)
+    data = schema.read_toml(path, "model")
     schema.validate(ModelFile, data, str(path))
     return {"effects": [], **data}
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -106,6 +106,8 @@ class Power(Record):
 
 class Problem(Record):
     """A complete problem file."""
+
+    file_kind: ClassVar[str | None] = "problem"
 
     about: About = About()
     body: Body
@@ -215,7 +217,7 @@ def load(
     Raises InputError that names file, section, key, rule, value and remedy.
     """
     path = Path(path)
-    data = schema.read_toml(path)
+    data = schema.read_toml(path, "problem")
     if model is not None:
         data |= _with_limits(read_model_file(model), data.get("body"))
     data = schema.override(data, set or [])

@@ -28,6 +28,8 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
     lines = [(line, row) for line, row in enumerate(csv_rows(read_text(path), path), start=1) if row]
     head = [cell.strip() for cell in lines[0][1]] if lines else []
     m = joint_count or len(head) or 2
+    if Path(path).suffix.lower() == ".toml":
+        raise InputError(f"{path}: is no joint table. Name a results folder (`serpenoid solve` writes one) or a CSV.")
     if head != header(m):
         names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
         raise InputError(f"{path}: the header must be {names} with {m} joints, got {','.join(head)[:60]!r}.")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -94,6 +94,8 @@ class PlayedRobot(Robot):
 class Protocol(Record):
     """A protocol file."""
 
+    file_kind: ClassVar[str | None] = "protocol"
+
     format: Literal[1] = 1
     name: Line = "arena"
     description: Text = ""
@@ -126,7 +128,7 @@ class Protocol(Record):
 
 def load_protocol(path: str | Path) -> tuple[Protocol, dict[str, Floats]]:
     """The protocol and its joint tables by gait name, each checked against what the servos can be told."""
-    path, data = Path(path), read_toml(path)
+    path, data = Path(path), read_toml(path, "protocol")
     if isinstance(data.get("problem"), str) and isinstance(data.get("robot", {}), dict):
         data["robot"] = robot_of(load_problem(path.parent / data["problem"]).body, data.get("robot"))
     protocol = validate(Protocol, data, str(path))

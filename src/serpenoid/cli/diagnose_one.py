@@ -28,8 +28,10 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
     default = Path("results") / campaigns.name_of(campaign) / "diagnosis"
     key = [content_of_campaign(c) for c in wanted], content_of(*([Path(args.model)] if args.model else []))
     folder = options.output_folder(args, default, *key, sorted(args.without))
-    with options.progress_bar(args, "diagnosing", sum(sizes)) as advance:
-        work = Work(sizes, not args.no_figures, advance)
+    kind = "animal" if load_campaign_file(campaign)[0].tracked_only else "robot"
+    work = Work(kind, sizes, not args.no_figures)
+    with options.progress_bar(args, "diagnosing", 1.0, work.left) as advance:
+        work.tell = advance
         earlier, before = None, None
         if args.reference:
             file, then = _diagnosed(args, args.reference, None, work)
@@ -51,9 +53,13 @@ def _diagnosed(
     from serpenoid.diagnose.campaign import diagnose_campaign
     from serpenoid.effects.catalogue import find
 
+    def notice(text: str) -> None:
+        if not args.quiet:
+            options.complain(text)
+
     without = frozenset(find(name).name for name in args.without)
     found = diagnose_campaign(
-        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), work.begin
+        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), work.begin, notice
     )
     work.campaign_done()
     return found

@@ -6,6 +6,7 @@ Exit codes: 0 done; 1 it ran and did not succeed (no optimum, a refused check); 
 from __future__ import annotations
 
 import argparse
+import difflib
 import importlib
 import os
 import signal
@@ -69,6 +70,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
     verb = next((word for word in words if not word.startswith("-")), None)
+    if verb is not None and verb not in VERBS and words[0] == verb:
+        close = difflib.get_close_matches(verb, VERBS, n=1)
+        hint = f"Did you mean `{close[0]}`?" if close else f"Verbs: {', '.join(VERBS)}."
+        return _complain(f"no verb `{verb}`. {hint}", 2)
     args = build_parser(verb).parse_args(words)
     try:
         logging = log.begin(args, words)

@@ -57,8 +57,21 @@ def run(args: argparse.Namespace) -> int:
             _ask(question) if asked else question.value(question.default if given is None else given)
         )
     first = template.write(path, answers)
-    sys.stdout.write(f"{path}\nBegin: {first}\n")
+    sys.stdout.write("\n".join([str(path), *_length(args.kind, path), f"Begin: {first}", ""]))
     return 0
+
+
+def _length(kind: str, path: Path) -> list[str]:
+    """How long the body of a problem or campaign is: where a unit was mistaken, this number shows it."""
+    from serpenoid.files.schema import read_toml, validate
+
+    if kind not in ("problem", "campaign"):
+        return []
+    from serpenoid.body import Body
+
+    body = validate(Body, read_toml(path)["body"], str(path))
+    odd = [f"warning: {body.odd_length}"] if body.odd_length else []
+    return [f"The body is {body.total_length_m:.4g} m long, {body.joint_count} joints.", *odd]
 
 
 def _check_name(name: str) -> None:

@@ -8,7 +8,7 @@ import logging
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -130,11 +130,13 @@ class Advance(Protocol):
 
 
 @contextmanager
-def progress_bar(args: argparse.Namespace, title: str, total: float) -> Iterator[Advance]:
+def progress_bar(
+    args: argparse.Namespace, title: str, total: float, left: Callable[[], float] | None = None
+) -> Iterator[Advance]:
     """A bar on standard error with the time that is left; silent with --quiet and --json. The log hears every step.
 
     total: how much work there is, in whatever `done` counts: remaining time is true as far as its units take as long
-    as each other.
+    as each other. left: seconds until the end, where the work knows them better.
     """
     if args.quiet or args.json:
         yield lambda done, text="", total=total: _note(title, done, total, text)
@@ -146,7 +148,7 @@ def progress_bar(args: argparse.Namespace, title: str, total: float) -> Iterator
 
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
     with Progress(*columns, RemainingColumn(), TextColumn("{task.fields[note]}"), console=Console(stderr=True)) as bar:
-        task = bar.add_task(title, total=total, note="")
+        task = bar.add_task(title, total=total, note="", left=left)
 
         def advance(done: float, text: str = "", total: float = total) -> None:
             _note(title, done, total, text)

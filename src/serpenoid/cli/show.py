@@ -28,6 +28,8 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.results import read_record
 
     folder = Path(args.folder)
+    if folder.is_file():
+        raise InputError(f"{folder}: is a file; `show` takes a results folder or a campaign.{_taken_by(folder)}")
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
     name = next((name for name in RECORDS if (folder / name).exists()), None)
@@ -50,6 +52,19 @@ def run(args: argparse.Namespace) -> int:
     options.report(args, record, [*lines, *files])
     options.open_page(args, folder)
     return 0
+
+
+def _taken_by(path: Path) -> str:
+    """Which verb takes this file, if it is one of the package's."""
+    from serpenoid.errors import InputError
+    from serpenoid.files.kinds import TAKEN_BY, kind_of
+    from serpenoid.files.schema import read_toml
+
+    try:
+        kind = kind_of(read_toml(path))
+    except InputError:
+        return ""
+    return "" if kind is None else f" It is a {kind} file: {TAKEN_BY[kind]}."
 
 
 def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:

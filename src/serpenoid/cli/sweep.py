@@ -131,11 +131,17 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
 def _lines(summary: dict) -> list[str]:
     missing = f", {summary['not_reached']} not reached" if summary["not_reached"] else ""
     window = summary["idle_for_minimum_between_1_and_2"]
-    shown = f"{window[0]:.3f} .. {window[1]:.3f} per cycle" if window else "none"
     return [
         f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed{missing}",
         f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
-        f"  cost of transport least between c = 1 and 2 for idle energy {shown} (units of T * E)",
+        _transport(window),
         *(f"  {line}, at the least c" for line in summary["limits"]),
         f"  written to {summary['folder']}",
     ]
+
+
+def _transport(window: list[float] | None) -> str:
+    if window is None:
+        return "  cost of transport: these c do not span 1 .. 2, so its minimum there tells no idle energy"
+    idle = f"{window[0]:.3f} .. {window[1]:.3f}"
+    return f"  cost of transport is least between c = 1 and 2 if idling costs {idle} a cycle (units of T * E)"

@@ -27,10 +27,12 @@ def diagnose_campaign(
     without: frozenset[str] = frozenset(),
     reading: Reading = lambda done, total, name: None,
     say: Callable[[str], None] = lambda stage: None,
+    notice: Callable[[str], None] = lambda text: None,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
-    without: names of effects that are not looked for.
+    without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
+    is left out.
     """
     file, _ = load_campaign_file(campaign)
     if is_tracked_only(file):
@@ -38,6 +40,9 @@ def diagnose_campaign(
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
         read = load_campaign(campaign, reading)
         tracked = tracked_recordings(read)
+        for recording in tracked:
+            if recording.shortened:
+                notice(f"{recording.name}: {recording.shortened}")
         begun = baseline(model, file, tracked[0].body)
         found = diagnose_tracked(tracked, Baseline(begun, without=without), say)
         plain = Model(read.body, begun.medium)

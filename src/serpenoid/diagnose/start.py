@@ -28,7 +28,7 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     """
     medium, known = file.medium or Medium(anisotropy_ratio=FIRST_GUESS), tuple[ActiveEffect, ...]()
     if path is not None:
-        data = schema.read_toml(path)
+        data = schema.read_toml(path, "model")
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
         known = schema.validate(_Known, {"effects": data.get("effects", [])}, str(path)).effects

@@ -7,7 +7,7 @@ import tomllib
 import unicodedata
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, cast, get_args
+from typing import Annotated, Any, ClassVar, TypeVar, cast, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, StringConstraints, ValidationError
 from pydantic_core import CoreSchema
@@ -15,6 +15,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_text, refuse_depth
+from serpenoid.files.kinds import mistaken
 
 
 # A word from a file that becomes part of a file's name, a figure's title or a comment: no separator, no control
@@ -78,6 +79,7 @@ class Record(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    file_kind: ClassVar[str | None] = None  # of a record that is a whole file: what such files are called
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: type[BaseModel], handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -97,8 +99,11 @@ MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by 
 MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
 
 
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """Parse a TOML file; raise InputError with the line and column of a syntax error."""
+def read_toml(path: str | Path, wanted: str | None = None) -> dict[str, Any]:
+    """Parse a TOML file; raise InputError with the line and column of a syntax error.
+
+    wanted: the kind of file that belongs here, for the message about one that is no TOML at all.
+    """
     try:
         data = tomllib.loads(read_text(path))
     except InputError:
@@ -106,7 +111,8 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{path}: not valid TOML: nested too deeply.") from None
     except ValueError as error:  # also a number of thousands of digits
-        raise InputError(f"{path}: not valid TOML: {error}.") from None
+        other = mistaken(path, wanted) if wanted else None
+        raise InputError(other or f"{path}: not valid TOML: {error}.") from None
     refuse_depth(data, path)
     return data
 
@@ -119,6 +125,9 @@ def validate(schema: type[R], data: dict[str, Any], source: str) -> R:
     try:
         return schema.model_validate(data)
     except ValidationError as error:
+        other = mistaken(source, schema.file_kind, data) if schema.file_kind else None
+        if other is not None:
+            raise InputError(other) from None
         found = error.errors()
         # a list whose entries are faulty counts as empty: that is no second fault
         above = {fault["loc"][:depth] for fault in found for depth in range(1, len(fault["loc"]))}
@@ -130,7 +139,7 @@ def validate(schema: type[R], data: dict[str, Any], source: str) -> R:
 
 def load(schema: type[R], path: str | Path) -> R:
     """Read and validate one TOML file as `schema`."""
-    return validate(schema, read_toml(path), str(path))
+    return validate(schema, read_toml(path, schema.file_kind), str(path))
 
 
 def override(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:

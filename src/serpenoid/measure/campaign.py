@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -85,6 +85,8 @@ class TrialEntry(MotionKeys):
 
 class CampaignFile(Record):
     """`campaign.toml` as it stands."""
+
+    file_kind: ClassVar[str | None] = "campaign"
 
     format: Literal[1]
     name: Line

@@ -91,6 +91,8 @@ def align_trial(file: CampaignFile, files: Files, body: Body) -> Trial:
         metres = body.total_length_m if tracks.scale_known and files.keys.length_unit != "bl" else None
         extras = (labelled.relabelled, labelled.unused)
         motion, servo, notes = build_motion(body, tracks.time_s, labelled.vertices / scale, files.servo_log, extras)
+    if metres is not None and body.odd_length is not None:
+        notes = [*notes, body.odd_length]
     if schedule is not None:
         schedule, source, complaints = schedule_start(schedule, files.servo_log, servo, motion)
         notes += complaints

@@ -32,7 +32,8 @@ class Clearance:
     @property
     def words(self) -> str:
         """One line for people."""
-        return f"{self.proven:.2e} body lengths proven at every time and place, {self.least:.2e} where it was looked"
+        proven = f"at least {self.proven:.2e} body lengths at every time and place, proven"
+        return f"{proven}; the least gap found is {self.least:.2e}"
 
 
 def clearance(path: Between, field: GapField, wanted: float = 0.0) -> Clearance:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import tau
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -83,6 +83,8 @@ class VoltageWindow(Record):
 
 class Robot(Record):
     """A robot file; joints in the order joint_1 (next to the tail) ... joint_m (next to the head)."""
+
+    file_kind: ClassVar[str | None] = "robot"
 
     format: Literal[1]
     name: Name

@@ -42,6 +42,8 @@ LEAST_NOISE = 1e-6  # body lengths, rad: rounding
 class TrackedRecording:
     """One piece of a trial without a hole, smooth, with its noise; lengths in metres, or in body lengths (pixels).
 
+    shortened: what is said of a trial that is too long to be used whole, empty otherwise.
+
     promised_s: seconds of the trial that it stands for; those that no piece shows are counted with the first.
     """
 
@@ -51,6 +53,7 @@ class TrackedRecording:
     smoothed: Smoothed
     promised_s: float
     remarks: tuple[str, ...] = ()
+    shortened: str = ""
 
     @property
     def setting(self) -> tuple[str, float]:
@@ -97,13 +100,23 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     spans = [float(time[-1] - time[0]) for time in times]
     promised = [spans[i] for i in long]
     promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
-    cut = f"the first {sum(spans[i] for i in long):.3g} s are used; `from_s` and `to_s` choose others"
-    notes = (*trial.notes, cut) if share < 1 else trial.notes
+    cut = _shortened(trial, sum(spans[i] for i in long)) if share < 1 else ""
+    notes = (*trial.notes, cut) if cut else trial.notes
     names = [trial.name if len(long) == 1 else f"{trial.name}, from {times[i][0]:.4g} s" for i in long]
     return [
-        TrackedRecording(name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else ())
+        TrackedRecording(
+            name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else (), cut * (i == long[0])
+        )
         for name, i, seconds in zip(names, long, promised, strict=True)
     ]
+
+
+def _shortened(trial: Trial, used_s: float) -> str:
+    whole = float(trial.motion.time_s[-1] - trial.motion.time_s[0]) if trial.motion is not None else used_s
+    return (
+        f"the first {used_s:.3g} s of {whole:.3g} s are used, {MOST_PERIODS} beats of all recordings together; "
+        "`from_s` and `to_s` choose others"
+    )
 
 
 def _in_body_lengths(body: Body) -> Body:

@@ -111,7 +111,7 @@ def ratio(record: Record) -> str:
 
 def seconds(record: Record) -> str:
     """How much of the recordings the answer is made from."""
-    return f"{record['used_s']:.4g} s used, {record['dropped_s']:.2g} s dropped"
+    return f"{record['used_s']:.4g} s used, {record['dropped_s']:.4g} s dropped"
 
 
 def drag_ratio(record: Record) -> str:

@@ -1,0 +1,73 @@
+"""A file in another's place is called what it is, with the verb that takes it; a body of an odd length is asked about."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from serpenoid.arena.protocol import Protocol
+from serpenoid.body import Body
+from serpenoid.cli.main import main
+from serpenoid.errors import InputError
+from serpenoid.files import schema
+from serpenoid.files.kinds import TAKEN_BY, kind_of
+from serpenoid.measure.campaign import CampaignFile
+from serpenoid.model_file import ModelFile
+from serpenoid.problem import Problem
+from serpenoid.robot.description import Robot
+from specimens import PROBLEMS
+
+SCHEMAS = {"problem": Problem, "model": ModelFile, "robot": Robot, "protocol": Protocol, "campaign": CampaignFile}
+EXAMPLES = {
+    "problem": PROBLEMS / "snake10.toml", "robot": PROBLEMS / "robots/snake10-robot.toml",
+    "protocol": PROBLEMS / "protocols/two-gaits.toml", "campaign": PROBLEMS / "campaigns/lamprey.toml",
+}  # fmt: skip
+
+
+def test_every_example_is_known_for_what_it_is() -> None:
+    folders = {"robots": "robot", "protocols": "protocol", "campaigns": "campaign", "problems": "problem"}
+    for path in PROBLEMS.rglob("*.toml"):
+        assert kind_of(schema.read_toml(path)) == folders[path.parent.name], path
+    assert kind_of({"medium": {}, "effects": []}) == "model"
+    assert kind_of({}) is None
+    assert {k: s.file_kind for k, s in SCHEMAS.items()} == {k: k for k in TAKEN_BY}
+
+
+@pytest.mark.parametrize("wanted", SCHEMAS)
+@pytest.mark.parametrize("given", EXAMPLES)
+def test_another_kind_of_file_is_named_with_its_verb(wanted: str, given: str) -> None:
+    if wanted == given:
+        assert schema.load(SCHEMAS[wanted], EXAMPLES[given])
+        return
+    with pytest.raises(InputError) as said:
+        schema.load(SCHEMAS[wanted], EXAMPLES[given])
+    assert str(said.value) == f"{EXAMPLES[given]}: is a {given} file, where a {wanted} file belongs. {TAKEN_BY[given]}."
+
+
+def test_a_recording_in_the_place_of_a_file_says_where_it_belongs() -> None:
+    with pytest.raises(InputError, match=r"is no problem file but a table: recordings are named in a campaign"):
+        schema.load(Problem, PROBLEMS / "recordings/lamprey.csv")
+
+
+def test_a_misspelt_verb_is_guessed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["slove", "x"]) == 2
+    assert capsys.readouterr().err == "serpenoid: no verb `slove`. Did you mean `solve`?\n"
+
+
+def test_a_robot_of_580_metres_is_asked_whether_it_was_measured_in_millimetres(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["new", "problem", str(tmp_path / "r.toml"), "--joints", "3", "--yes"]
+    assert main([*asked, "--edges", "50,200,200,130"]) == 0
+    said = capsys.readouterr().out
+    assert "The body is 580 m long" in said
+    assert "were they given in millimetres?" in said
+    (tmp_path / "r.toml").unlink()
+    assert main([*asked, "--edges", "0.05,0.2,0.2,0.13"]) == 0
+    assert "plausible" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("kind", "metres"), [("crawler", 1e-3), ("swimmer", 5e-5), ("swimmer", 30.0), (None, 1.0)])
+def test_nematodes_sperm_whales_and_robots_raise_no_question(kind: str | None, metres: float) -> None:
+    assert Body(kind=kind, vertices=5, length_m=metres).odd_length is None
