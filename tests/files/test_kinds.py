@@ -1,4 +1,4 @@
-"""A file in another's place is called what it is, with the verb that takes it; a body of an odd length is asked about."""
+"""A file in another's place is called what it is, with its verb; a body of odd length is asked about its unit."""
 
 from __future__ import annotations
 
@@ -34,12 +34,8 @@ def test_every_example_is_known_for_what_it_is() -> None:
     assert {k: s.file_kind for k, s in SCHEMAS.items()} == {k: k for k in TAKEN_BY}
 
 
-@pytest.mark.parametrize("wanted", SCHEMAS)
-@pytest.mark.parametrize("given", EXAMPLES)
+@pytest.mark.parametrize(("wanted", "given"), [(w, g) for w in SCHEMAS for g in EXAMPLES if w != g])
 def test_another_kind_of_file_is_named_with_its_verb(wanted: str, given: str) -> None:
-    if wanted == given:
-        assert schema.load(SCHEMAS[wanted], EXAMPLES[given])
-        return
     with pytest.raises(InputError) as said:
         schema.load(SCHEMAS[wanted], EXAMPLES[given])
     assert str(said.value) == f"{EXAMPLES[given]}: is a {given} file, where a {wanted} file belongs. {TAKEN_BY[given]}."
@@ -51,8 +47,10 @@ def test_a_recording_in_the_place_of_a_file_says_where_it_belongs() -> None:
 
 
 def test_a_misspelt_verb_is_guessed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["slove", "x"]) == 2
-    assert capsys.readouterr().err == "serpenoid: no verb `slove`. Did you mean `solve`?\n"
+    with pytest.raises(SystemExit) as stopped:
+        main(["slove", "x"])
+    assert stopped.value.code == 2
+    assert capsys.readouterr().err.endswith("no verb `slove`. Did you mean `solve`?\n")
 
 
 def test_a_robot_of_580_metres_is_asked_whether_it_was_measured_in_millimetres(

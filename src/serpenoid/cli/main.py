@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if verb is not None and verb not in VERBS and words[0] == verb:
         close = difflib.get_close_matches(verb, VERBS, n=1)
         hint = f"Did you mean `{close[0]}`?" if close else f"Verbs: {', '.join(VERBS)}."
-        return _complain(f"no verb `{verb}`. {hint}", 2)
+        build_parser().error(f"argument VERB: there is no verb `{verb}`. {hint}")
     args = build_parser(verb).parse_args(words)
     try:
         logging = log.begin(args, words)

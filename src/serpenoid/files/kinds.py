@@ -29,9 +29,9 @@ def kind_of(data: dict[str, Any]) -> str | None:
         return "campaign"
     if isinstance(data.get("gait"), list) or "trials" in data:
         return "protocol"
-    if {"task", "gait"} & data.keys() or {"body", "medium"} <= data.keys() and "effects" not in data:
+    if {"task", "gait"} & data.keys() or {"body", "medium"} <= data.keys():
         return "problem"
-    return "model" if "medium" in data else None
+    return "model" if {"medium", "effects"} <= data.keys() else None
 
 
 def mistaken(path: str | Path, wanted: str, data: dict[str, Any] | None = None) -> str | None:
