@@ -34,6 +34,7 @@ VERBS: dict[str, str] = {
     "compare": "lay measured, simulated and resimulated motion over each other",
     "diagnose": "find out what the simulation gets wrong, and why",
     "show": "say what is in a results folder",
+    "table": "all results in some folders as one CSV",
     "effects": "list the physical effects that a model can have and a diagnosis can name",
     "schema": "print the JSON Schema of a file: problem, model, robot, protocol, campaign",
     "export": "write a gait for the robot: CSV, servo ticks, OpenRB-150 sketch, ROS 2",
