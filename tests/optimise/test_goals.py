@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 import pytest
+from serpenoid.optimise.easier import Easier, easier
 
 from oracle.integrator import Run
 from serpenoid.body import Body, Floats
@@ -23,7 +24,6 @@ from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import clearance
-from serpenoid.optimise.coarse import coarser, on_coarser_rows
 from serpenoid.optimise.ladder import climb
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
@@ -185,19 +185,31 @@ def test_signed_distances_are_convex_and_grow_no_faster_than_points_move(obstacl
     assert (middle <= (before + after) / 2 + 1e-8).all()
 
 
-def test_free_tables_are_first_looked_for_on_few_rows_but_not_beside_obstacles() -> None:
-    for name, steps, rough in (
-        ("reach", 80, 20),
-        ("reach", 82, None),
-        ("reach", 40, None),
-        ("disc-obstacle", 200, None),
+def test_free_tables_are_first_looked_for_on_few_rows_and_obstacles_come_last() -> None:
+    for name, changes, chain in (
+        ("reach", (), [(20, 0)]),
+        ("reach", ("task.steps=82",), []),
+        ("reach", ("task.steps=40",), []),
+        ("disc-obstacle", (), [(50, 1), (50, 0)]),
+        ("disc-obstacle", ("task.steps=50",), [(50, 0)]),
     ):
-        wanted = problem(name, f"task.steps={steps}")
-        family = wanted.family_of()
-        found = coarser(wanted, family)
-        assert (found.task.steps if found else None) == rough
-    table = np.arange(24.0).reshape(8, 3)
-    np.testing.assert_array_equal(on_coarser_rows(table.ravel(), TableGait().of(3, 8)).reshape(-1, 3), table[::4])
+        wanted, found = problem(name, *changes), []
+        while (way := easier(wanted, wanted.family_of(), given=False)) is not None:
+            wanted = way.problem
+            found.append((wanted.task.steps, len(wanted.task.demands)))
+        assert found == chain
+    assert easier(problem("disc-obstacle"), problem("disc-obstacle").family_of(), given=True) is None
+    table, way = np.arange(24.0).reshape(8, 3), Easier(problem("reach"), fewer=4)
+    np.testing.assert_array_equal(way.to(table.ravel(), TableGait().of(3, 8)).reshape(-1, 3), table[::4])
+    np.testing.assert_array_equal(way.back(table[::4].ravel(), TableGait().of(3, 2)).reshape(-1, 3)[::4], table[::4])
+
+
+def test_a_heading_is_not_reached_by_a_step_of_a_whole_turn() -> None:
+    """Poses a whole turn apart are one: without a limit on its steps an NLP turns the other way and leaps."""
+    turn = {"objectives": ({"kind": "heading", "target_rad": 2.5, "weight": 5.0},), "demands": (), "c": 0.1}
+    found = solve(asked("turn-in-a-box", "body.vertices=5", "task.steps=24", **turn), starts=1, seed=2).best
+    assert found.resimulation_error <= 1e-8
+    assert found.trajectory.heading_change > 2.0
 
 
 def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from serpenoid.optimise.limits import even_rows, exchange, path_limits, violations, worst_violation
-from serpenoid.optimise.solver import Carried, GaitSolver
+from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from specimens import problem
 

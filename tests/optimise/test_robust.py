@@ -15,10 +15,10 @@ from serpenoid.cases import cases_of
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.optimise.prepared import Carried
 from serpenoid.optimise.robust import RobustSolver
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
-from serpenoid.optimise.solver import Carried
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 from specimens import oracle_run, problem

@@ -95,6 +95,11 @@ class Criteria:
         turned = ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c)) @ body
         return turned + ca.repmat(pose[:2], 1, body.size2())
 
+    def count_turns(self) -> None:
+        """Have every step turn by less than half a turn: a heading that is a whole turn off is the same pose."""
+        turns = ca.vec(self.poses[2, 1:] - self.poses[2, :-1])
+        self.subject_to(turns, -ca.pi, ca.pi)
+
     def after(self, cycles: int) -> ca.SX:
         """Pose (3) after the cycle was played `cycles` times: its net motion, composed with itself."""
         motion, pose = self.poses[:, -1], ca.SX.zeros(3)

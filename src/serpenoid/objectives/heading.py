@@ -20,6 +20,7 @@ class Heading(Term):
 
     def expression(self, of: Criteria) -> ca.SX:
         """Zero where the heading is met."""
+        of.count_turns()
         return (self.cycles * of.heading_change - self.target_rad) ** 2
 
     def outcome(self, played: Played) -> str:

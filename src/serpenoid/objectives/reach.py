@@ -31,6 +31,7 @@ class Reach(Demand):
         else:
             of.subject_to(gap, 0.0, 0.0)
         if self.heading_rad is not None:
+            of.count_turns()
             of.subject_to(pose[2] - self.heading_rad, 0.0, 0.0)
 
     def outcome(self, played: Played) -> str:

@@ -13,7 +13,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.optimise.limits import TOLERANCE
-from serpenoid.optimise.solver import Answer, Carried, GaitBounds, GaitSolver
+from serpenoid.optimise.motions import GaitBounds
+from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 

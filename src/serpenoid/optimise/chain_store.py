@@ -15,7 +15,8 @@ from serpenoid.files.inputs import read_bytes
 from serpenoid.files.writing import atomic, short_hash
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Outcome, Point
-from serpenoid.optimise.solver import Answer, Carried, GaitSolver
+from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.watch import Watch, Watched
 from serpenoid.status import Status
 

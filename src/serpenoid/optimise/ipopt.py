@@ -41,6 +41,13 @@ WARM = {
     "ipopt.warm_start_slack_bound_push": 1e-8,
     "ipopt.warm_start_mult_bound_push": 1e-8,
 }
+BESIDE_OBSTACLES = {"ipopt.mu_strategy": "adaptive"}  # a fixed barrier bends a body that touches along its length
+ROUGH = {  # of answers that are starts
+    "ipopt.tol": 1e-5,
+    "ipopt.constr_viol_tol": 1e-6,
+    "ipopt.dual_inf_tol": 1e-5,
+    "ipopt.compl_inf_tol": 1e-5,
+}
 OUTCOMES = {
     "Solve_Succeeded": Status.SOLVED,
     "User_Requested_Stop": Status.STOPPED,
@@ -127,9 +134,11 @@ class Ipopt:
         given = {"jac_g": seen["jac_g"], "grad_f": self.functions["grad_f"]}
         given |= {"hess_lag": seen["hess_lag"], "iteration_callback": self._callback}
         # a fresh barrier and a warm one are two configurations of the same problem
-        self._cold = ca.nlpsol("cold", "ipopt", problem, OPTIONS | given | (options or {}))
-        self._warm_arguments = (problem, OPTIONS | given | WARM | (options or {}))
-        self._warm: ca.Function | None = None
+        self._arguments = {
+            "cold": (problem, OPTIONS | given | (options or {})),
+            "warm": (problem, OPTIONS | given | WARM | (options or {})),
+        }
+        self._solvers: dict[str, ca.Function] = {}
 
     def solve(
         self,
@@ -142,9 +151,9 @@ class Ipopt:
         """Solve from a primal start (array) or warm from a primal-dual Point."""
         if isinstance(start, Point):
             multipliers = {"lam_x0": start.lam_x, "lam_g0": start.lam_g[self._kept]}
-            solver, arguments = self._warm_solver(), {"x0": start.x} | multipliers
+            solver, arguments = self._solver("warm"), {"x0": start.x} | multipliers
         else:
-            solver, arguments = self._cold, {"x0": start}
+            solver, arguments = self._solver("cold"), {"x0": start}
         self._callback.flag, self._callback.error, self._watcher = flag, None, watch
         begin = time.perf_counter()
         limits = {"lbg": bounds.lbg[self._kept], "ubg": bounds.ubg[self._kept]}
@@ -193,10 +202,10 @@ class Ipopt:
             "hess_lag": ca.Function("kept_hess", [x, p, factor, multipliers], [hessian], *lagrange),
         }
 
-    def _warm_solver(self) -> ca.Function:
-        if self._warm is None:
-            self._warm = ca.nlpsol("warm", "ipopt", *self._warm_arguments)
-        return self._warm
+    def _solver(self, kind: str) -> ca.Function:
+        if kind not in self._solvers:
+            self._solvers[kind] = ca.nlpsol(kind, "ipopt", *self._arguments[kind])
+        return self._solvers[kind]
 
     def _observe(self, objective: float) -> None:
         if self._watcher is not None:

@@ -12,7 +12,7 @@ from serpenoid.model import Model
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import Clearance, clearance
-from serpenoid.optimise.watch import Watch, every_vertex, exchanged
+from serpenoid.optimise.watch import Watch, every_vertex, exchanged, near
 from serpenoid.simulation.rollout import Batch
 from serpenoid.simulation.servos import realise_gait
 
@@ -33,6 +33,11 @@ class Obstacles:
         """The gaps of single points."""
         return GapField(self.gaps)
 
+    @property
+    def columns(self) -> int:
+        """Gaps of a point."""
+        return int(self.field.convex.size)
+
     def path(self, poses: Floats, tables: Floats) -> Between:
         """Motions with poses (B, T + 1, 3) of joint tables (B, R, m)."""
         if not self.closed:
@@ -42,11 +47,15 @@ class Obstacles:
 
     def first(self) -> Watch:
         """What the first NLP watches."""
-        return every_vertex(self.steps, self.model.structure.vertices, self.field.convex.size) if self.gaps else Watch()
+        return every_vertex(self.steps, self.model.structure.vertices, self.columns) if self.gaps else Watch()
 
-    def after(self, watch: Watch, poses: Floats, table: Floats, margin: float) -> Watch:
+    def near(self, poses: Floats, table: Floats) -> Watch:
+        """Of all vertices in all rows of a motion, what is near an obstacle."""
+        return near(self.first(), self.path(poses[None], table[None]), self.field)
+
+    def after(self, watch: Watch, poses: Floats, table: Floats) -> Watch:
         """What the next NLP watches."""
-        return exchanged(watch, self.path(poses[None], table[None]), self.field, margin)
+        return exchanged(watch, self.path(poses[None], table[None]), self.field)
 
     def clearance(self, poses: Floats, table: Floats) -> Clearance | None:
         """How near a motion comes to obstacles at any time, None where there are none."""

@@ -23,9 +23,11 @@ from serpenoid.optimise.ipopt import Bounds, Ipopt, Point
 from serpenoid.optimise.limits import PathLimits, path_limits
 from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.motions import Costs, GaitBounds
+from serpenoid.optimise.prepared import Carried
 from serpenoid.optimise.robust_nlp import RobustNLP
 from serpenoid.optimise.solution import CaseOutcome
-from serpenoid.optimise.solver import Answer, Carried, Costs, GaitBounds, GaitSolver
+from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch
@@ -52,7 +54,7 @@ class RobustSolver(GaitSolver):
         if self.asked.criteria.clear_of:
             raise InputError("[task.robust]: obstacles are proven clear of for one model; leave one of the two out.")
         self.problem, self._customise, self._gait = problem, customise, gait
-        self._softer = self._coarser = None
+        self._easier = self._approach = None
         self._c = problem.task.c
         robust = problem.task.robust
         self.over, self.interval = (robust.over, robust.anisotropy_ratio) if robust else ("worst", None)
@@ -66,7 +68,7 @@ class RobustSolver(GaitSolver):
     def _add(self, case: Case) -> None:
         self.cases.append(case)
         alone = GaitSolver(case.problem, self._customise, self._gait)
-        alone._softer = alone._coarser = None
+        alone._easier = alone._approach = None
         self.each.append(alone)
 
     def start(self, q: Floats) -> Floats:

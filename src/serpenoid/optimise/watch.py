@@ -1,8 +1,7 @@
 """Which points of the body an NLP keeps clear of obstacles: an exchange method over times and places.
 
-A first NLP watches every vertex in every row. What it finds is looked at on a grid between rows and vertices; points
-that are too near are watched from then on, those far away no longer, until the whole motion is proven clear. Only the
-few points that touch something are left, and the answer keeps clear at every time and place.
+A first NLP watches every vertex that its start brings near, in every row. What it finds is looked at on a grid between
+rows and vertices; points that are too near are watched from then on, until the whole motion is proven clear.
 
 Legend: T steps, N vertices, c gaps of a point.
 """
@@ -18,7 +17,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.optimise.between import Between, GapField, Moments
 
-NEAR = 0.05  # body lengths: half an edge of the paper's robot; what is farther away seldom comes into contact
+NEAR = 0.3  # body lengths: less, and a body leaps between rows to where nothing is watched; more only costs time
 SHARES = PLACES = (0.0, 0.25, 0.5, 0.75)  # where it is looked: in every step, on every edge
 MARGIN = 1e-3  # body lengths kept at watched points, so that their neighbours keep clear: finer than a robot is placed
 DEEP = 5e-3  # less is mended by a wider margin, more by watching the point: half the depth of a disc between vertices
@@ -54,6 +53,10 @@ class Watch:
         """Places of the watched gaps, in order."""
         return np.array(sorted(self.places(vertices, columns).values()), int)
 
+    def count(self, vertices: int, columns: int) -> int:
+        """All gaps of the instants, watched or not."""
+        return len(self.instants) * vertices * columns
+
     def moments(self, steps: int, vertices: int) -> tuple[Moments, np.ndarray]:
         """The watched points and the columns of their gaps."""
         share, step, place, vertex, column = (np.array(x) for x in zip(*self.points, strict=True))
@@ -75,12 +78,15 @@ def every_vertex(steps: int, vertices: int, columns: int) -> Watch:
     return Watch(tuple(Watched(0.0, t, 0.0, v, c) for t in rows for v in places for c in gaps))
 
 
-def exchanged(watch: Watch, path: Between, field: GapField, margin: float) -> Watch:
-    """What to watch after a solve: what is near of what was watched, and of every step and edge what is too near."""
+def near(watch: Watch, path: Between, field: GapField) -> Watch:
+    """What of `watch` a motion brings near."""
+    close = watch.values(path, field)[0] < NEAR
+    return Watch(tuple(point for point, is_close in zip(watch.points, close, strict=True) if is_close))
+
+
+def exchanged(watch: Watch, path: Between, field: GapField) -> Watch:
+    """What to watch after a solve: what was watched, and of every step and edge what is too near."""
     kept = set(watch.points)
-    if len(kept) == (path.steps + 1) * len(path.levers) * field.convex.size:
-        near = watch.values(path, field)[0] < margin + NEAR
-        kept = {point for point, still in zip(watch.points, near, strict=True) if still}
     steps, edges = np.arange(path.steps), np.arange(path.phi.shape[2])
     grid = [x.ravel() for x in np.meshgrid(steps, edges, SHARES, PLACES, indexing="ij")]
     at = Moments(grid[0].astype(int), grid[2], grid[1].astype(int), grid[3])

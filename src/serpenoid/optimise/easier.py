@@ -1,0 +1,87 @@
+"""A hard problem is approached from an easier one: its optimum is where the search begins, and that may have an easier.
+
+    friction with kinks   <-  the next softer friction <- ... <- linear drag
+    a free table          <-  every fourth of its rows
+    beside obstacles      <-  the same without them
+
+Kinks of hard friction lie close together along a search, and quadratic models hold only between them; linear drag's
+optima are found from anywhere. A random table needs as many iterations on few rows as on many, and an iteration costs
+in proportion to the rows. Obstacles put thousands of constraints into an NLP whose first iterations only learn to move.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from serpenoid.body import Floats
+from serpenoid.gaits import GaitFamily
+from serpenoid.objectives.obstacles import Obstacle
+from serpenoid.problem import Problem
+
+SOFTEST = 1.0  # of the element's own way; softer still is linear drag
+SOFTER = 10**0.5  # from one friction to the next
+FEWER = 4  # rows of the table to one of the rough table
+LEAST = 20  # rows of a rough table: fewer do not tell a wave's direction well
+
+
+@dataclass(frozen=True)
+class Easier:
+    """An easier problem. fewer: rows of the table to one of its rows; exact: its own optimum is worth finding."""
+
+    problem: Problem
+    fewer: int = 1
+    exact: bool = False
+
+    def to(self, q: Floats, family: GaitFamily) -> Floats:
+        """Where it begins, from gait q of the harder problem's family."""
+        return q if self.fewer == 1 else q.reshape(family.rows, family.joints)[:: self.fewer].ravel()
+
+    def back(self, q: Floats, family: GaitFamily) -> Floats:
+        """Where the harder problem begins, from gait q of the easier problem's family."""
+        return q if self.fewer == 1 else family.on_finer_rows(q, self.fewer)
+
+
+def easier(problem: Problem, family: GaitFamily, given: bool) -> Easier | None:
+    """The next easier problem, None where none helps; given: the start is good, or terms are the user's."""
+    soft = softer(problem)
+    if soft is not None:
+        return Easier(soft, exact=True)
+    if given:
+        return None
+    rough = on_fewer_rows(problem, family)
+    if rough is not None:
+        return Easier(rough, FEWER)
+    free = without_obstacles(problem)
+    return None if free is None else Easier(free)
+
+
+def softer(problem: Problem) -> Problem | None:
+    """The same problem with the next softer friction; None for linear drag."""
+    medium = problem.medium
+    if medium.law != "coulomb":
+        return None
+    softening = medium.softening * SOFTER
+    if softening <= SOFTEST:
+        update: dict = {"softening": softening}
+    else:
+        ratio = medium.anisotropy_ratio**2
+        update = {"law": "viscous", "anisotropy_ratio": ratio, "anisotropy_ratio_bounds": None}
+    return problem.model_copy(update={"medium": medium.model_copy(update=update)})
+
+
+def on_fewer_rows(problem: Problem, family: GaitFamily) -> Problem | None:
+    """The same problem of free tables on every fourth row; None where too few are left."""
+    steps = problem.task.steps
+    if not family.free or steps % FEWER or steps < FEWER * LEAST:
+        return None
+    return _with(problem, steps=steps // FEWER)
+
+
+def without_obstacles(problem: Problem) -> Problem | None:
+    """The same problem with nothing in the way; None where nothing is."""
+    left = tuple(demand for demand in problem.task.demands if not isinstance(demand, Obstacle))
+    return None if len(left) == len(problem.task.demands) else _with(problem, demands=left)
+
+
+def _with(problem: Problem, **changes: object) -> Problem:
+    return problem.model_copy(update={"task": problem.task.model_copy(update=changes)})

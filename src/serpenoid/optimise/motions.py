@@ -1,0 +1,140 @@
+"""What gaits do, by forward simulation: for starts, certificates and searches, without an NLP.
+
+Legend: T steps, R rows, m joints, q gait parameters (n,), B gaits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.gaits import Gait
+from serpenoid.mechanics.tables import family_tables
+from serpenoid.optimise.asked import Customise, asked
+from serpenoid.optimise.ipopt import Point
+from serpenoid.optimise.limits import path_limits, violations
+from serpenoid.optimise.mesh import MeshStudy, study_mesh
+from serpenoid.optimise.motion_law import needs_states
+from serpenoid.optimise.obstacles import Obstacles
+from serpenoid.optimise.played import Played
+from serpenoid.optimise.solution import CaseOutcome
+from serpenoid.problem import Problem
+from serpenoid.simulation import simulate_batch, simulate_joint_angles
+from serpenoid.simulation.problem import gait_parameters
+from serpenoid.simulation.rollout import Batch
+from serpenoid.trajectory import Trajectory
+
+GaitBounds = tuple[Floats, Floats]
+
+
+@dataclass(frozen=True)
+class Costs:
+    """value: objectives (B,); outside: sums of the violations (B,); sound: whether gaits could be simulated (B,)."""
+
+    value: Floats
+    outside: Floats
+    sound: np.ndarray
+    batch: Batch | None = None
+
+
+class GaitMotions:
+    """The gaits of a problem's family (or of that of `gait`), what is asked of them, and what they do."""
+
+    def __init__(self, problem: Problem, customise: Customise | None = None, gait: Gait | None = None) -> None:
+        self.problem, self.model = problem, problem.model
+        self.family = problem.family_of(gait)
+        self.steps = self.family.rows - (not self.family.closed)
+        self.asked = asked(problem.task, self.family, customise, self.model)
+        self.limits = path_limits(problem)
+        gaps = tuple(self.asked.criteria.clear_of)
+        self.obstacles = Obstacles(gaps, self.model, self.steps, self.family.closed)
+
+    def gait_bounds(self) -> GaitBounds:
+        """Lower and upper bounds of q: the problem's; joint limits too where the parameters are the angles."""
+        lower, upper = self.family.limits
+        if self.family.free:
+            limit = np.tile(self.limits.upper[: self.family.joints], self.family.rows)
+            lower, upper = np.maximum(lower, -limit), np.minimum(upper, limit)
+        return lower, upper
+
+    def own_start(self) -> Floats:
+        """The problem's gait, inside the bounds."""
+        return np.clip(gait_parameters(self.problem, self.family), *self.gait_bounds())
+
+    def table(self, q: Floats) -> Floats:
+        """Joint table (R, m) of gait parameters q."""
+        return family_tables(self.model, self.family, q[None])[0]
+
+    def tables(self, gaits: Floats) -> Floats:
+        """Joint tables (B, R, m) of gaits (B, n)."""
+        return family_tables(self.model, self.family, gaits)
+
+    def finer(self, q: Floats, factor: int) -> Floats:
+        """Joint table of gait q with `factor` times as many steps."""
+        return family_tables(self.model, self.family.refined(factor), self.family.on_finer_rows(q, factor)[None])[0]
+
+    def simulate(self, table: Floats) -> Trajectory:
+        """The motion of one table."""
+        return simulate_joint_angles(self.model, table, closed=self.family.closed)
+
+    def batch(self, tables: Floats) -> Batch:
+        """The motions of tables (B, R, m)."""
+        return simulate_batch(self.model, tables, self.family.closed)
+
+    def costs(self, tables: Floats, gaits: Floats, c: float) -> Costs:
+        """Objective, violations of what is asked, and soundness of gaits (B, n) with these tables, simulated."""
+        batch = self.batch(tables)
+        value, outside = self.asked.evaluate(batch, tables, gaits, c)
+        target = self.heading_target()
+        if target is not None:
+            outside = outside + np.abs(batch.poses[:, -1, 2] - target)
+        return Costs(value, outside, batch.sound, batch)
+
+    def value(self, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
+        """The objective of a simulated gait; not a number where the simulation failed."""
+        poses, dissipation = trajectory.poses[None], np.array([trajectory.dissipation])
+        batch = Batch(poses, dissipation, np.array([trajectory.residual]), np.array([trajectory.status.ok]))
+        return float(self.asked.evaluate(batch, table[None], q[None], c)[0][0])
+
+    def pose_error(self, point: Point, table: Floats, trajectory: Trajectory) -> float:
+        """Largest difference between the poses of the NLP and those of the simulation."""
+        poses = point.x[: 3 * self.steps].reshape(-1, 3)
+        return float(np.max(np.abs(trajectory.poses[1:] - poses)))
+
+    def meshes(self, q: Floats) -> list[MeshStudy]:
+        """How the motion depends on the number of steps."""
+        return [study_mesh(lambda factor: self.simulate(self.finer(q, factor)), self.steps)]
+
+    def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
+        """What gait q does in every case that it must serve; of one model: nothing more to say."""
+        return ()
+
+    def excess(self, tables: Floats) -> Floats:
+        """How far joint angles and their changes exceed the limits, shape (..., rows, 2 m); -infinity without any."""
+        return violations(tables, self.limits, self.family.closed)
+
+    def start(self, q: Floats) -> Floats:
+        """A start that satisfies all momentum equations: the simulated poses of gait q."""
+        trajectory = self.simulate(self.table(q))
+        poses = np.nan_to_num(trajectory.poses[1:] - trajectory.poses[0])
+        lifted = [] if self.asked.criteria.separable else [trajectory.dissipation]
+        states = np.zeros(0) if self._played is None else self._played.start(self.table(q))
+        return np.concatenate([poses.ravel(), np.nan_to_num(lifted), states, q])
+
+    @property
+    def states(self) -> int:
+        """Numbers of the servos' memories in the NLP."""
+        return 0 if self._played is None else self._played.states
+
+    @cached_property
+    def _played(self) -> Played | None:
+        """Servos whose memories are variables of the NLP."""
+        return Played(self.model, self.family) if needs_states(self.model, self.family) else None
+
+    def heading_target(self) -> float | None:
+        """Prescribed heading change [rad], None where it is free."""
+        constraints = self.problem.task.constraints
+        return 0.0 if constraints.straight else constraints.heading_change_rad
