@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import re
 import shlex
+import signal
+import subprocess
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from robot.emulated import start
 from serpenoid.cli.main import VERBS, build_parser, main
 
 ROOT = Path(__file__).parents[1]
@@ -41,6 +46,43 @@ def test_the_python_tutorial_runs(
     said = capsys.readouterr().out
     assert "<Simulation reference: solved" in said
     assert "SOLVED 0.0" in said
+
+
+def test_the_robot_tutorial_plays_and_measures_on_emulated_servos(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    """Every command but the last, `diagnose`; the film is the answer's own motion, a row of the table every 60 ms."""
+    monkeypatch.chdir(tmp_path)
+    servos: list[subprocess.Popen[str]] = []
+    page = commands(ROOT / "docs" / "start" / "robot.md")
+    try:
+        for words in page[: [w[0] for w in page].index("diagnose")]:
+            if words[:2] == ["robot", "emulate"]:
+                servos.append(start(*words))
+                while not Path("port").exists():
+                    assert servos[0].poll() is None
+                    time.sleep(0.05)
+                continue
+            if words[:2] == ["campaign", "add"]:
+                film(Path("FILM.csv"))
+            assert main([*words, *(["--no-figures"] if words[0] in ("solve", "measure") else [])]) == 0, words
+    finally:
+        for process in servos:
+            process.send_signal(signal.SIGINT)
+            assert "0 rejected" in "".join(process.communicate(timeout=60))
+    said = capsys.readouterr().out
+    for words in ("6 joints may be played", "ID  16", "done: played to the end", "trial `first` added", "0.48 m long"):
+        assert words in said, words
+
+
+def film(path: Path) -> None:
+    """The optimum's motion as cameras would give it: half a second at rest before and after, in metres."""
+    rows = np.genfromtxt("gait/trajectory.csv", delimiter=",", names=True)
+    points = 0.48 * np.stack([rows[f"{axis}_{k}"] for k in range(8) for axis in "xy"], axis=1)
+    at = np.concatenate([np.zeros(8, int), np.arange(len(points)), np.full(8, len(points) - 1)])
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(8))
+    table = np.column_stack([0.06 * np.arange(len(at)), points[at]])
+    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.6f")
 
 
 def test_the_animal_tutorial_measures_its_example(
