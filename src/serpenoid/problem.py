@@ -97,6 +97,27 @@ class Task(Record):
     robust: Robust | None = Field(default=None, description="cases that one gait must serve together")
 
 
+class Lift(Record):
+    """Parts of the body are lifted in a wave, so that contact weights vary over the cycle: gaits in space."""
+
+    height: Annotated[float, Field(gt=0, le=0.5, description="of what is lifted highest [body lengths]")] = 0.03
+    sharpness: Annotated[float, Field(gt=0, le=50, description="of the change from lifted to resting")] = 6.0
+    air: Annotated[
+        float, Field(gt=0, lt=1, description="share of its weight that a lifted part keeps on the ground")
+    ] = 0.01
+    phase: tuple[float, float] = Field(
+        default=(-1.0, 1.0), description="of the contact wave behind the bending [cycles]"
+    )
+    bias: tuple[float, float] = Field(default=(0.0, 0.5), description="0: half of the body rests; above: more")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        for name in ("phase", "bias"):
+            if getattr(self, name)[0] > getattr(self, name)[1]:
+                raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
+        return self
+
+
 class Power(Record):
     """Electrical power P = P_idle + k * dissipation rate, for the cost of transport."""
 
@@ -114,6 +135,7 @@ class Problem(Record):
     medium: Medium
     gait: AnyGait = Field(default=EllipseGait(), discriminator="family")
     task: Task = Task()
+    lift: Lift | None = Field(default=None, description="parts of the body are lifted: gaits in space")
     power: Power | None = None
     effects: tuple[ActiveEffect, ...] = Field(default=(), description="see `serpenoid effects`")
     _folder: Path = PrivateAttr(default=Path("."))
@@ -194,6 +216,8 @@ class Problem(Record):
         """Changes with any number in the problem."""
         data = self.model_dump(mode="json", exclude=None if self.effects else {"effects"})
         medium = data["medium"]
+        if self.lift is None:
+            del data["lift"]
         if self.medium.anisotropy_ratio_bounds is None:
             del medium["anisotropy_ratio_bounds"]
         if self.task.robust is None:

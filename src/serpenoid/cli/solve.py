@@ -65,6 +65,10 @@ def run(args: argparse.Namespace) -> int:
 
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
+    if problem.lift is not None:
+        from serpenoid.cli.solve_in_space import solve
+
+        return solve(args, problem)
     if args.ladder:
         return _climb(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)

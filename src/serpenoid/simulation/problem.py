@@ -49,7 +49,9 @@ def gait_parameters(problem: Problem, family: GaitFamily) -> Floats:
 
 
 def simulate(problem: Problem) -> Simulation:
-    """Simulate the gait of a problem."""
+    """Simulate the gait of a problem in the plane."""
+    if problem.lift is not None:
+        raise InputError("[lift]: gaits in space are solved (`solve`), not simulated; leave [lift] out for the plane.")
     table = gait_table(problem)
     task = problem.task
     motion = simulate_joint_angles(problem.model, table, task.cycles, closed=not task.transient)

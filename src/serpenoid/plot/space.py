@@ -1,0 +1,110 @@
+"""Gaits in space: bodies along the way in three dimensions, where they rest on the floor, and a film of it."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
+
+from serpenoid.files.writing import atomic
+from serpenoid.optimise.in_space import RESTING, SpatialSolution
+from serpenoid.plot.figures import save
+from serpenoid.plot.style import BLUE, FAINT, GREY, INK, LARGE, PHASE_MAP, colour_bar, dress, figure
+
+BODIES = 7
+FRAMES = 40
+CYCLES = 2
+SECONDS = 2.5  # a cycle of the film
+
+
+def spatial_figures(folder: str | Path, solution: SpatialSolution) -> list[str]:
+    """motion.png, prints.png (with SVG), animation.gif."""
+    names = save(motion_figure(solution), folder, "motion") + save(prints_figure(solution), folder, "prints")
+    film(Path(folder) / "animation.gif", solution)
+    return [*names, "animation.gif"]
+
+
+def motion_figure(solution: SpatialSolution) -> Figure:
+    """Bodies of one cycle over their shadows; dots where they rest. Heights are drawn three times as large."""
+    fig = figure(7.4, 5.6)
+    ax: Any = fig.add_subplot(projection="3d")
+    rows = np.linspace(0, len(solution.vertices) - 1, BODIES).round().astype(int)
+    for row in rows:
+        colour = PHASE_MAP(row / (len(solution.vertices) - 1))
+        points = solution.vertices[row]
+        ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
+        ax.plot(*points.T, color=colour, linewidth=2.6)
+        ax.scatter(*points[_rests(solution, row)].T, color=colour, s=14, depthshade=False)
+        ax.scatter(*points[-1:].T, color=colour, s=40, depthshade=False)
+    ax.plot(*solution.motion.places.T, color=INK, linewidth=1.2)
+    _room(ax, solution.vertices)
+    words = f"A cycle moves {solution.motion.displacement:.3f} body lengths, {solution.sideways_deg:.0f}° off the axis"
+    fig.suptitle(
+        f"{words}\nDots rest on the floor; large dot: head; heights threefold", fontsize=LARGE, x=0.02, ha="left"
+    )
+    colour_bar(ax, PHASE_MAP, 0, 1, "phase [cycles]", pad=0.02, aspect=25, shrink=0.8)
+    return fig
+
+
+def prints_figure(solution: SpatialSolution) -> Figure:
+    """Where along the body and when it rests on the floor, and what marks it leaves there."""
+    fig = figure(8.6, 3.6)
+    when, where = fig.subplots(1, 2)
+    share = solution.contact / solution.contact.max()
+    extent = (0, 1, -0.5, share.shape[1] - 0.5)
+    when.imshow(share.T, origin="lower", aspect="auto", extent=extent, cmap="Greys", vmin=0, vmax=1)
+    dress(when, "On the floor: dark", "phase [cycles]", "vertex, tail to head", grid=False)
+    resting = share > RESTING
+    where.scatter(*solution.vertices[resting][:, :2].T, s=3, color=BLUE)
+    where.plot(*solution.motion.places[:, :2].T, color=GREY, linewidth=1.0)
+    where.set_aspect("equal", adjustable="datalim")
+    dress(where, "Tracks of what rests", "x [body lengths]", "y [body lengths]")
+    return fig
+
+
+def film(path: Path, solution: SpatialSolution) -> None:
+    """Cycles one after the other, as a GIF."""
+    steps = len(solution.vertices) - 1
+    rows = np.linspace(0, CYCLES * steps, FRAMES, endpoint=False).round().astype(int)
+    last, turn = solution.motion.places[-1], solution.motion.rotations[-1]
+    chains = [solution.vertices[:-1]]
+    for _ in range(CYCLES - 1):
+        chains.append(chains[-1] @ turn.T + last)
+    every = np.concatenate(chains)
+    fig = figure(5.2, 4.2)
+    ax: Any = fig.add_subplot(projection="3d")
+    images = []
+    for row in rows:
+        ax.clear()
+        points = every[row]
+        ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
+        ax.plot(*points.T, color=BLUE, linewidth=3.0)
+        ax.scatter(*points[_rests(solution, row % steps)].T, color=INK, s=16, depthshade=False)
+        _room(ax, every)
+        stream = io.BytesIO()
+        fig.savefig(stream, format="png", dpi=80)
+        images.append(Image.open(stream).convert("P", palette=Image.Palette.ADAPTIVE, colors=64))
+    with atomic(path) as temporary:
+        delay = round(1000 * CYCLES * SECONDS / FRAMES)
+        images[0].save(temporary, save_all=True, append_images=images[1:], duration=delay, loop=0)
+
+
+def _rests(solution: SpatialSolution, row: int) -> np.ndarray:
+    share = solution.contact[row]
+    return np.asarray(share > RESTING * share.max())
+
+
+def _room(ax: Any, vertices: np.ndarray) -> None:
+    low, high = vertices.reshape(-1, 3).min(0), vertices.reshape(-1, 3).max(0)
+    ax.set_xlim(low[0], high[0])
+    ax.set_ylim(low[1], high[1])
+    ax.set_zlim(0, max(high[2], 0.01))
+    ax.set_box_aspect((high[0] - low[0], high[1] - low[1], 3 * max(high[2], 0.01)), zoom=1.15)
+    ax.set_xlabel("x [body lengths]")
+    ax.set_ylabel("y [body lengths]")
+    ax.set_zticks([0, round(float(high[2]), 2)])
+    ax.view_init(elev=38, azim=-70)
