@@ -99,6 +99,23 @@ def test_energy_from_the_moments_is_the_energy_of_the_elements(name: str) -> Non
         assert float(reduced(pose[2], pose[:2], moments)) == pytest.approx(direct, abs=ROUNDING * 10)
 
 
+def test_slope_and_curvature_in_closed_form_are_derivatives_of_the_energy_with_the_translation_eliminated() -> None:
+    rng, at = np.random.default_rng(6), planar.step_at()
+    phi, b, m = ca.SX.sym("phi"), ca.SX.sym("b", 2), ca.SX.sym("m", planar.MOMENTS)
+    energy = planar.energy_from_moments(phi, b, m)
+    hessian, gradient = ca.hessian(energy, ca.vertcat(phi, b))
+    relaxed = hessian[0, 0] - ca.dot(hessian[1:, 0], ca.solve(hessian[1:, 1:], hessian[1:, 0]))
+    direct = ca.Function("direct", [phi, b, m], [gradient, relaxed, energy])
+    structure, model = reference().structure, reference()
+    for turn in (-2.0, 0.1, 1.0):
+        elements = (random_elements(rng, 2, structure.elements) for _ in range(2))
+        moments = functions.step_moments(structure)(*elements, model.parameters)
+        translation, slope, curvature, value = at(turn, moments)
+        found = [np.ravel(part) for part in direct(turn, translation, moments)]
+        np.testing.assert_allclose(found[0], [float(slope), 0, 0], atol=ROUNDING * 10)
+        np.testing.assert_allclose([float(curvature), float(value)], np.concatenate(found[1:]), atol=ROUNDING * 10)
+
+
 def test_at_the_root_all_three_momenta_vanish_though_only_one_equation_was_solved() -> None:
     model, rng = reference(), np.random.default_rng(5)
     step, momentum = functions.step(model.structure), functions.step_momentum(model.structure)

@@ -9,7 +9,7 @@ Lengths in body lengths, weights summing to one. Poses are relative: body frame 
     shape_elements (vertices (2, N)) -> elements (4, M): positions above unit tangents, in the vertices' frame
     step_energy    (before (4, M), after (4, M), pose (3), parameters) -> energy
     step_momentum  (before, after, pose, parameters) -> momentum (3): rotation, translation
-    step_moments   (before, after, parameters) -> moments (30)
+    step_moments   (before, after, parameters) -> moments (18)
     step           (before, after, guess, parameters) -> pose (3), residual, curvature, energy
 """
 
@@ -102,7 +102,7 @@ def step_momentum(structure: Structure, dimension: int = 2) -> ca.Function:
 
 @lru_cache(maxsize=64)
 def step_moments(structure: Structure) -> ca.Function:
-    """The planar step's 30 moments."""
+    """The planar step's eighteen moments."""
     size = (4, structure.elements)
     before, after = ca.MX.sym("before", *size), ca.MX.sym("after", *size)
     parameters = ca.MX.sym("parameters", 2 * structure.vertices)
@@ -121,14 +121,12 @@ def element_parameters(structure: Structure) -> ca.Function:
 
 @lru_cache(maxsize=64)
 def step(structure: Structure) -> ca.Function:
-    """The planar step: the relative pose that makes the energy stationary, found by CasADi's root finder."""
+    """The planar step: the relative pose that makes the energy stationary, by Newton's method."""
     size = (4, structure.elements)
     before, after = ca.MX.sym("before", *size), ca.MX.sym("after", *size)
     guess, parameters = ca.MX.sym("guess"), ca.MX.sym("parameters", 2 * structure.vertices)
     m = step_moments(structure)(before, after, parameters)
-    phi = planar.root_finder()(guess, m)
-    b, residual, curvature, value = reduced_step()(phi, m)
-    outputs = [ca.vertcat(b, phi), residual, curvature, value]
+    outputs = planar.root().call([guess, m])
     names = (["before", "after", "guess", "parameters"], ["pose", "residual", "curvature", "energy"])
     return ca.Function("step", [before, after, guess, parameters], outputs, *names)
 
@@ -139,11 +137,7 @@ STEP_INPUTS = ["before", "after", "pose", "parameters"]
 @lru_cache(maxsize=1)
 def reduced_step() -> ca.Function:
     """(turn, moments) -> translation (2), dE/d turn, its slope, energy; the translation is eliminated."""
-    phi, m = ca.SX.sym("phi"), ca.SX.sym("m", planar.MOMENTS)
-    b = planar.translation_at(phi, m)
-    slope = planar.turning_moment(phi, m)
-    outputs = [b, slope, ca.gradient(slope, phi), planar.energy_from_moments(phi, b, m)]
-    return ca.Function("reduced", [phi, m], outputs, CSE)
+    return planar.step_at()
 
 
 def _parameters(structure: Structure) -> ca.SX:
