@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rehearsal import EPS, ROOT, serpenoid_table, snake
-from serpenoid.compare.calibrate import calibrate
+from serpenoid.compare.calibrate import calibrate, estimate
+from serpenoid.compare.lengths import lengths_sd, lengths_shift, others_of
 from serpenoid.compare.rehearse import Laboratory, Rehearsal, write_campaign
-from serpenoid.compare.study import Study, compare_campaign
+from serpenoid.compare.segments import trial_segments
+from serpenoid.compare.study import Study, compare_campaign, shape_bias
 from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign, load_campaign
 from serpenoid.measure.usage import usage
+from serpenoid.model import Model
 
 LAB = Laboratory(frames_per_second=60.0, lag_s=0.05)
 
@@ -85,6 +89,16 @@ def test_resimulated_displacement_scatters_as_stated(study):
     gap = np.array([c.exp.displacement - c.resim.displacement for c in study.comparisons])
     sd = np.array([c.resim_sd for c in study.comparisons])
     assert (np.abs(gap) < 5 * np.hypot(sd, 1e-4)).all()  # 1e-4: the measured ends
+    bias = np.array([c.resim_bias for c in study.comparisons])
+    assert (np.abs(bias) < 5 * sd).all()  # 0.2 mm on 0.8 m: noise moves what it scatters, not more
+    assert not any("makes Resim" in note for note in study.notes)
+
+
+def test_a_bias_of_resim_beyond_its_scatter_is_said(study):
+    (first, *_) = study.comparisons
+    told = shape_bias([replace(first, resim_bias=-0.01 * first.resim.displacement, resim_sd=1e-4)])
+    assert told[0].startswith("noise of the measured shapes makes Resim 1.0% shorter")
+    assert shape_bias([replace(first, resim_bias=-0.001 * first.resim.displacement, resim_sd=1e-4)]) == []
 
 
 def test_idle_power_and_dissipation_coefficient_are_recovered(study):
@@ -215,3 +229,22 @@ def test_all_pieces_of_a_recording_with_long_gaps_are_used(rehearsed, tmp_path):
     assert one.time_s[-1] - one.time_s[0] == pytest.approx(used.used_s, abs=1e-9)
     assert one.error("motion")["path_rms"] < 1e-3  # the model's own motion: smoothing alone differs
     assert any("dropped" in note for note in found.notes)
+
+
+def test_not_knowing_the_lengths_moves_eps_as_a_fit_with_other_lengths_does(rehearsed, tmp_path):
+    """The jackknife's first-order shifts are those of whole fits; with lengths given there is nothing to add."""
+    folder, given, _ = rehearsed
+    lines = (folder / "campaign.toml").read_text().splitlines()
+    (lengths,) = [line for line in lines if line.startswith("edge_lengths")]
+    campaign = load_campaign(_copy(folder, tmp_path, (lengths, "")))
+    model, trial = Model(campaign.body, snake().medium), campaign.trials[0]
+    others = others_of(campaign, model)(trial.name)
+    base = estimate(model, trial_segments(trial), ("anisotropy_ratio",))
+    told = [float(lengths_shift(m, s, base.solution)[0]) for m, s in zip(others.models, others.segments, strict=True)]
+    block = int(np.argmax(np.abs(told)))
+    again = estimate(others.models[block], others.segments[block], ("anisotropy_ratio",))
+    assert again.values[0] - base.values[0] == pytest.approx(told[block], rel=0.05)  # to first order
+    wider = estimate(model, trial_segments(trial), ("anisotropy_ratio",), others).sd[0]
+    assert wider == pytest.approx(np.hypot(base.sd[0], lengths_sd(others, base.solution)[0]))
+    assert wider > 1.02 * base.sd[0]
+    assert others_of(given, model)(None).models == ()

@@ -16,6 +16,7 @@ from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
 from serpenoid.compare.intervals import Z95, likelihood_intervals, mean_intervals
+from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.plain import refuse_effects
@@ -29,6 +30,7 @@ from serpenoid.model import Model
 
 LOWEST, HIGHEST = 1e-3, 1.0
 CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
+GIVEN = Others()
 MEMORY = 0.1  # of a segment: the lags over which what is left may be correlated
 
 
@@ -82,19 +84,19 @@ def calibrate(
     refuse_effects(model)
     usable = [trial for trial in campaign.trials if trial.motion is not None and trial.passages]
     segments: list[Segment] = []
-    fits = []
+    others, fits = others_of(campaign, model), []
     for index, trial in enumerate(usable):
         if progress is not None:
             progress(index, len(usable) + 1, trial.name)
         mine = trial_segments(trial)
         segments += mine
-        fits.append(_fit_trial(trial, mine, model, names))
+        fits.append(_fit_trial(trial, mine, model, names, others(trial.name)))
     if not fits:
         raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
     if progress is not None:
         progress(len(usable), len(usable) + 1, "all trials together")
     every = tuple(segments)
-    together = estimate(model, every, names)
+    together = estimate(model, every, names, others(None))
     values = np.array([f.estimate.values for f in fits])
     rms = np.array([f.best_rms_eps for f in fits])
     mean, spread = values.mean(axis=0), _sd(values)
@@ -111,7 +113,7 @@ def anisotropy(campaign: Campaign, model: Model) -> Estimate:
     segments = tuple(segment for trial in usable for segment in trial_segments(trial))
     if not segments:
         raise InputError("no trial has a motion file with a whole cycle in it: nothing to fit.")
-    return estimate(model, segments, ("anisotropy_ratio",))
+    return estimate(model, segments, ("anisotropy_ratio",), others_of(campaign, model)(None))
 
 
 def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
@@ -123,20 +125,22 @@ def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
     return 1 / eps, 1 / min(max(float(high), eps + wider), most), 1 / max(min(float(low), eps - wider), least)
 
 
-def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
-    """Maximum likelihood with intervals and complaints; kept, as it takes long."""
-    return remember(lambda: _estimate(model, segments, names), "estimate", model, segments, names)
+def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], others: Others = GIVEN) -> Estimate:
+    """Maximum likelihood with intervals and complaints; kept, as it takes long. others: lengths that could be."""
+    return remember(lambda: _estimate(model, segments, names, others), "estimate", model, segments, names, others)
 
 
-def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Estimate:
+def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], others: Others) -> Estimate:
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
-    sd = np.hypot(np.sqrt(np.diag(solution.covariance)) * scale, curve_sd(model, segments, solution))
+    lengths = lengths_sd(others, solution)
+    unknown = np.hypot(curve_sd(model, segments, solution), lengths)  # of the body
+    sd = np.hypot(np.sqrt(np.diag(solution.covariance)) * scale, unknown)
     interval = likelihood_intervals(model, segments, solution, sd)
     correlation = solution.covariance / np.outer(*(2 * [np.sqrt(np.diag(solution.covariance))]))
     return Estimate(
         names, solution.values, sd, interval,
-        robust_sd(solution), correlation, solution.noise_scale, autocorrelation(solution.segments),
+        np.hypot(robust_sd(solution), lengths), correlation, solution.noise_scale, autocorrelation(solution.segments),
         _complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
 
@@ -222,9 +226,11 @@ def best_rms(model: Model, segments: tuple[Segment, ...]) -> tuple[float, float,
     return eps, float(found.fun), bool(eps < 1.01 * lowest or eps > 0.99 * highest)
 
 
-def _fit_trial(trial: Trial, segments: tuple[Segment, ...], model: Model, names: tuple[str, ...]) -> TrialFit:
+def _fit_trial(
+    trial: Trial, segments: tuple[Segment, ...], model: Model, names: tuple[str, ...], others: Others
+) -> TrialFit:
     eps, rms, bound = remember(lambda: best_rms(model, segments), "best RMS", model, segments)
-    return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names))
+    return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names, others))
 
 
 def _complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from serpenoid.measure.usage import usage
 
 PARTS, MEASURES = ("whole", "actuation", "motion"), ("forward", "left", "turn", "path_rms")
 COMPARISON_HEADER = (
-    "trial", "gait", "cycle", "exp", "resim", "resim_sd", "sim",
+    "trial", "gait", "cycle", "exp", "resim", "resim_sd", "resim_bias", "sim",
     *(f"{part}_{what}" for part in PARTS for what in MEASURES),
 )  # fmt: skip
 
@@ -128,7 +128,7 @@ def calibration_record(calibration: Calibration, dissipation: str) -> dict[str, 
 
 def comparison_row(c: Comparison) -> list[Any]:
     """One line of comparison.csv; empty where there was nothing commanded."""
-    row: list[Any] = [c.trial, c.gait, c.cycle, c.exp.displacement, c.resim.displacement, c.resim_sd]
+    row: list[Any] = [c.trial, c.gait, c.cycle, c.exp.displacement, c.resim.displacement, c.resim_sd, c.resim_bias]
     row.append(c.sim.displacement if c.sim is not None else "")
     for part in PARTS:
         error = c.error(part)

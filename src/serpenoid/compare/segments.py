@@ -8,12 +8,13 @@ from serpenoid.measure.trial import Motion, Trial
 from serpenoid.measure.usage import whole_pieces
 
 
-def trial_segments(trial: Trial) -> tuple[Segment, ...]:
-    """Every stretch of every passage that has no hole in it."""
+def trial_segments(trial: Trial, like: Trial | None = None) -> tuple[Segment, ...]:
+    """Every stretch of every passage that has no hole in it; like: the trial that says which stretches these are."""
     motion = trial.motion
     if motion is None:
         raise InputError(f"trial `{trial.name}` has no motion file: nothing to fit.")
-    pieces = [piece for passage in trial.passages for piece in whole_pieces(motion, passage)]
+    holes = motion if like is None or like.motion is None else like.motion
+    pieces = [piece for passage in trial.passages for piece in whole_pieces(holes, passage)]
     if not pieces:
         raise InputError(f"trial `{trial.name}`: no cycle lies wholly in the recording. {' '.join(trial.notes)}")
     return tuple(_segment(trial, motion, piece) for piece in pieces)

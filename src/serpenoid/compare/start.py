@@ -31,7 +31,7 @@ def compared_model(campaign: Campaign, eps: float | None = None, dissipation: st
     """The stated model, else eps fitted to all trials together; and where it comes from."""
     stated = stated_model(campaign, eps, dissipation)
     if stated is not None:
-        return stated, "as stated"
+        return stated, f"as stated; K = {1 / stated.medium.anisotropy_ratio:.4g}"
     from serpenoid.compare.calibrate import anisotropy, drag_ratio
     from serpenoid.compare.parameters import changed
 

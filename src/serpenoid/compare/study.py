@@ -19,6 +19,9 @@ from serpenoid.model import Model
 PAIRS = (("Exp", "Sim"), ("Exp", "Resim"), ("Sim", "Resim"))
 
 
+TOLD = 2e-3  # of the displacement: less than the tape measure that gave the lengths
+
+
 @dataclass(frozen=True)
 class Study:
     """Everything `compare` found."""
@@ -58,8 +61,24 @@ def compare_campaign(
         notes.append("[body] has no `mass_kg`: no cost of transport")
     return Study(
         model, tuple(comparisons), gaits, displacement, ratios, tuple(cycles), cost_points(cycles), fit_power(cycles),
-        tuple([f"{total(map(usage, campaign.trials))}", *notes, *complaint]),
+        tuple([f"{total(map(usage, campaign.trials))}", *notes, *shape_bias(comparisons), *complaint]),
     )  # fmt: skip
+
+
+def shape_bias(comparisons: list[Comparison]) -> list[str]:
+    """What is said where noise of the shapes moves Resim by more than its scatter over a gait's passages."""
+    known = [c for c in comparisons if np.isfinite(c.resim_bias) and c.resim.displacement > 0]
+    if not known:
+        return []
+    share = float(np.mean([c.resim_bias / c.resim.displacement for c in known]))
+    scatter = float(np.sqrt(np.mean([(c.resim_sd / c.resim.displacement) ** 2 for c in known]) / len(known)))
+    if abs(share) < max(2 * scatter, TOLD):
+        return []
+    which = "shorter" if share < 0 else "longer"
+    return [
+        f"noise of the measured shapes makes Resim {abs(share):.1%} {which} than it is (scatter {scatter:.2%}): "
+        "Exp and Resim differ by that much without a cause"
+    ]
 
 
 def gait_means(comparisons: list[Comparison]) -> tuple[tuple[str, ...], dict[str, Floats]]:

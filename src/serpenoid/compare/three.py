@@ -55,6 +55,7 @@ class Comparison:
     resim: Path
     sim: Path | None
     resim_sd: float  # of the resimulated displacement, from shape noise [body lengths]
+    resim_bias: float  # of the same: what shape noise and the smoothing of it add on average
     pieces: int  # between holes; their motions are joined end to end, the same for all three
 
     def error(self, part: str) -> dict[str, float]:
@@ -108,10 +109,11 @@ def _compare(trial: Trial, passage: Passage, model: Model, seed: int) -> Compari
     if trial.schedule is not None and trial.start_source != "none":
         commanded = [trial.schedule.commanded(motion.time_s[rows]) for rows in pieces]
         sim = joined([simulate_path(model, a, p[0]) for p, a in zip(poses, commanded, strict=True)])
-    spread = float(np.sqrt(np.sum([resimulation_sd(model, motion, rows, seed) ** 2 for rows in pieces])))
+    sds, biases = np.transpose([resimulation_error(model, motion, rows, seed) for rows in pieces])
     return Comparison(
-        trial.name, trial.gait, passage.cycle, time, joined(measured), joined(resim), sim, spread, len(pieces)
-    )
+        trial.name, trial.gait, passage.cycle, time, joined(measured), joined(resim), sim,
+        float(np.sqrt(np.sum(sds**2))), float(np.sum(biases)), len(pieces),
+    )  # fmt: skip
 
 
 def _joined_time(times: list[Floats]) -> Floats:
@@ -145,14 +147,18 @@ def simulate_path(model: Model, joint_angles: Floats, start: Floats) -> Path:
     return Path(found.poses, found.vertices, found.step_energy)
 
 
-def resimulation_sd(model: Model, motion: Motion, rows: slice, seed: int, draws: int = DRAWS) -> float:
-    """SD of the resimulated displacement: shape noise drawn from its covariance, smoothed as the data were."""
+def resimulation_error(model: Model, motion: Motion, rows: slice, seed: int, draws: int = DRAWS) -> tuple[float, float]:
+    """SD and bias of the resimulated displacement: the smooth shapes with noise drawn anew, smoothed as the data were.
+
+    The bias is what noise that smoothing leaves, and motion that it takes, add on average: displacement goes with the
+    square of the amplitude.
+    """
     rng = np.random.default_rng(seed)
     covariance = motion.covariance[rows, 3:, 3:]
     variance = np.diagonal(covariance, axis1=1, axis2=2)
     usable = variance.max(axis=1) < 0.05  # a state that nothing measured is bridged, not drawn
     if usable.sum() < 8:
-        return float("nan")
+        return float("nan"), float("nan")
     weights, where = smoother(
         motion.time_s[rows], best_window(motion.time_s[rows], motion.joint_angles[rows], np.maximum(variance, 1e-24))
     )
@@ -161,8 +167,9 @@ def resimulation_sd(model: Model, motion: Motion, rows: slice, seed: int, draws:
     found = []
     for _ in range(draws):
         noise = np.einsum("rab,rb->ra", root, rng.normal(size=base.shape)) * usable[:, None]
-        found.append(simulate_path(model, base + smooth(noise, weights, where), np.zeros(3)).displacement)
-    return float(np.std(found, ddof=1))
+        found.append(simulate_path(model, smooth(base + noise, weights, where), np.zeros(3)).displacement)
+    true = simulate_path(model, base, np.zeros(3)).displacement
+    return float(np.std(found, ddof=1)), float(np.mean(found)) - true
 
 
 def _vertex_steps(path: Path) -> Floats:

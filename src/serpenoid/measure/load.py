@@ -16,7 +16,15 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, schedule_start
-from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
+from serpenoid.measure.trial_files import (
+    Files,
+    Progress,
+    content,
+    neighbour_ratio,
+    of_every_trial,
+    other_lengths,
+    read_files,
+)
 from serpenoid.parallel import Workers, results
 
 ALONE = Workers()
@@ -47,6 +55,31 @@ def load_campaign(path: str | Path, progress: Progress | None = None, workers: W
     file, folder = load_campaign_file(path)
     body, trials = remember(lambda: _aligned(file, folder, progress, workers), "campaign", file, content(file, folder))
     return Campaign(file, folder, body, not file.lengths_given, trials)
+
+
+def with_other_lengths(campaign: Campaign, blocks: int) -> tuple[Campaign, ...]:
+    """The campaign with edge lengths estimated without one of `blocks` parts of its frames, for every part.
+
+    How far their fits differ is what not knowing the lengths does. Passages are the campaign's own; none where lengths
+    are given.
+    """
+    if not campaign.lengths_estimated:
+        return ()
+    file, folder = campaign.file, campaign.folder
+    key = file, content(file, folder), blocks
+    others = remember(lambda: _other_lengths(campaign, blocks), "other lengths", *key)
+    return tuple(replace(campaign, body=body, trials=trials) for body, trials in others)
+
+
+def _other_lengths(campaign: Campaign, blocks: int) -> tuple[tuple[Body, tuple[Trial, ...]], ...]:
+    _, read = read_files(campaign.file, campaign.folder)
+    found = []
+    for lengths in other_lengths(read, blocks):
+        body = Body.model_validate(campaign.body.model_dump() | {"edge_lengths": tuple(lengths.tolist())})
+        made = [align_trial(campaign.file, files, body) for files in read]
+        trials = tuple(replace(m, passages=t.passages) for m, t in zip(made, campaign.trials, strict=True))
+        found.append((body, trials))
+    return tuple(found)
 
 
 def _aligned(

@@ -104,15 +104,35 @@ def neighbour_ratio(vertices: Floats, body: Body) -> float:
 
 def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
     """The body with edge lengths = medians of the distances between neighbouring markers over all recordings."""
+    return file.body.model_copy(update={"edge_lengths": tuple(_medians(_distances(read)).tolist())})
+
+
+def other_lengths(read: Sequence[Files], blocks: int) -> Floats:
+    """What lengths would be estimated from all frames but a block's, for every block: (blocks, N - 1)."""
+    together = _distances(read)
+    whole, found = _medians(together), []
+    for part in np.array_split(np.arange(len(together)), blocks):
+        left = np.delete(together, part, axis=0)
+        ever = np.isfinite(left).any(axis=0)
+        found.append(np.where(ever, np.nanmedian(np.where(ever, left, 0.0), axis=0), whole))
+    return np.stack(found)
+
+
+def _distances(read: Sequence[Files]) -> Floats:
+    """Between neighbouring markers, in every frame of all recordings: (F, N - 1)."""
     distances = [
         np.linalg.norm(np.diff(files.labelled.vertices, axis=1), axis=2) for files in read if files.labelled is not None
     ]
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
-    together = np.concatenate(distances)
+    return np.concatenate(distances)
+
+
+def _medians(together: Floats) -> Floats:
+    """Of every edge (N - 1,); InputError where one is never seen."""
     ever = np.isfinite(together).any(axis=0)
     edges = np.full(together.shape[1], np.nan)
     edges[ever] = np.nanmedian(together[:, ever], axis=0)
     if not np.isfinite(edges).all() or (edges <= 0).any():
         raise InputError("[body] has no lengths, and some neighbouring markers are never seen together.")
-    return file.body.model_copy(update={"edge_lengths": tuple(edges.tolist())})
+    return edges
