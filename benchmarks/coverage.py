@@ -1,7 +1,7 @@
 """Does the 95 % interval cover the truth? 200 recordings of one known motion, written to Motive CSV and read back.
 
     PYTHONPATH=src python benchmarks/coverage.py [SEEDS]
-    PYTHONPATH=src python benchmarks/coverage.py 40 without-lengths    # cameras alone, edge lengths estimated; prints only
+    PYTHONPATH=src python benchmarks/coverage.py 40 without-lengths    # cameras alone; prints only
 
 Each seed: the model's own motion (snake10, a = 6, eps = 0.1865, a cycle in 5 s at 120 frames a second), 0.2 mm marker
 noise, 5 % of all marker positions hidden, written as a Motive export, read, aligned, fitted; once with the
