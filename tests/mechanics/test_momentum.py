@@ -111,7 +111,7 @@ def test_slope_and_curvature_in_closed_form_are_derivatives_of_the_energy_with_t
         elements = (random_elements(rng, 2, structure.elements) for _ in range(2))
         moments = functions.step_moments(structure)(*elements, model.parameters)
         translation, slope, curvature, value = at(turn, moments)
-        found = [np.ravel(part) for part in direct(turn, translation, moments)]
+        found = [part.full().ravel() for part in direct(turn, translation, moments)]
         np.testing.assert_allclose(found[0], [float(slope), 0, 0], atol=ROUNDING * 10)
         np.testing.assert_allclose([float(curvature), float(value)], np.concatenate(found[1:]), atol=ROUNDING * 10)
 
