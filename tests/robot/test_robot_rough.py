@@ -4,6 +4,7 @@ Every end says what became of the motors, and none of them is "done" with a gait
 """
 
 import json
+import re
 import resource
 import subprocess
 import sys
@@ -49,8 +50,9 @@ def test_a_stuck_servo_stops_the_gait_with_torque_off_and_exit_code_1(tmp_path):
     with emulator(tmp_path, "stuck:4@0.5") as rig:
         done = play(tmp_path, rig)
         assert done.returncode == 1
-        assert "joint_4 (ID 4) is" in done.stderr
-        assert "degrees off its command, `limit_deg` in [tracking] is 12" in done.stderr
+        # which of the two shows first, is a matter of when it was stuck: the servos keep their own time
+        strayed = r"is [\d.]+ degrees off its command, `limit_deg` in \[tracking\] is 12"
+        assert re.search(rf"failed: joint_4 \(ID 4\) ({strayed}|did not move in a whole cycle of)", done.stderr)
         assert not any(rig.torques)
     assert summary(tmp_path)["status"] == "failed"
 
