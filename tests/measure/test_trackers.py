@@ -12,7 +12,7 @@ import pytest
 
 from serpenoid.errors import InputError
 from serpenoid.measure import readers
-from serpenoid.measure.animal import bends_run, leading, remarks
+from serpenoid.measure.animal import bends_run, edges_per_wave, leading, remarks
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trackers import (
@@ -30,10 +30,10 @@ NAMES = ["tail", "a", "b", "c", "d", "head"]
 DOWN = np.array([1.0, -1.0])
 
 
-def swimmer(seconds: float = 4.0) -> tuple[np.ndarray, np.ndarray]:
+def swimmer(seconds: float = 4.0, waves: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """Times (F,) and points (F, 6, 2), tail first; bends run from head to tail, and it moves head first along x."""
     time, s = np.arange(round(seconds * RATE)) / RATE, (np.arange(5) + 0.5) / 5
-    angle = 0.5 * np.sin(2 * np.pi * (time[:, None] + s))
+    angle = 0.5 * np.sin(2 * np.pi * (time[:, None] + waves * s))
     edge = np.stack([np.cos(angle), np.sin(angle)], axis=2)
     points = np.concatenate([np.zeros((len(time), 1, 2)), np.cumsum(edge, axis=1)], axis=1)
     points[..., 0] += 0.5 * time[:, None]
@@ -221,8 +221,8 @@ def campaign(folder: Path, keys: str) -> Path:
     return folder
 
 
-def tidy(folder: Path, seconds: float, clock: str = "t_s", reverse: bool = False) -> Path:
-    time, points = swimmer(seconds)
+def tidy(folder: Path, seconds: float, clock: str = "t_s", reverse: bool = False, waves: float = 1.0) -> Path:
+    time, points = swimmer(seconds, waves)
     first = time if clock == "t_s" else np.arange(len(time))
     header = f"{clock}," + ",".join(f"x_{k},y_{k}" for k in range(6))
     table = np.column_stack([first, (points[:, ::-1] if reverse else points).reshape(len(time), -1)])
@@ -248,6 +248,14 @@ def test_head_first_and_tail_first_are_found_out_and_said(tmp_path):
     notes = load_campaign(tidy(reverse, 4.0, reverse=True)).trials[0].notes
     assert any("moves tail first" in note for note in notes)
     assert any("set `first_point`" in note for note in notes)
+
+
+def test_points_too_few_for_the_waves_of_a_body_are_said_before_any_fit(tmp_path):
+    for waves in (0.8, 2.0):
+        (folder := tmp_path / str(waves)).mkdir()
+        trial = load_campaign(tidy(folder, 6.0, waves=waves)).trials[0]
+        assert edges_per_wave(trial.motion) == pytest.approx(5 / waves, rel=0.02)
+        assert any("track more points" in note for note in trial.notes) == (waves == 2.0)
 
 
 def test_a_recording_too_short_says_so(tmp_path):

@@ -91,8 +91,18 @@ def test_joint_speed_of_a_sine_is_its_derivative_and_its_limit_is_drawn(ax, tabl
     fine = 0.6 * np.sin(2 * np.pi * np.arange(1000) / 1000)[:, None]
     rpm = joints.speeds_rpm(fine, cycle_duration_s=2.0)
     assert np.abs(rpm).max() == pytest.approx(0.6 * 2 * np.pi / 2 * 60 / (2 * np.pi), rel=1e-5)  # O(1 / T^2)
-    joints.joint_speeds(joints.speeds_rpm(table, 2.0), ax, limit_rpm=57)
-    assert {line[0, 1] for line in drawn(ax) if len(line) == 2} == {0, 57, -57}
+    speeds = joints.speeds_rpm(table, 2.0)
+    near = 1.5 * float(np.abs(speeds).max())
+    joints.joint_speeds(speeds, ax, limit_rpm=near)
+    assert {line[0, 1] for line in drawn(ax) if len(line) == 2} == {0, near, -near}
+
+
+def test_a_limit_far_beyond_the_speeds_is_told_and_leaves_them_the_picture(ax, table):
+    speeds = joints.speeds_rpm(table, 2.0)
+    reach = float(np.abs(speeds).max())
+    joints.joint_speeds(speeds, ax, limit_rpm=7 * reach)
+    assert max(ax.get_ylim()) < 1.5 * reach
+    assert any("7 times as much" in text.get_text() for text in ax.texts)
 
 
 def test_joint_map_shows_every_angle(ax, table):

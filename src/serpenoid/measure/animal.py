@@ -6,11 +6,14 @@ run of the bends = sum (k_{j+1} k_j' - k_j k_{j+1}') / sum |.|        > 0: from 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import hilbert
 
 from serpenoid.measure.consistency.signals import Signal, period_s
 from serpenoid.measure.trial import Motion
 
 SHORT = 2.0  # periods: under that, nothing shows what one beat has of its own
+LEAST_EDGES = 5.0  # a wave: docs/measuring.md has what K comes out as with fewer
 LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
 
 
@@ -32,6 +35,18 @@ def bends_run(motion: Motion) -> float:
     return float(turning.sum() / total) if total > 0 else 0.0
 
 
+def edges_per_wave(motion: Motion) -> float:
+    """Edges that one wave of bending spans, from the mean phase that each joint lags behind the next; infinite: none.
+
+    phase = arg sum_t z_{j+1} conj(z_j),     z: analytic signals of the joint angles in the longest stretch
+    """
+    run = max(motion.runs, key=lambda r: r.stop - r.start)
+    angles = motion.smooth_angles[run]
+    bends: NDArray[np.complex128] = hilbert(angles - angles.mean(axis=0), axis=0)
+    phase = abs(float(np.angle((bends[:, 1:] * bends[:, :-1].conj()).sum())))
+    return 2 * np.pi / phase if phase > 0 else np.inf
+
+
 def remarks(motion: Motion) -> tuple[str, ...]:
     """Sentences on direction and length; what looks wrong comes with its cure."""
     head_first, run = leading(motion), bends_run(motion)
@@ -42,7 +57,17 @@ def remarks(motion: Motion) -> tuple[str, ...]:
         found.append(
             "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
         )
-    return (*found, *_length(motion))
+    return (*found, *_sampling(motion), *_length(motion))
+
+
+def _sampling(motion: Motion) -> list[str]:
+    edges, points = edges_per_wave(motion), motion.joint_angles.shape[1] + 2
+    if not edges < LEAST_EDGES:
+        return []
+    return [
+        f"{points} points show {(points - 1) / edges:.2g} waves, {edges:.2g} edges a wave: under {LEAST_EDGES:g} the "
+        "curve between them is guessed, K comes out too large and what is left looks like a cause; track more points"
+    ]
 
 
 def _length(motion: Motion) -> list[str]:
