@@ -16,6 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import kinematics
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
 from serpenoid.problem import Task
@@ -48,13 +49,20 @@ class Asked:
     def _function(self) -> ca.Function:
         return self.criteria.function
 
+    @cached_property
+    def _mapped(self) -> dict[int, ca.Function]:
+        return {}
+
+    def _over(self, count: int) -> ca.Function:
+        if count not in self._mapped:
+            self._mapped[count] = self._function.map("criteria_of_gaits", "serial", count, [4], [])
+        return self._mapped[count]
+
     def evaluate(self, batch: Batch, tables: Floats, gaits: Floats, c: float) -> tuple[Floats, Floats]:
         """Objective (B,) and sum of the violations (B,) of simulated gaits."""
         count = len(gaits)
-        moved = (batch.poses[:, 1:] - batch.poses[:, :1]).reshape(count, -1).T
-        angles = tables.reshape(count, -1).T
-        inputs = moved, angles, batch.dissipation[None], gaits.T, np.full((1, count), c)
-        f, g = (x.full() for x in self._function.map(count)(*inputs))
+        moved = batch.poses[:, 1:] - batch.poses[:, :1]
+        f, g = evaluate(self._over(count), moved, tables, batch.dissipation, gaits, np.full(1, c))
         lower, upper = self.bounds
         outside = np.maximum(lower[:, None] - g, 0) + np.maximum(g - upper[:, None], 0)
         return f[0], outside.sum(0)

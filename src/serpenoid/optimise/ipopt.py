@@ -34,12 +34,12 @@ OPTIONS = {
     "calc_lam_p": False,
     "no_nlp_grad": True,
 }
-WARM = {
+WARM = {  # of 26 values of c continued from both ends: 203 iterations; with ten times these numbers 243
     "ipopt.warm_start_init_point": "yes",
-    "ipopt.mu_init": 1e-6,
-    "ipopt.warm_start_bound_push": 1e-8,
-    "ipopt.warm_start_slack_bound_push": 1e-8,
-    "ipopt.warm_start_mult_bound_push": 1e-8,
+    "ipopt.mu_init": 1e-7,
+    "ipopt.warm_start_bound_push": 1e-9,
+    "ipopt.warm_start_slack_bound_push": 1e-9,
+    "ipopt.warm_start_mult_bound_push": 1e-9,
 }
 BESIDE_OBSTACLES = {"ipopt.mu_strategy": "adaptive"}  # a fixed barrier bends a body that touches along its length
 ROUGH = {  # of answers that are starts

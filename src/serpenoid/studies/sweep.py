@@ -1,8 +1,9 @@
 """The family of optimal gaits over the dissipation coefficient c, continued from both ends.
 
 Each end starts from random gaits; from there every c is solved warm from its neighbour's answer. Where the two chains
-disagree the lower cost is taken: a family that folds back is followed on its better branch. Every point is written
-when it is solved, so that a killed sweep goes on where it stopped.
+disagree the lower cost is taken: a family that folds back is followed on its better branch. Where they meet, and
+neither of two neighbours' gaits is better at the other's c, they are one branch, which is not followed twice. Every
+point is written when it is solved, so that a killed sweep goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from serpenoid.problem import Problem
 
 Progress = Callable[[int, str], None]
 NOT_REACHED = "not reached"
+SAME = 1e-8  # of costs: as near as optima are stationary; mirror images and half turns of theta cost the same
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,8 @@ def sweep(
     with catch_interrupt() as flag:
         for name, chain_values in (("up", ordered), ("down", ordered[::-1])):
             store = ChainStore(Path(folder) / CHAIN, name) if folder is not None else None
-            found[name] = {}
-            for c, answer in _chain(solver, chain_values, gaits, store, flag):
+            known, found[name] = found.get("up", {}), {}
+            for c, answer in _chain(solver, chain_values, gaits, store, known, flag):
                 found[name][c] = answer
                 if progress is not None:
                     progress(sum(map(len, found.values())), f"c = {c:g}: {answer.outcome.objective:.6f}")
@@ -111,20 +113,45 @@ def sweep(
 
 
 def _chain(
-    solver: GaitSolver, values: Floats, gaits: Floats, store: ChainStore | None, flag: StopFlag
+    solver: GaitSolver,
+    values: Floats,
+    gaits: Floats,
+    store: ChainStore | None,
+    known: dict[float, Answer],
+    flag: StopFlag,
 ) -> Iterator[tuple[float, Answer]]:
-    last: Answer | None = None
+    last: tuple[float, Answer] | None = None
     for c in values.tolist():
         if flag:
             return
-        answer = store.load(c, solver) if store is not None else None
+        answer = _met(solver, c, last, known) or (store.load(c, solver) if store is not None else None)
         if answer is None:
-            answer = _next(solver, c, last, gaits, flag)
+            answer = _next(solver, c, None if last is None else last[1], gaits, flag)
             if store is not None and answer.outcome.status.ok:
                 store.save(c, answer)
         if answer.outcome.status.ok:
-            last = answer
+            last = c, answer
         yield c, answer
+
+
+def _met(solver: GaitSolver, c: float, last: tuple[float, Answer] | None, known: dict[float, Answer]) -> Answer | None:
+    """The other chain's answer at c, where both came to the same cost at the last value, on one branch with it."""
+    if last is None or last[0] not in known or c not in known:
+        return None
+    (before, here), there, wanted = last, known[last[0]], known[c]
+    if not (there.outcome.status.ok and wanted.outcome.status.ok):
+        return None
+    if abs(here.outcome.objective - there.outcome.objective) > SAME:
+        return None
+    better = _cost(solver, wanted, before) < there.outcome.objective - SAME
+    better |= _cost(solver, there, c) < wanted.outcome.objective - SAME
+    return None if better else wanted
+
+
+def _cost(solver: GaitSolver, answer: Answer, c: float) -> float:
+    """What the answer's gait costs at another c."""
+    gait = answer.q[None]
+    return float(solver.costs(solver.tables(gait), gait, c).value[0])
 
 
 def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag: StopFlag) -> Answer:
