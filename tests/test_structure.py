@@ -37,6 +37,7 @@ MAY_IMPORT = {
     "group": {"body"},
     "gaits": {"body", "files", "errors"},
     "objectives": {"body", "files", "errors"},
+    "self_contact": {"body"},
     "table_file": {"body", "errors", "files"},
     "errors": set(),
     "status": set(),
@@ -50,7 +51,7 @@ MAY_IMPORT = {
     "mechanics": LEFT_OF_MODELS | {"model", "effects", "media"},
     "simulation": LEFT_OF_MODELS | {"model", "effects", "media", "trajectory", "problem", "mechanics"},
     "optimise": LEFT_OF_MODELS
-    | {"model", "media", "effects", "trajectory", "problem", "cases", "mechanics", "simulation"},
+    | {"model", "media", "effects", "trajectory", "problem", "cases", "self_contact", "mechanics", "simulation"},
 }
 
 

@@ -9,11 +9,15 @@ from serpenoid.body import Floats
 
 def crosses_itself(vertices: Floats) -> np.ndarray:
     """Which chains (R, N, 2) have two edges that cross: no real body can take such a shape; shape (R,)."""
-    edges = vertices.shape[1] - 1
-    first, second = np.triu_indices(edges, k=2)
+    first, second = np.triu_indices(vertices.shape[1] - 1, k=2)
+    return np.asarray(crosses(vertices, first, second).any(1))
+
+
+def crosses(vertices: Floats, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which of the pairs of edges (P) cross in chains (R, N, 2), shape (R, P)."""
     a, b, c, d = (vertices[:, k] for k in (first, first + 1, second, second + 1))
     apart = _side(a, b, c) * _side(a, b, d) >= 0
-    return np.asarray((~apart & (_side(c, d, a) * _side(c, d, b) < 0)).any(1))
+    return np.asarray(~apart & (_side(c, d, a) * _side(c, d, b) < 0))
 
 
 def _side(a: Floats, b: Floats, p: Floats) -> Floats:

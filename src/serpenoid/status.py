@@ -18,6 +18,7 @@ class Status(Enum):
     NOT_STATIONARY = "the optimality conditions do not hold to 1e-8: try another start, or free a bound"
     MESH_TOO_COARSE = "the displacement depends on the number of steps: solve with --refine, or with more task.steps"
     COLLIDES = "the body comes too near to an obstacle between rows or vertices: use more steps, or a larger clearance"
+    TOUCHES_ITSELF = "the body comes too near to itself: use another start, smaller joint limits, or more steps"
     EXCEEDS_LIMITS = "a joint limit is exceeded between the rows that were watched: use another start, or report this"
     NOT_A_MINIMUM = "a derivative-free search nearby found a better gait (a saddle point): try another start"
 

@@ -194,6 +194,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
         *([f"clearance         {best.clearance.words}"] if best.clearance else []),
+        *([f"from itself       {best.self_clearance.words}"] if best.self_clearance else []),
         f"mesh              {best.mesh.words}",
         f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s)",

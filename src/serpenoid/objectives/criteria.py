@@ -88,9 +88,7 @@ class Criteria:
 
     def vertices(self, row: int) -> ca.SX:
         """Vertices (2, N), tail to head, at a row 0 .. T, as they are commanded [body lengths]."""
-        if self.chain is None:
-            raise InputError("`vertices` needs the body: it is known where a problem is solved.")
-        body, pose = self.chain(self.joint_angles[:, row % self.rows]), self.poses[:, row]
+        body, pose = self.body(self.joint_angles[:, row % self.rows]), self.poses[:, row]
         c, s = ca.cos(pose[2]), ca.sin(pose[2])
         turned = ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c)) @ body
         return turned + ca.repmat(pose[:2], 1, body.size2())
@@ -99,6 +97,12 @@ class Criteria:
         """Have every step turn by less than half a turn: a heading that is a whole turn off is the same pose."""
         turns = ca.vec(self.poses[2, 1:] - self.poses[2, :-1])
         self.subject_to(turns, -ca.pi, ca.pi)
+
+    def body(self, angles: ca.SX) -> ca.SX:
+        """Vertices (2, N) in the body frame of joint angles (m)."""
+        if self.chain is None:
+            raise InputError("points of the body need a body: it is known where a problem is solved.")
+        return self.chain(angles)
 
     def after(self, cycles: int) -> ca.SX:
         """Pose (3) after the cycle was played `cycles` times: its net motion, composed with itself."""

@@ -20,7 +20,7 @@ from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.optimise.motion_law import needs_states
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.played import Played
-from serpenoid.optimise.solution import CaseOutcome
+from serpenoid.optimise.solution import CaseOutcome, SelfClear
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch, simulate_joint_angles
 from serpenoid.simulation.problem import gait_parameters
@@ -111,6 +111,10 @@ class GaitMotions:
     def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
         """What gait q does in every case that it must serve; of one model: nothing more to say."""
         return ()
+
+    def self_clearance(self, table: Floats) -> SelfClear | None:
+        """How near the body comes to itself; None where nobody asks."""
+        return None
 
     def excess(self, tables: Floats) -> Floats:
         """How far joint angles and their changes exceed the limits, shape (..., rows, 2 m); -infinity without any."""

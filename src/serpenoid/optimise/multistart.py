@@ -86,9 +86,12 @@ def as_solution(
     outcome = answer.outcome
     meshes = solver.meshes(answer.q)
     mesh = next((mesh for mesh in meshes if not mesh.converged), meshes[0])
-    coarse = check.status.ok and not mesh.converged
+    own, status = solver.self_clearance(check.table), check.status
+    if status.ok and own is not None and own.proven < own.wanted:
+        status = Status.TOUCHES_ITSELF
+    coarse = status.ok and not mesh.converged
     return Solution(
-        status=Status.MESH_TOO_COARSE if coarse else check.status,
+        status=Status.MESH_TOO_COARSE if coarse else status,
         problem=solver.problem,
         c=c,
         gait=solver.family.gait(answer.q),
@@ -108,6 +111,7 @@ def as_solution(
         seconds=answer.seconds,
         timing=outcome.timing,
         cases=solver.outcomes(answer.q, c),
+        self_clearance=own,
     )
 
 

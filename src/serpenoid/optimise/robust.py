@@ -17,6 +17,8 @@ from serpenoid.body import Floats
 from serpenoid.cases import Case, at_ratio, cases_of
 from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
+from serpenoid.objectives.self_clearance import SelfClearance
+from serpenoid.optimise.apart_solver import ApartSolver
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Point
@@ -43,7 +45,10 @@ def solver_of(problem: Problem, customise: Customise | None = None, gait: Gait |
     """The solver of a problem: of one model, or of several cases together."""
     if problem.lift is not None:
         raise InputError("[lift]: gaits in space have a solver of their own, `solve_in_space`.")
-    kind = GaitSolver if problem.task.robust is None else RobustSolver
+    asked = [demand for demand in problem.task.demands if isinstance(demand, SelfClearance)]
+    if asked and problem.task.robust is not None:
+        raise InputError("[task.robust]: keeping off itself is proven for one model; leave one of the two out.")
+    kind = ApartSolver if asked else GaitSolver if problem.task.robust is None else RobustSolver
     return kind(problem, customise, gait)
 
 

@@ -25,6 +25,13 @@ class CaseOutcome:
     trajectory: Trajectory
 
 
+@dataclass(frozen=True)
+class SelfClear(Clearance):
+    """Clearance of the body from itself, and what is wanted of it [body lengths]."""
+
+    wanted: float
+
+
 @dataclass(frozen=True, repr=False)
 class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
@@ -54,6 +61,7 @@ class Solution(Shown):
     seconds: float
     timing: dict[str, float]
     cases: tuple[CaseOutcome, ...] = ()
+    self_clearance: SelfClear | None = None
 
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""

@@ -1,0 +1,21 @@
+"""Keep off itself: parts of the body that are not neighbours stay apart, at every time (`optimise/apart.py`)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.term import Demand
+
+
+class SelfClearance(Demand):
+    """The distance between any two edges with `between` or more edges between them."""
+
+    kind: Literal["self"] = "self"
+    distance: Annotated[float, Field(gt=0, le=0.5, description="to keep: the body's width, say [body lengths]")]
+    between: int = Field(default=1, ge=1, description="edges with fewer between them are neighbours")
+
+    def require(self, of: Criteria) -> None:
+        """Nothing at once: pairs are asked for as they come near (`optimise/apart.py`)."""

@@ -1,0 +1,112 @@
+"""Gaits whose body keeps off itself: an exchange method over times and pairs of vertices and edges.
+
+A first NLP knows nothing of it. Pairs that come too near in its answer are constraints of the next, until none is left
+and the whole motion is proven; small deficits between the times that are looked at widen the margin. Where edges cross,
+no small step undoes it: the next NLP begins where the first did, apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.gaits import Gait
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.self_clearance import SelfClearance
+from serpenoid.optimise.apart import Near, Pairs, keep_apart
+from serpenoid.optimise.asked import Customise
+from serpenoid.optimise.clearance import RESOLUTION
+from serpenoid.optimise.interrupt import StopFlag
+from serpenoid.optimise.ipopt import Point
+from serpenoid.optimise.motions import Costs, GaitBounds
+from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.solution import SelfClear
+from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.problem import Problem
+from serpenoid.simulation.servos import realise_gait
+from serpenoid.status import Status
+
+ROUNDS = 12
+SMALLER = 20  # times a start's angles are multiplied by 0.8: nearly straight
+MARGIN = 1e-3  # body lengths more than asked for at the times that are watched: finer than a robot is placed
+
+
+class ApartSolver(GaitSolver):
+    """A GaitSolver whose answers keep off themselves."""
+
+    def __init__(self, problem: Problem, customise: Customise | None = None, gait: Gait | None = None) -> None:
+        super().__init__(problem, customise, gait)
+        self._customise, self._gait = customise, gait
+        demands = [d for d in problem.task.demands if isinstance(d, SelfClearance)]
+        self.distance = max(d.distance for d in demands)
+        self.pairs = Pairs(self.model, min(d.between for d in demands))
+
+    def solve(
+        self,
+        start: Floats | Point,
+        c: float,
+        gait_bounds: GaitBounds | None = None,
+        carried: Carried | None = None,
+        flag: StopFlag | None = None,
+        watch: Callable[[float], None] | None = None,
+    ) -> Answer:
+        """As a GaitSolver's, until nothing is too near."""
+        begin = start if isinstance(start, Point) else self._clear_start(start)
+        answer = super().solve(begin, c, gait_bounds, carried, flag, watch)
+        watched: tuple[Near, ...] = ()
+        margin = MARGIN
+        for _ in range(ROUNDS):
+            angles = self._angles(self.table(answer.q))
+            if flag or not np.isfinite(angles).all():
+                break
+            near = set(self.pairs.near(angles, self.distance + 0.5 * margin)) - set(watched)
+            proven = 0.0 if near else self.pairs.clearance(angles, self.distance).proven
+            if not near and proven >= self.distance:
+                break
+            margin += 0.0 if near else self.distance - proven + RESOLUTION
+            watched = (*watched, *sorted(near))
+            alone = GaitSolver(self.problem, self._with(watched, margin), self._gait)
+            apart = isinstance(begin, Point) or self.pairs.least(angles[None])[0] > 0
+            again = alone.solve(answer.q if apart else begin, c, gait_bounds, None, flag, watch)
+            answer = replace(again, iterations=answer.iterations + again.iterations,
+                             seconds=answer.seconds + again.seconds)  # fmt: skip
+            if again.outcome.status is Status.STOPPED:
+                break
+        return answer
+
+    def _clear_start(self, q: Floats) -> Floats:
+        """The start, with smaller joint angles where it comes too near to itself."""
+        for _ in range(SMALLER):
+            if self.pairs.least(self._angles(self.table(q))[None])[0] > self.distance:
+                break
+            q = self.family.scaled(q, 0.8)
+        return q
+
+    def costs(self, tables: Floats, gaits: Floats, c: float) -> Costs:
+        """With what the body comes too near to itself, at rows."""
+        found = super().costs(tables, gaits, c)
+        least = self.pairs.least(np.array([self._angles(table) for table in tables]))
+        return replace(found, outside=found.outside + np.maximum(self.distance - least, 0))
+
+    def self_clearance(self, table: Floats) -> SelfClear | None:
+        """Proven at every time."""
+        found = self.pairs.clearance(self._angles(table), self.distance)
+        return SelfClear(found.least, found.proven, self.distance)
+
+    def _angles(self, table: Floats) -> Floats:
+        """Realised joint angles of rows 0 .. T."""
+        if not self.family.closed:
+            return table
+        angles = realise_gait(self.model, table)
+        return np.concatenate([angles, angles[:1]])
+
+    def _with(self, watched: tuple[Near, ...], margin: float) -> Customise:
+        def customise(of: Criteria) -> None:
+            if self._customise is not None:
+                self._customise(of)
+            keep_apart(of, watched, self.distance + margin)
+
+        return customise

@@ -1,0 +1,86 @@
+"""A body that keeps off itself: distances of edges, what is proven between rows, a stroke whose links would cross."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from serpenoid.body import Body, Floats
+from serpenoid.errors import InputError
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.optimise.apart import Pairs
+from serpenoid.optimise.robust import solver_of
+from serpenoid.optimise.solve import solve
+from serpenoid.simulation.steps import shape_rows
+from serpenoid.status import Status
+from specimens import problem
+
+MODEL = Model(Body(vertices=6), Medium(anisotropy_ratio=0.3))
+STROKE = ("body.vertices=7", "body.joints=[2,4]", "task.steps=40", "body.joint_limit_deg=150.0")
+
+
+def by_hand(chain: Floats, between: int) -> float:
+    """Smallest distance of points spread over edges that are not neighbours."""
+    share = np.linspace(0, 1, 101)[:, None]
+    edges = [(1 - share) * a + share * b for a, b in zip(chain[:-1], chain[1:], strict=True)]
+    apart = [
+        np.linalg.norm(edges[i][:, None] - edges[j][None], axis=-1).min()
+        for i in range(len(edges))
+        for j in range(i + between + 1, len(edges))
+    ]
+    return float(min(apart))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_distances_are_those_of_points_on_the_edges(seed: int) -> None:
+    angles = np.random.default_rng(seed).uniform(-1.5, 1.5, (4, 4))
+    pairs = Pairs(MODEL, 1)
+    chains = pairs.chains(angles, np.arange(3), np.zeros(3))
+    np.testing.assert_allclose(chains, shape_rows(MODEL, angles[:3])[0], atol=1e-12)
+    found = pairs.distances(chains)[0].min(1)
+    expected = [by_hand(chain, 1) for chain in chains]
+    np.testing.assert_allclose(found, expected, atol=2e-3)  # points are 0.002 apart
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_proven_holds_between_rows(seed: int) -> None:
+    angles = np.random.default_rng(seed).uniform(-1.2, 1.2, (4, 4))
+    pairs = Pairs(MODEL, 1)
+    share = np.tile(np.linspace(0, 1, 40, endpoint=False), 3)
+    seen = pairs.distances(pairs.chains(angles, np.repeat(np.arange(3), 40), share))[0].min()
+    proven = pairs.clearance(angles, 1.0)
+    assert proven.proven <= seen + 1e-12
+    assert proven.proven >= seen - 2e-3  # what is between 40 times
+
+
+def test_edges_that_cross_between_two_rows_alone_are_found() -> None:
+    """Three links fold into a triangle: its ends pass one another at both rows, and cross half-way between."""
+    pairs = Pairs(Model(Body(vertices=4), Medium(anisotropy_ratio=0.3)), 1)
+    angles = np.array([[2.9, 1.4], [1.4, 2.9]])
+    rows, half_way = (pairs.distances(pairs.chains(angles, np.zeros(1, int), np.full(1, x)))[0] for x in (0.0, 0.5))
+    assert rows.min() > 0.02
+    assert half_way.min() == 0.0
+    assert pairs.clearance(angles, 0.01).proven <= 0.0
+
+
+def test_a_stroke_keeps_off_itself_at_every_time() -> None:
+    free = solve(problem("purcell-stroke", *STROKE), starts=1).best
+    pairs = Pairs(free.problem.model, 2)
+    assert pairs.least(np.concatenate([free.table, free.table[:1]])[None])[0] == 0.0  # links cross
+    kept = 'task.demands=[{kind="swing"},{kind="self",distance=0.08,between=2}]'
+    found = solve(problem("purcell-stroke", *STROKE, kept), starts=1).best
+    assert found.status is Status.SOLVED
+    assert found.polishing_gain is not None
+    assert found.self_clearance is not None
+    assert found.self_clearance.proven >= 0.08
+    table = np.concatenate([found.table, found.table[:1]])
+    share = np.tile([0.0, 0.3, 0.6], 40)
+    chains = pairs.chains(table, np.repeat(np.arange(40), 3), share)
+    assert min(by_hand(chain, 2) for chain in chains) >= 0.08
+
+
+def test_cases_and_keeping_off_are_not_combined() -> None:
+    both = 'task.demands=[{kind="self",distance=0.05}]', "task.robust={anisotropy_ratio=[0.1, 0.4]}"
+    with pytest.raises(InputError, match="off itself"):
+        solver_of(problem("reference-optimum", *both))
