@@ -15,9 +15,12 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.optimise.joint_blocks import directions, placement
+
+TOGETHER = 512  # points that are looked at in one call
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,12 @@ class Between:
         """Directions of all edges in the world, shape (B, T + 1, n)."""
         to_psi, _ = directions(self.model.structure, links=False)
         return np.asarray(self.poses[..., 2:] + self.angles @ to_psi.T)
+
+    @property
+    def vertices(self) -> Floats:
+        """Where all vertices are in all rows, shape (B, T + 1, n + 1, 2)."""
+        unit = np.stack([np.cos(self.phi), np.sin(self.phi)], -1)
+        return np.asarray(self.poses[:, :, None, :2] + self.levers @ unit)
 
     def points(self, at: Moments) -> Floats:
         """Where the points are, shape (B, I, 2)."""
@@ -101,9 +110,11 @@ class GapField:
 
     @cached_property
     def _function(self) -> ca.Function:
+        """Gaps (c) and gradients (c, 2) of TOGETHER points."""
         point = ca.SX.sym("point", 2)
         value = ca.densify(ca.vertcat(*(gap.of(point) for gap in self.gaps)))
-        return ca.Function("gaps_of_a_point", [point], [value, ca.densify(ca.jacobian(value, point))])
+        outputs = [value, ca.densify(ca.jacobian(value, point))]
+        return ca.Function("gaps_of_a_point", [point], outputs).map(TOGETHER)
 
     @cached_property
     def convex(self) -> np.ndarray:
@@ -113,5 +124,10 @@ class GapField:
 
     def at(self, points: Floats) -> tuple[Floats, Floats]:
         """Gaps (I, c) and gradients (I, c, 2) at points (I, 2)."""
-        value, slope = self._function.map(len(points))(points.T)
-        return value.full().T, slope.full().reshape(-1, len(points), 2).transpose(1, 0, 2)
+        count, c = len(points), self.convex.size
+        padded = np.zeros((-(-count // TOGETHER), TOGETHER, 2))
+        padded.reshape(-1, 2)[:count] = points
+        found = [evaluate(self._function, part) for part in padded]
+        value = np.concatenate([np.zeros((0, c)), *(v.T for v, _ in found)])
+        slope = np.concatenate([np.zeros((0, 2, c)), *(s.T.reshape(-1, 2, c) for _, s in found)])
+        return value[:count], slope[:count].transpose(0, 2, 1)

@@ -68,7 +68,7 @@ class Obstacles:
         if not self.gaps:
             return np.zeros(len(tables))
         path, slack = self.path(batch.poses, tables), FEASIBLE
-        watched, vertices = (w.values(path, self.field) if w.points else np.zeros((len(tables), 0))
-                             for w in (watch, self.first()))  # fmt: skip
+        watched = watch.values(path, self.field) if watch.points else np.zeros((len(tables), 0))
+        vertices = self.field.at(path.vertices.reshape(-1, 2))[0].reshape(len(tables), -1)
         excess = np.maximum(margin - slack - watched, 0).sum(1) + np.maximum(-slack - vertices, 0).sum(1)
         return np.asarray(excess)
