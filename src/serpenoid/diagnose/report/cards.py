@@ -23,7 +23,7 @@ GAINS = {
     "log_likelihood": ("log-likelihood per trial", "1"),
 }  # fmt: skip
 WORSE = 1.02  # an error that does not come closer
-NO_ADVICE = "It may stand in for another cause: no part should be replaced for it."
+NO_ADVICE = "It may stand in for another cause: change nothing for its sake."
 TONES = {"nothing": "good", "explained": "good"}
 
 

@@ -106,7 +106,7 @@ def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
     sign = f"there the body {SIGNS[component][mean < 0]} than modelled"
     return [
         f"largest in {worst} ({sizes[worst]:.1f} SD; "
-        + (f"{sign})" if abs(mean) > ONE_SIGN * rms else "to one side in some gaits, to the other in others)")
+        + (f"{sign})" if abs(mean) > ONE_SIGN * rms else "now to one side, now to the other)")
     ]
 
 
