@@ -123,14 +123,17 @@ def _write(path: Path, tree: bytes, arrays: list[Array]) -> None:
 def _bound(place: Path) -> None:
     """The longest unused entries leave; another process may be doing the same."""
     entries = []
-    for path in place.glob("*.work"):
-        with suppress(OSError):
-            entries.append((path.stat().st_mtime, path.stat().st_size, path))
+    with os.scandir(place) as found:
+        for entry in found:
+            if entry.name.endswith(".work"):
+                with suppress(OSError):
+                    known = entry.stat()
+                    entries.append((known.st_mtime, known.st_size, entry.path))
     excess = sum(size for _, size, _ in entries) - MOST_BYTES
-    for _, size, path in sorted(entries):
+    for _, size, path in sorted(entries) if excess > 0 else []:
         if excess <= 0:
             break
-        path.unlink(missing_ok=True)
+        Path(path).unlink(missing_ok=True)
         excess -= size
 
 

@@ -50,3 +50,4 @@ class Motion:
     unlike: Floats | float = 0.0
     untestable: frozenset[str] = frozenset()
     ratio: float | None = None
+    sizes: Floats | None = None

@@ -26,6 +26,7 @@ class Evidence:
     """Sums over each gait: matrices A (G, P, P), vectors b (G, P), constants c (G,), numbers of residuals (G,).
 
     neutral, certainty (P): values that change nothing and the inverse square of their error, for fits without a gait.
+    log_determinant: ln |V| of the residuals' covariance, in units of their noise level squared.
     """
 
     matrix: Floats
@@ -34,6 +35,7 @@ class Evidence:
     count: Floats
     neutral: Floats | None = None
     certainty: Floats | None = None
+    log_determinant: float = 0.0
 
     @classmethod
     def of(cls, residuals: Floats, columns: Floats, labels: np.ndarray) -> Evidence:
