@@ -49,12 +49,12 @@ class JointBlocks:
 
     def __init__(self, structure: Structure, functions: list[ca.Function], values: int) -> None:
         self.joints, self.values = len(structure.joints), values
-        self._row, self._value, self._gradient, self._jacobian, self._hessian = functions
+        self._places, self._row, self._value, self._gradient, self._jacobian, self._hessian = functions
         self._widths = (structure.elements, self.joints, structure.vertices - 1)
 
     def value(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
         """Values (v, T) and energies (1, T)."""
-        value, energies = self._over(self._value, cycle)
+        value, energies = self._over(self._value, cycle, of=self._places)
         return value, energies
 
     def jacobian(self, cycle: Cycle) -> ca.MX:
@@ -70,9 +70,11 @@ class JointBlocks:
         slope, curvature = self._over(self._hessian, cycle, multipliers, factors)
         return slope, curvature
 
-    def _over(self, function: ca.Function, cycle: Cycle, *more: ca.MX) -> ca.MX:
-        rows = over(self._row, int(cycle.shapes.size2()), [1], cycle.shapes, cycle.parameters)
-        ends = [end for part, width in zip(rows, self._widths, strict=True) for end in cycle.ends(part, width)]
+    def _over(self, function: ca.Function, cycle: Cycle, *more: ca.MX, of: ca.Function | None = None) -> ca.MX:
+        """`function` of every step; of: what it needs of the rows, default places with slopes."""
+        rows = over(of or self._row, int(cycle.shapes.size2()), [1], cycle.shapes, cycle.parameters)
+        parts = [rows] if isinstance(rows, ca.MX) else rows
+        ends = [end for part, width in zip(parts, self._widths, strict=False) for end in cycle.ends(part, width)]
         settings = [] if cycle.settings is None else [cycle.settings]
         inputs = [ca.vertcat(cycle.poses[:, :-1], cycle.poses[:, 1:]), *ends, *settings, *more, cycle.parameters]
         return over(function, cycle.steps, [function.n_in() - 1], *inputs)
@@ -122,17 +124,16 @@ def placement(structure: Structure, parameters: ca.MX) -> ca.MX:
 
 
 def step_functions(structure: Structure, law: ElementShare, medium: ca.Function, numbers: ca.DM) -> list[ca.Function]:
-    """row, value, gradient, jacobian, hessian; see the module's head.
+    """places, row, value, gradient, jacobian, hessian; see the module's head.
 
     medium: parameters -> the element's own numbers (M) and shared ones; numbers (q, M): constants of each element.
     """
     place = law.before.numel()
-    row = _row(structure, place)
-    return [row, *_Step(structure, law, medium, numbers).functions()]
+    return [*_rows(structure, place), *_Step(structure, law, medium, numbers).functions()]
 
 
-def _row(structure: Structure, place: int) -> ca.Function:
-    """(angles (m), parameters) -> w (l, M), dw/d angles (l M, m), (cos psi, sin psi) (2, n)."""
+def _rows(structure: Structure, place: int) -> list[ca.Function]:
+    """(angles (m), parameters) -> w (l, M); and with it dw/d angles (l M, m), (cos psi, sin psi) (2, n)."""
     angles = ca.MX.sym("angles", len(structure.joints))
     parameters = ca.MX.sym("parameters", 2 * structure.vertices)
     to_psi, others = directions(structure, links=place == 4)
@@ -143,7 +144,8 @@ def _row(structure: Structure, place: int) -> ca.Function:
     slopes += [ca.MX(ca.DM(matrix @ to_psi)) for matrix in others]
     order = [i * structure.elements + k for k in range(structure.elements) for i in range(place)]
     outputs = [w, ca.densify(ca.vertcat(*slopes))[order, :], ca.horzcat(c, s).T]
-    return ca.Function("joint_row", [angles, parameters], outputs)
+    inputs = [angles, parameters]
+    return [ca.Function("joint_places", inputs, [w]), ca.Function("joint_row", inputs, outputs)]
 
 
 class _Step:
@@ -163,6 +165,7 @@ class _Step:
         self.more = [own.T, *shared, *constants, *self.settings]
         ends = [x for pair in (self.w, self.slopes, self.units) for x in pair]
         self.inputs = [self.frame, *ends, *self.settings]
+        self.plain = [self.frame, *self.w, *self.settings]  # what values need
 
     def functions(self) -> list[ca.Function]:
         """value, gradient, jacobian, hessian."""
@@ -183,7 +186,7 @@ class _Step:
         found = self._sum("hessian", by, [*first, *second], [0, 3], symbols)
         slope, curvature = self._second(found[:3], dict(zip(pairs, found[3:], strict=True)))
         return [
-            ca.Function("joint_value", [*self.inputs, parameters], [value, energies]),
+            ca.Function("joint_value", [*self.plain, parameters], [value, energies]),
             ca.Function("joint_gradient", [*self.inputs, parameters], [gradient]),
             ca.Function("joint_jacobian", [*self.inputs, parameters], [jacobian]),
             ca.Function("joint_hessian", [*self.inputs, *symbols, parameters], [slope, curvature]),
