@@ -56,7 +56,7 @@ def nlp_of(
     """The gait NLP of a model; for ellipses, and the displacement, unless `gait` and `task` say otherwise."""
     family = (gait or EllipseGait()).of(model.body.joint_count, steps)
     law = motion_law.motion_law(model, family)
-    criteria, watch = asked(task or Task(), family, customise).criteria, Watch()
+    criteria, watch = asked(task or Task(), family, customise, model).criteria, Watch()
     if criteria.clear_of:
         between = Watched(0.25, 2, 0.5, 1, 0), Watched(0.75, steps - 1, 0.25, 0, 2)
         watch = Watch(

@@ -169,6 +169,41 @@ def sidewinding() -> None:
     assert found.sideways_deg > 60
 
 
+def five_links() -> None:
+    found = solve(problem("five-links"), starts=1).best
+    assert found.status.ok
+    q = found.q.reshape(4, -1)
+    first, second, third = (np.linalg.norm(q[:, 1 + 2 * k : 3 + 2 * k]) for k in range(3))
+    assert second < 1e-4 * first
+    assert third < 1e-3 * first  # falls with the square of the amplitude, which is 0.13 rad
+    dearest = found.trajectory.dissipation / found.trajectory.displacement
+    assert dearest == pytest.approx(least_energy_of_small_strokes(found.problem.model), rel=5e-3)
+
+
+def least_energy_of_small_strokes(model: Model) -> float:
+    """Least dissipation per way of ellipses a cos + b sin of small joint angles, by the independent simulator.
+
+    The way is a.S b with S antisymmetric, the dissipation a.G a + b.G b: 2 over the first singular value of S by G.
+    """
+    small, phase, joints = 0.02, 2 * np.pi * np.arange(40)[:, None] / 40, np.eye(4)
+
+    def run(a: Floats, b: Floats) -> tuple[float, float]:
+        motion = oracle_run(model, small * (np.cos(phase) * a + np.sin(phase) * b))
+        return float(motion.poses[-1, 0]) / small**2, motion.dissipation / small**2
+
+    pairs = [(i, j) for i in range(4) for j in range(i, 4)]
+    s, g = np.zeros((4, 4)), np.zeros((4, 4))
+    for i, j in pairs:
+        if i != j:
+            s[i, j] = run(joints[i], joints[j])[0]
+        g[i, j] = run(joints[i] + joints[j], 0 * joints[i])[1] / (4 if i == j else 2)
+    for i, j in ((i, j) for i, j in pairs if i != j):
+        g[i, j] -= (g[i, i] + g[j, j]) / 2
+    s, g = s - s.T, g + np.triu(g, 1).T
+    root = np.linalg.inv(np.linalg.cholesky(g))
+    return float(2 / np.linalg.svd(root @ s @ root.T)[1][0])
+
+
 def steer() -> None:
     found = solve(problem("steer", "body.vertices=7"), starts=2, seed=0).best
     assert found.status.ok
@@ -208,6 +243,7 @@ CHECKS = {
     "purcell-stroke": purcell_stroke,
     "transport": transport,
     "steer": steer,
+    "five-links": five_links,
     "sidewinding": sidewinding,
     "robust": robust,
     "checkpoints": checkpoints,

@@ -40,7 +40,23 @@ WORLD = Task.model_validate(
         ]
     }
 )
-TASKS = {"obstacles": WORLD, "position and dissipation": EFFORT, "bending and effort": BENDING, "demands": DEMANDS}
+LINE = ((-0.3, 0.0), (0.1, 0.1), (0.5, -0.2))
+WAYS = Task.model_validate(
+    {
+        "objectives": [
+            {"kind": "path", "line": LINE, "cycles": 2},
+            {"kind": "path", "line": LINE, "point": "head", "weight": 0.7},
+        ],
+        "demands": [{"kind": "shape", "at": 0.5, "still": True}, {"kind": "swing"}],
+    }
+)
+TASKS = {
+    "ways": WAYS,
+    "obstacles": WORLD,
+    "position and dissipation": EFFORT,
+    "bending and effort": BENDING,
+    "demands": DEMANDS,
+}
 GAITS: dict[str, Gait] = {
     "table": TableGait(),
     "ellipse": EllipseGait(),

@@ -263,6 +263,8 @@ def test_what_cannot_be_is_said() -> None:
     assert solve(asked("reference-optimum", *SMALL, **far), starts=1).best.status in (
         Status.INFEASIBLE, Status.NOT_CONVERGED,
     )  # fmt: skip
+    bent = {"demands": ({"kind": "shape", "angles": (1.5, 0.0, 0.0)},)}  # beyond the joint limits
+    assert not solve(asked("reach", "body.vertices=5", "task.steps=10", **bent), starts=1).best.status.ok
     inside = {"demands": ({"kind": "disc", "centre": (0.0, 0.0), "radius": 3.0},)}
     assert not solve(asked("reach", "body.vertices=5", "task.steps=10", **inside), starts=1).best.status.ok
 
