@@ -83,11 +83,7 @@ def trial_lines(trial: Trial) -> list[str]:
             f"  frames            {len(motion.time_s)} in {length:.2f} s, {motion.hidden_share:.1%} of markers hidden"
         )
         lines.append(f"  body              {_body_words(trial, motion)}")
-        unit = (
-            f"{1000 * trial.metres * motion.marker_sd:.3f} mm"
-            if trial.metres
-            else f"{motion.marker_sd:.5f} body lengths"
-        )
+        unit = metric(trial.metres * motion.marker_sd) if trial.metres else f"{motion.marker_sd:.5f} body lengths"
         lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
         lines.append(f"  seconds           {usage(trial)}")
         for p in trial.passages:
@@ -110,10 +106,16 @@ def trial_lines(trial: Trial) -> list[str]:
     return lines + [f"  note              {note}" for note in trial.notes]
 
 
+def metric(metres: float) -> str:
+    """A length in the unit that people would use of it."""
+    unit, size = next(((u, s) for u, s in (("m", 1.0), ("mm", 1e-3)) if metres >= 0.01 * s), ("um", 1e-6))
+    return f"{metres / size:.4g} {unit}"
+
+
 def _body_words(trial: Trial, motion: Motion) -> str:
     """Length and period: where units of length or time are wrong, these two numbers show it."""
     from serpenoid.measure.consistency.signals import Signal, period_s
 
     period = period_s(Signal(motion.time_s, motion.joint_angles))
-    length = f"{trial.metres:.4g} m long" if trial.metres else "of unknown length (pixels)"
+    length = f"{metric(trial.metres)} long" if trial.metres else "of unknown length (pixels)"
     return f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period")

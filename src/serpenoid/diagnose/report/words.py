@@ -125,7 +125,7 @@ def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"reference         {text}" for text in reference(record)]
     found += [f"first             {text}" for text in inadequacy(record)]
-    found.append(f"verdict           {record['verdict']}")
+    found.append(f"verdict           {record['verdict']}: {MEANINGS[record['verdict']]}")
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
