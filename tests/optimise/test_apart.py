@@ -11,7 +11,8 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.optimise.apart import Pairs
 from serpenoid.optimise.robust import solver_of
-from serpenoid.optimise.solve import solve
+from serpenoid.optimise.solve import solve, starts_of
+from serpenoid.optimise.solver import GaitSolver
 from serpenoid.simulation.steps import shape_rows
 from serpenoid.status import Status
 from specimens import problem
@@ -22,7 +23,7 @@ STROKE = ("body.vertices=7", "body.joints=[2,4]", "task.steps=40", "body.joint_l
 
 def by_hand(chain: Floats, between: int) -> float:
     """Smallest distance of points spread over edges that are not neighbours."""
-    share = np.linspace(0, 1, 101)[:, None]
+    share = np.linspace(0, 1, 41)[:, None]
     edges = [(1 - share) * a + share * b for a, b in zip(chain[:-1], chain[1:], strict=True)]
     apart = [
         np.linalg.norm(edges[i][:, None] - edges[j][None], axis=-1).min()
@@ -40,7 +41,7 @@ def test_distances_are_those_of_points_on_the_edges(seed: int) -> None:
     np.testing.assert_allclose(chains, shape_rows(MODEL, angles[:3])[0], atol=1e-12)
     found = pairs.distances(chains)[0].min(1)
     expected = [by_hand(chain, 1) for chain in chains]
-    np.testing.assert_allclose(found, expected, atol=2e-3)  # points are 0.002 apart
+    np.testing.assert_allclose(found, expected, atol=5e-3)  # points are 0.005 apart
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -65,9 +66,11 @@ def test_edges_that_cross_between_two_rows_alone_are_found() -> None:
 
 
 def test_a_stroke_keeps_off_itself_at_every_time() -> None:
-    free = solve(problem("purcell-stroke", *STROKE), starts=1).best
-    pairs = Pairs(free.problem.model, 2)
-    assert pairs.least(np.concatenate([free.table, free.table[:1]])[None])[0] == 0.0  # links cross
+    wanted = problem("purcell-stroke", *STROKE)
+    free = GaitSolver(wanted)
+    pairs, answer = Pairs(wanted.model, 2), free.solve(starts_of(free, 1, 0)[0], 0.0)
+    table = free.table(answer.q)
+    assert pairs.least(np.concatenate([table, table[:1]])[None])[0] == 0.0  # links cross
     kept = 'task.demands=[{kind="swing"},{kind="self",distance=0.08,between=2}]'
     found = solve(problem("purcell-stroke", *STROKE, kept), starts=1).best
     assert found.status is Status.SOLVED
@@ -75,8 +78,8 @@ def test_a_stroke_keeps_off_itself_at_every_time() -> None:
     assert found.self_clearance is not None
     assert found.self_clearance.proven >= 0.08
     table = np.concatenate([found.table, found.table[:1]])
-    share = np.tile([0.0, 0.3, 0.6], 40)
-    chains = pairs.chains(table, np.repeat(np.arange(40), 3), share)
+    share = np.tile([0.0, 0.5], 40)
+    chains = pairs.chains(table, np.repeat(np.arange(40), 2), share)
     assert min(by_hand(chain, 2) for chain in chains) >= 0.08
 
 

@@ -23,7 +23,7 @@ from serpenoid.problem import Problem
 from serpenoid.status import Status
 from specimens import oracle_run, problem
 
-SMALL = "body.vertices=6", "task.steps=30", "task.c=0.5"
+SMALL = "body.vertices=6", "task.steps=24", "task.c=0.5"
 WORST = 'task.robust={over="worst", anisotropy_ratio=[0.1, 0.4]}'
 MEAN = 'task.robust={over="mean", anisotropy_ratio=[0.1, 0.4]}'
 
@@ -41,19 +41,19 @@ def value(found: Solution, ratio: float) -> float:
 
 @pytest.fixture(scope="module")
 def plain() -> Solution:
-    return solve(small(), starts=2).best
+    return solve(small(), starts=1, seed=1).best
 
 
 @pytest.fixture(scope="module")
 def worst() -> Solution:
-    return solve(small(WORST), starts=2).best
+    return solve(small(WORST), starts=1, seed=1).best
 
 
 def test_the_best_worst_case_is_better_in_the_worst_case_and_no_better_elsewhere(
     plain: Solution, worst: Solution
 ) -> None:
     assert worst.status is Status.SOLVED
-    grid = np.linspace(0.1, 0.4, 7)
+    grid = np.linspace(0.1, 0.4, 4)
     least = max(value(worst, ratio) for ratio in grid)
     assert worst.cost == pytest.approx(least, abs=1e-9)
     assert least < max(value(plain, ratio) for ratio in grid) - 1e-3
@@ -68,15 +68,15 @@ def test_where_one_floor_is_always_the_worst_its_own_optimum_is_the_answer(worst
 def test_the_mean_is_the_integral_over_the_interval() -> None:
     found = solve(small(MEAN), starts=1).best
     assert found.status is Status.SOLVED
-    grid = np.linspace(0.1, 0.4, 21)
+    grid = np.linspace(0.1, 0.4, 11)
     mean = np.trapezoid([value(found, ratio) for ratio in grid], grid) / 0.3
-    assert found.cost == pytest.approx(mean, abs=1e-3)  # three nodes, 21 trapezoids
+    assert found.cost == pytest.approx(mean, abs=3e-3)  # three nodes, 11 trapezoids
     assert sum(case.weight for case in found.cases) == pytest.approx(1.0)
 
 
 def test_a_floor_inside_the_interval_that_is_worse_becomes_a_case() -> None:
     place = 'task.objectives=[{kind="position",target=[0.25,0.0],weight=5.0}]'
-    found = solve(problem("reach", "body.vertices=5", "task.steps=24", "task.c=0.1", place,
+    found = solve(problem("reach", "body.vertices=6", "task.steps=16", "task.c=0.1", place,
                           "task.robust={anisotropy_ratio=[0.03, 0.2]}"), starts=1).best  # fmt: skip
     assert found.residuals.largest <= 1e-8
     assert found.resimulation_error <= 1e-8
@@ -87,7 +87,7 @@ def test_a_floor_inside_the_interval_that_is_worse_becomes_a_case() -> None:
         run = oracle_run(replace(model, medium=Medium(anisotropy_ratio=ratio, dissipation="edge")), found.table)
         return float(5 * np.sum((run.poses[-1, :2] - [0.25, 0]) ** 2) + 0.1 * run.dissipation)
 
-    assert max(objective(ratio) for ratio in np.linspace(0.03, 0.2, 30)) <= found.cost + 1e-6
+    assert max(objective(ratio) for ratio in np.linspace(0.03, 0.2, 12)) <= found.cost + 1e-6
 
 
 @pytest.mark.parametrize("robust", [WORST, MEAN])

@@ -17,6 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.cases import Case, at_ratio, cases_of
 from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
+from serpenoid.model import Model
 from serpenoid.objectives.self_clearance import SelfClearance
 from serpenoid.optimise.apart_solver import ApartSolver
 from serpenoid.optimise.asked import Customise
@@ -113,15 +114,25 @@ class RobustSolver(GaitSolver):
         """The NLP of all cases, and its solver."""
         key = len(carried.rows), penalised, len(self.cases)
         if key not in self._prepared:
-            laws = [motion_law(solver.model, self.family) for solver in self.each]
-            parts = [
-                GaitNLP(law, solver.asked.criteria, len(carried.rows), penalised=penalised)
-                for law, solver in zip(laws, self.each, strict=True)
-            ]
+            parts = self._parts(len(carried.rows), penalised)
             weights = None if self.over == "worst" else np.array([case.weight for case in self.cases])
             nlp = RobustNLP(parts, weights)
             self._prepared[key] = nlp, Ipopt(nlp, self._kept(nlp, len(carried.rows)))  # type: ignore[index, assignment]
         return self._prepared[key]  # type: ignore[index, return-value]
+
+    def _parts(self, rows: int, penalised: bool) -> list[GaitNLP]:
+        """The cases' NLPs; one for all that differ in numbers alone, which are parameters."""
+        made: list[tuple[Model, GaitNLP]] = []
+        parts = []
+        for solver in self.each:
+            model = solver.model
+            same = (nlp for other, nlp in made if _alike(model, other))
+            part = next(same, None)
+            if part is None:
+                part = GaitNLP(motion_law(model, self.family), solver.asked.criteria, rows, penalised=penalised)
+                made.append((model, part))
+            parts.append(part)
+        return parts
 
     def _kept(self, nlp: RobustNLP, rows: int) -> np.ndarray:
         """Limits are the gait's: the first case carries them for all."""
@@ -213,6 +224,11 @@ class RobustSolver(GaitSolver):
             return ratio
         ratio, value = _highest(lambda r: float(at(r)[0]), *self.interval)
         return ratio if value > float(known.value[0]) + WORSE else None
+
+
+def _alike(model: Model, other: Model) -> bool:
+    """Whether two models differ in their media's ratios alone."""
+    return (model.structure, model.body, model.effects) == (other.structure, other.body, other.effects)
 
 
 def _highest(value: Callable[[float], float], low: float, high: float) -> tuple[float, float]:

@@ -56,7 +56,9 @@ class RobustNLP:
     def functions(self) -> dict[str, ca.Function]:
         """As `GaitNLP.functions`."""
         x, p = self.variables, self.parameters
-        each = [nlp.functions() for nlp in self.cases]
+        made = {id(nlp): nlp for nlp in self.cases}  # cases that differ in numbers share theirs
+        functions = {key: nlp.functions() for key, nlp in made.items()}
+        each = [functions[id(nlp)] for nlp in self.cases]
         at = list(zip(each, self._points, strict=True))
         values = [f["f"](*point) for f, point in at]
         slopes = [spread @ f["grad_f"](*point)[1] for (f, point), spread in zip(at, self._spreads, strict=True)]
