@@ -10,12 +10,14 @@ from bench import clock, empty_cache, exponent, in_units, report, side_by_side, 
 from serpenoid.mechanics.tables import joint_tables
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.starts import random_gaits
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch
 from serpenoid.simulation.steps import _compiled
 from specimens import problem
 
 STEPS, VERTICES, ROUNDS = (50, 200, 800, 1600), (12, 48, 192), 7
+FREE_STEPS, FREE_VERTICES = (40, 80, 160, 320), (6, 11, 21, 41)
 START = np.array([0.8, 0.3, -0.3, 0.2, 5.0, 0.9])
 
 
@@ -46,6 +48,21 @@ def iteration_seconds(asked: Problem) -> tuple[float, int, float]:
         each = (clock() - begin) / max(answer.iterations, 1)
         best = min(best, (each, answer.iterations, timing["function_evaluation"] / timing["total"]))
     return best
+
+
+def free_iteration(vertices: int, steps: int) -> tuple[float, int]:
+    """Seconds per iteration of a free table's NLP (T m parameters), and how many parameters it has."""
+    asked = problem("reach", f"body.vertices={vertices}", f"task.steps={steps}", f"task.c={10 / steps}")
+    solver = GaitSolver(asked)
+    carried, c = solver.first(), asked.task.c
+    _, ipopt = solver.prepared(carried)
+    given = solver.parameters(c, carried.rows), solver.bounds(carried)
+    best = np.inf
+    for q in [*random_gaits(solver, 1, seed=0)] * 3:
+        begin = clock()
+        outcome = ipopt.solve(solver.start(q), *given)
+        best = min(best, (clock() - begin) / outcome.iterations)
+    return best, solver.family.size
 
 
 def compile_seconds(asked: Problem) -> float:
@@ -82,8 +99,12 @@ def write() -> None:
     by_steps = measured(STEPS, lambda t: sized(12, t))
     by_vertices = measured(VERTICES, lambda n: sized(n, 50))
     powers = [exponent([r[0] for r in rows], [r[k] for r in rows]) for rows in (by_steps, by_vertices) for k in (2, 3)]
-    names = ["cycle over T", "iteration over T", "cycle over N", "iteration over N"]
-    limits = [1.1, 1.1, 1.5, 1.5]
+    free_steps = [(t, *free_iteration(11, t)) for t in FREE_STEPS]
+    free_vertices = [(n, *free_iteration(n, 50)) for n in FREE_VERTICES]
+    powers += [exponent([r[0] for r in rows], [r[1] for r in rows]) for rows in (free_steps, free_vertices)]
+    names = ["cycle over T", "iteration over T", "cycle over N", "iteration over N",
+             "free table: iteration over T, and over its 9 T parameters", "free table: iteration over N"]  # fmt: skip
+    limits = [1.1, 1.1, 1.5, 1.5, 1.1, 1.5]
     rows = [
         [n, f"{limit}", f"{p:.2f}", "yes" if p <= limit else "no"]
         for n, limit, p in zip(names, limits, powers, strict=True)
@@ -97,6 +118,15 @@ def write() -> None:
         table(["T", *header[1:]], shown(by_steps, list(STEPS))),
         "N, with 50 steps:",
         table(["N", *header[1:]], shown(by_vertices, [50] * len(VERTICES))),
+        "Free tables (the reach problem: T m parameters); T with 11 vertices, N with 50 steps:",
+        table(
+            ["T or N", "parameters", "NLP iteration"],
+            [
+                [f"{w} = {size}", str(n), in_units(each)]
+                for w, found in (("T", free_steps), ("N", free_vertices))
+                for size, each, n in found
+            ],
+        ),  # fmt: skip
     )
 
 
