@@ -2,7 +2,7 @@
 
     p(x) = mean over w of N(x; neutral, (w typical)^2),  w in 1, 4, 16        (of eps: of its logarithm)
 
-Heavy tails: one width would forbid what is strong or favour what is faint. What has no neutral value says where a patch
+Heavy tails: one width would forbid what is strong or favour what is weak. What has no neutral value says where a patch
 lies, typically on the floor that was visited, and how wide it is: a quarter of the body's length, of its logarithm.
 """
 

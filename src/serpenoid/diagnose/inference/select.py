@@ -42,7 +42,7 @@ TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against d
 PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
 REFITTED = 2  # explanations fitted again under their own discrepancy
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
-VISIBLE = 1.6  # noise levels of the path: a fainter trace is below detection, and does not stay below one
+VISIBLE = 1.6  # noise levels of the path: a weaker trace is below detection, and does not stay below one
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
 UNCLEAR = 2.0  # the same: with the right effects there is less
 
