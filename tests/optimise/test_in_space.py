@@ -102,7 +102,7 @@ def test_standing_counts_rows_whose_centre_is_over_what_rests() -> None:
 
 @pytest.mark.parametrize("change", [
     'gait={family="table"}', 'medium.law="coulomb"', "task.transient=true", "task.constraints.straight=true",
-    'task.demands=[{kind="travel",least=0.1}]', 'task.objectives=[{kind="effort"}]',
+    'task.demands=[{kind="travel",least=0.1}]', 'task.objectives=[{kind="effort"}]', "lift.height=0.4",
 ])  # fmt: skip
 def test_what_gaits_in_space_cannot_do_is_refused(change: str) -> None:
     bounds = ["task.bounds={}"] if "table" in change else []

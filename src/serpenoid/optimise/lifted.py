@@ -107,6 +107,20 @@ class LiftedBody:
                 "[lift]: effects, demands, cases, dry friction are for gaits in the plane; leave them out."
             )
 
+        if not np.isfinite(self._steepest).all():
+            raise InputError(
+                f"[lift] height: edges are too short to rise by {self.lift.height:g} body lengths in a wave; "
+                "lower `height`, `sharpness` or the upper bound of `xi`."
+            )
+
+    @property
+    def _steepest(self) -> Floats:
+        """Pitches of the shortest wave at many phases; not finite where an edge would have to stretch."""
+        _, upper = self.bounds
+        waves = [np.array([0.0, upper[1], 0.0, bias]) for bias in (self.lift.bias[0], self.lift.bias[1])]
+        found = [self.row(q, t)[3].full() for q in waves for t in np.linspace(0, 1, 24, endpoint=False)]
+        return np.concatenate(found)
+
     @property
     def model(self) -> Model:
         """Body and medium."""
