@@ -176,7 +176,7 @@ def promising(ranked: Sequence[Ranked], needed: float, count: int) -> list[Ranke
 
 
 def proposals(now: Explanation, doubted: Scored, needed: float, level: int) -> list[Try]:
-    """Full fits of what ranks best where noise alone counts, and where the discrepancy does, too."""
+    """Full fits of what ranks best where noise alone counts, and of what else does beside the discrepancy."""
     plain = replace(now.motion, sizes=None)
     base = fit_guided(plain, now.fit)
     tries = attempts(plain, base, promising(score(plain, base).ranked, needed, FULL_FITS[level]))
@@ -184,7 +184,9 @@ def proposals(now: Explanation, doubted: Scored, needed: float, level: int) -> l
         tries += attempts(plain, base, from_typical(plain, base))
     if now.motion.sizes is None:
         return tries
-    return tries + attempts(now.motion, now.fit, promising(doubted.ranked, needed, DOUBTED), FINALISTS // 2)
+    tried = {t.added.key for t in tries}
+    others = [r for r in promising(doubted.ranked, needed, DOUBTED) if r[0].key not in tried]
+    return tries + attempts(now.motion, now.fit, others, FINALISTS // 2)
 
 
 def trace_of(e: Explanation, effect: ActiveEffect) -> float:
