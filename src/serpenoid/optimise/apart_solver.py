@@ -54,7 +54,7 @@ class ApartSolver(GaitSolver):
         watch: Callable[[float], None] | None = None,
     ) -> Answer:
         """As a GaitSolver's, until nothing is too near."""
-        begin = start if isinstance(start, Point) else self._clear_start(start)
+        begin = self._clear_start(start.x[-self.family.size :] if isinstance(start, Point) else start)
         answer = super().solve(begin, c, gait_bounds, carried, flag, watch)
         watched: tuple[Near, ...] = ()
         margin = MARGIN
@@ -69,7 +69,7 @@ class ApartSolver(GaitSolver):
             margin += 0.0 if near else self.distance - proven + RESOLUTION
             watched = (*watched, *sorted(near))
             alone = GaitSolver(self.problem, self._with(watched, margin), self._gait)
-            apart = isinstance(begin, Point) or self.pairs.least(angles[None])[0] > 0
+            apart = self.pairs.least(angles[None])[0] > 0
             again = alone.solve(answer.q if apart else begin, c, gait_bounds, None, flag, watch)
             answer = replace(again, iterations=answer.iterations + again.iterations,
                              seconds=answer.seconds + again.seconds)  # fmt: skip

@@ -97,6 +97,7 @@ class RobustSolver(GaitSolver):
     ) -> Answer:
         """As a GaitSolver's; over an interval until no ratio of it is worse than the cases."""
         self._c = c
+        start = start.x[-self.family.size :] if isinstance(start, Point) else start  # cases may have been added since
         answer = super().solve(start, c, gait_bounds, carried, flag, watch)
         for left in reversed(range(ROUNDS + 1)):
             ratio = self._worse(answer.q, c) if answer.outcome.status.ok and not flag else None
