@@ -57,23 +57,22 @@ def _ratios(problem: Problem, robust: Robust) -> tuple[Case, ...]:
 
 
 def _models(problem: Problem, robust: Robust) -> list[tuple[str, ModelFile]]:
-    paths = [problem.folder / path for path in robust.models]
+    paths = [problem.folder / path for path in robust.files]
     found = [schema.validate(ModelFile, read_model_file(path), str(path)) for path in paths]
     return [(path.stem, model) for path, model in zip(paths, found, strict=True)]
 
 
 def _alternatives(problem: Problem, robust: Robust) -> list[tuple[str, ModelFile]]:
     """The extended model of a diagnosis, and it with each alternative in the place of what it could stand for."""
-    folder = problem.folder / (robust.diagnosis or "")
-    path = folder / "extended-model.toml"
+    path, diagnosis = (problem.folder / name for name in robust.files)
     found = schema.validate(ModelFile, read_model_file(path), str(path))
-    record = read_json(folder / "diagnosis.json")
+    record = read_json(diagnosis)
     entries = record.get("alternatives") if isinstance(record, dict) else None
     if not isinstance(entries, list):
-        raise InputError(f"{folder / 'diagnosis.json'}: has no list `alternatives`. Is it what `diagnose` wrote?")
+        raise InputError(f"{diagnosis}: has no list `alternatives`. Is it what `diagnose` wrote?")
     models = [("extended model", found)]
     for entry in entries:
-        models.append(_swapped(found, entry, folder / "diagnosis.json"))
+        models.append(_swapped(found, entry, diagnosis))
     return models
 
 

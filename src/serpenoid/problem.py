@@ -5,6 +5,7 @@ Precedence: what `--set` assigns, then the file, then the defaults below.
 
 from __future__ import annotations
 
+import hashlib
 from functools import reduce
 from operator import or_
 from pathlib import Path
@@ -15,6 +16,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files import schema
+from serpenoid.files.inputs import read_bytes
 from serpenoid.files.schema import Record
 from serpenoid.files.writing import short_hash
 from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds, GaitFamily, families
@@ -23,6 +25,7 @@ from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
 
+LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:
     AnyGait: TypeAlias = Gait
@@ -69,6 +72,11 @@ class Robust(Record):
     anisotropy_ratio: tuple[float, float] | None = Field(default=None, description="an interval of ratios")
     models: tuple[str, ...] = Field(default=(), description="model files, relative to the problem file")
     diagnosis: str | None = Field(default=None, description="folder of `diagnose`: extended model and alternatives")
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """All that it reads, relative to the problem file."""
+        return self.models if self.diagnosis is None else tuple(f"{self.diagnosis}/{name}" for name in LEFT_OPEN)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -213,7 +221,7 @@ class Problem(Record):
 
     @property
     def hash(self) -> str:
-        """Changes with any number in the problem."""
+        """Changes with any number in the problem, and with the files that [task.robust] names. Raises InputError."""
         data = self.model_dump(mode="json", exclude=None if self.effects else {"effects"})
         medium = data["medium"]
         if self.lift is None:
@@ -222,6 +230,9 @@ class Problem(Record):
             del medium["anisotropy_ratio_bounds"]
         if self.task.robust is None:
             del data["task"]["robust"]
+        else:
+            named = [read_bytes(self.folder / name) for name in self.task.robust.files]
+            data["task"]["robust"]["contents"] = [hashlib.sha256(content).hexdigest() for content in named]
         if self.medium.law == "viscous":
             del medium["law"], medium["softening"]
         holds = {"joint_limits": self.joint_limit_deg, "joint_speed_limits": self.joint_speed_limit_rpm}

@@ -148,7 +148,9 @@ def test_model_files_stand_beside_the_problem(tmp_path: Path) -> None:
     (tmp_path / "b.toml").write_text("[medium]\nanisotropy_ratio = 0.4\n")
     wanted = small(f'task.robust={{models=["{tmp_path}/a.toml", "{tmp_path}/b.toml"], over="mean"}}')
     assert [(case.name, case.weight) for case in cases_of(wanted)] == [("a", 0.5), ("b", 0.5)]
+    asked = wanted.hash
     (tmp_path / "b.toml").write_text("[body]\nvertices = 9\n[medium]\nanisotropy_ratio = 0.4\n")
+    assert wanted.hash != asked  # no answer for other models is taken for this one's
     with pytest.raises(InputError, match="7 joints, the problem 4"):
         cases_of(wanted)
 
