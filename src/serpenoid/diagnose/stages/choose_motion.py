@@ -165,7 +165,7 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
     """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
     best = found.best
     columns = range(len(best.coordinates))
-    _, covariance = best.evidence.solve(columns)
+    covariance = best.evidence.covariance(columns)
     at = 1
     for e in best.effects:
         if e is effect:
@@ -178,7 +178,7 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
             bound.append(p.name)  # how far it may be from there: the fit itself held it
             held, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
-            _, covariance = held.solve(columns)
+            covariance = held.covariance(columns)
         half = QUANTILE * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
@@ -192,7 +192,7 @@ def ratio_interval(found: Selection) -> tuple[float, float]:
     evidence = best.evidence
     if ratio_at_bound(best.model):  # the fit itself held it
         evidence, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
-    eps, covariance = best.model.medium.anisotropy_ratio, evidence.solve(columns)[1]
+    eps, covariance = best.model.medium.anisotropy_ratio, evidence.covariance(columns)
     half = QUANTILE * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
     low, high = best.model.medium.limits(LEAST_EPS, MOST_EPS)
     return _clipped(eps - half, low, high), _clipped(eps + half, low, high)
