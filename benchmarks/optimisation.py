@@ -39,7 +39,7 @@ def random_starts(compiled: bool) -> Solves:
     with evaluation(compiled):
         begin = clock()
         solver = GaitSolver(asked)
-        solver.prepared(10)
+        solver.prepared(solver.first())
         solver.start(np.array([0.5, 0.0, 0.0, 0.0, 5.0, 1.0]))
         prepared = clock() - begin
         gaits = random_gaits(solver, STARTS, SEED)

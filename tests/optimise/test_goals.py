@@ -21,6 +21,7 @@ from serpenoid.model import Model
 from serpenoid.objectives import demands, terms
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
+from serpenoid.objectives.term import Played
 from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import clearance
@@ -216,6 +217,16 @@ def test_a_heading_is_not_reached_by_a_step_of_a_whole_turn() -> None:
         poses = np.column_stack([np.zeros((9, 2)), heading])[None]
         motion = Batch(poses, np.zeros(1), np.zeros(1), np.ones(1, bool))
         assert (criteria.evaluate(motion, table, table.reshape(1, -1), 0.0)[1][0] == 0) == allowed
+
+
+def test_what_an_obstacle_misses_is_said_with_place_and_step() -> None:
+    points = np.zeros((3, 2, 2))
+    points[:, 1, 0] = 1.0
+    points[2, 1] = (1.0, 0.5)  # a tenth inside the disc, and a step before it not
+    disc = Disc(centre=(1.0, 0.8), radius=0.2, clearance=0.2)
+    moved = Played(np.zeros((3, 3)), points, np.zeros((2, 1)))
+    assert disc.outcome(moved) == "disc missed by 0.1000 body lengths at vertex 1, step 2"
+    assert Disc(centre=(5.0, 0.0), radius=1.0).outcome(moved) == ""
 
 
 def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:

@@ -17,10 +17,11 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand
+from serpenoid.objectives.term import Demand, Played
 
 Point = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
+DEEP = 1e-6  # body lengths: less is what the optimiser leaves of a constraint
 TINY = 1e-18  # keeps the derivative of a distance defined where it is zero
 
 
@@ -43,6 +44,15 @@ class Obstacle(Demand):
     def require(self, of: Criteria) -> None:
         """At every time and place; distances to convex things (and to straight walls) are convex."""
         of.keep_clear(lambda points: ca.vec(self.distances(points)) - self.clearance, convex=True)
+
+    def outcome(self, played: Played) -> str:
+        """How deep a vertex comes into what it should keep clear of, and at which step; empty: none does."""
+        points = np.asarray(played.vertices)
+        gaps = self.gap(points.reshape(-1, 2)).reshape(points.shape[:2]) - self.clearance
+        if gaps.min() >= -DEEP:
+            return ""
+        step, vertex = np.unravel_index(gaps.argmin(), gaps.shape)
+        return f"{self.kind} missed by {-gaps.min():.4f} body lengths at vertex {vertex}, step {step}"
 
 
 class Disc(Obstacle):
