@@ -21,7 +21,7 @@ from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.inference.finding import BAND, Stage, excludable
 from serpenoid.diagnose.inference.medium import fit
-from serpenoid.diagnose.inference.select import FIRST_ORDER, stated, trace, visible
+from serpenoid.diagnose.inference.select import trace, visible
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
@@ -133,8 +133,8 @@ def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Pat
     assert [e.name for e in found.best.effects] == ["slope"]
     slope, toe = found.best.effects[0], ActiveEffect.of("toe", angle=1e-4)
     both = fit(found.motion, found.best.model, [slope, toe], np.array([*found.best.coordinates, 1e-4]))
-    best, _, bases, lost = visible(stated(found.motion, both, FIRST_ORDER), found.null, FIRST_ORDER)
-    assert [e.name for e in best.fit.effects] == ["slope"]
+    best, bases, lost = visible(found.motion, found.null, both, found.noise_level_m)
+    assert [e.name for e in best.effects] == ["slope"]
     assert [(f.attempt.added.name, f.attempt.strength_m < found.noise_level_m) for f in lost] == [("toe", True)]
     assert [b.effects for b in bases] == [()]
 

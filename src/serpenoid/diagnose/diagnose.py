@@ -86,7 +86,7 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     say("shape against markers")
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
     if all(r.by_servos for r in recordings):
-        observation, seen = choose_observation(recordings, seen, baseline.without, baseline.misfit)
+        observation, seen = choose_observation(recordings, seen, baseline.without)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say)
     stages = (actuation, observation, motion.stage)
@@ -118,7 +118,7 @@ def concluded(
     say("gain on held-out gaits")
     found = motion.selection
     jumps = any(n.effect.name == "position_jumps" for n in motion.stage.named)
-    if unclear(found.motion, found.best):
+    if unclear(found.best):
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(held_out(found.motion, found.null, leave_out))
     extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
@@ -172,5 +172,5 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "ladder": [step.record() for step in d.ladder],
         "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,
-        "scores": [{"name": n, "place": p, "log_odds": s} for n, p, s in found.scores[:20]],
+        "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],
     }  # fmt: skip

@@ -1,10 +1,9 @@
 """What was so already: an earlier (healthy) campaign as the baseline of a later one.
 
-Of the earlier campaign its own diagnosis is made first. What it names becomes part of the baseline; what it leaves
-is the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
-window by window from the motion, moment by moment from the servos' readings. So differences are explained, changed
-minus earlier. A change may change the habitual error too: of the motion this is discrepancy, whose size the differences
-tell themselves; of readings a share stays as doubt. Where the gait is a new one, all of the error stays in doubt.
+Of the earlier campaign its own diagnosis is made first. What it names becomes part of the baseline; what it leaves is
+the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
+window by window from the motion, moment by moment from the servos' readings. A change may change this error too, so a
+share of it stays as doubt, and all of it where the gait is a new one.
 
 Legend: W windows of a trial, R log rows, m joints.
 """
@@ -30,7 +29,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 
-READ = 0.5  # share of the habitual error of readings that a change may change
+CARRIED, READ = 0.25, 0.5  # shares of the habitual error that a change may change: of motions, of readings
 UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
 Setting = tuple[str, float]
 
@@ -54,8 +53,7 @@ class Reference(Baseline):
     """seen: the earlier observation model; servos: the earlier readings and what explains them; others: effects that
     were there before, beside the motion's.
 
-    misfit: mean square of a marker's distance from the chain [noise levels]. usual, largest (3,) [m, m, rad]: RMS error
-    of a window while playing, largest difference between two repeats'.
+    usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
 
     seen: Observation
@@ -64,7 +62,6 @@ class Reference(Baseline):
     largest: Floats
     servos: Plays
     others: tuple[ActiveEffect, ...]
-    misfit: float = 1.0
 
     @property
     def known(self) -> tuple[ActiveEffect, ...]:
@@ -97,7 +94,7 @@ class Reference(Baseline):
             n = min(count, len(habit.error))
             error[:n], noise[:n] = habit.error[:n], habit.noise[:n]
         unknown = np.isnan(error)
-        doubt = np.where(track.playing[:, None], self.usual, 0.0) * unknown
+        doubt = np.where(track.playing[:, None], self.usual, 0.0) * np.where(unknown, 1.0, CARRIED)
         return replace(
             track,
             offset=track.offset + np.where(unknown, 0.0, error),
@@ -139,10 +136,7 @@ def reference_of(d: Diagnosis) -> Reference:
     servos = replace(plays([t.recording for t in motion.tracks if isinstance(t.recording, Recording)]), known=shown)
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
-    left = {stage.name: stage.left for stage in d.stages}
-    misfit = max(1.0, float(np.nan_to_num(left["observation"], nan=1.0)))
-    habits, without = _habits(motion, errors), d.baseline.without
-    return Reference(model, d.seen, habits, usual, largest, servos, others, misfit=misfit, without=without)
+    return Reference(model, d.seen, _habits(motion, errors), usual, largest, servos, others, without=d.baseline.without)
 
 
 def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:

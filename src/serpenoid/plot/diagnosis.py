@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import relative, travel
+from serpenoid.diagnose.inference.select import GAIN
 from serpenoid.diagnose.residuals.maps import windows
 from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
@@ -114,11 +115,10 @@ def ranking_figure(d: Diagnosis) -> Figure:
     colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
     ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()
-    dress(ax, "", "gain of log posterior odds, to first order", "")
+    dress(ax, "", "chi squared that a fit to the other gaits gains, to first order", "")
     ax.ticklabel_format(axis="x", style="plain")
-    needed = d.motion.selection.needed
-    ax.set_xlim(0, 1.05 * max([needed, *(s for *_, s in best)]))
-    ax.axvline(needed, color=INK, lw=1.0, ls="--", label=f"{needed:.1f}: what a name needs when fitted in full")
+    ax.set_xlim(0, 1.05 * max([GAIN, *(s for *_, s in best)]))
+    ax.axvline(GAIN, color=INK, lw=1.0, ls="--", label=f"{GAIN:g}: what a name needs when fitted in full")
     ax.plot([], [], "s", color=BLUE, label="chosen")
     ax.plot([], [], "s", color="#9CC3DB", label="not chosen: less in full, or another explains it")
     ax.legend(loc="lower right", fontsize=SMALL, frameon=False)

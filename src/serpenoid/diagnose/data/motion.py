@@ -50,4 +50,3 @@ class Motion:
     unlike: Floats | float = 0.0
     untestable: frozenset[str] = frozenset()
     ratio: float | None = None
-    sizes: Floats | None = None

@@ -102,21 +102,6 @@ def path_noise(motion: Motion, predictions: Sequence[Prediction]) -> float:
     return total(path_draws(motion, predictions))
 
 
-def repeats_apart(motion: Motion, predictions: Sequence[Prediction]) -> float:
-    """Path RMS [m] that the difference of two repeats' residuals over sqrt 2 adds up to; 0 without repeats.
-
-    As F, but with what is alike along a trial and unlike in its repeat (how hands set the robot down, the day's dust).
-    """
-    left, squares = residuals(motion.tracks, predictions), []
-    for a, b in pairs(motion.tracks):
-        n = min(len(left[a]), len(left[b]))
-        steps = np.nan_to_num(predictions[a].displacement[:n])
-        d = np.nan_to_num(left[a][:n] - left[b][:n]) / np.sqrt(2)
-        apart = travel(steps + d, np.zeros(3))[:, :2] - travel(steps, np.zeros(3))[:, :2]
-        squares.append(float((apart**2).sum(axis=1).mean()))
-    return float(np.sqrt(np.mean(squares))) if squares else 0.0
-
-
 def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
     """Path RMS over all trials [m] as chance makes it, (DRAWS,)."""
     rng = np.random.default_rng(0)

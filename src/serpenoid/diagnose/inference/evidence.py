@@ -26,7 +26,6 @@ class Evidence:
     """Sums over each gait: matrices A (G, P, P), vectors b (G, P), constants c (G,), numbers of residuals (G,).
 
     neutral, certainty (P): values that change nothing and the inverse square of their error, for fits without a gait.
-    log_determinant: ln |V| of the residuals' covariance, in units of their noise level squared.
     """
 
     matrix: Floats
@@ -35,7 +34,6 @@ class Evidence:
     count: Floats
     neutral: Floats | None = None
     certainty: Floats | None = None
-    log_determinant: float = 0.0
 
     @classmethod
     def of(cls, residuals: Floats, columns: Floats, labels: np.ndarray) -> Evidence:
@@ -72,19 +70,6 @@ class Evidence:
         regular = matrix / np.outer(scale, scale) + RIDGE * np.eye(len(index))
         inverse = np.linalg.inv(regular) / np.outer(scale, scale)
         return inverse @ vector, inverse
-
-    def covariance(self, chosen: Sequence[int]) -> Floats:
-        """Of a fit's columns (C, C), at the fit: curvature, and no less than what gaits disagree about.
-
-        Each gait pulls by its own score g; A^-1 sum(g g^T) A^-1 G / (G - 1) is what parameters scatter by if every gait
-        has an error of its own along their directions (Liang and Zeger, Biometrika 73, 13, 1986).
-        """
-        index, gaits = list(chosen), len(self.constant)
-        _, curvature = self.solve(index)
-        pulls = self.vector[:, index] @ curvature
-        scatter = (pulls**2).sum(axis=0) * gaits / max(gaits - 1, 1)
-        wider = np.sqrt(np.maximum(1.0, scatter / np.diag(curvature)))
-        return np.asarray(curvature * np.outer(wider, wider))
 
     def shrinking(self, columns: Sequence[int], values: Floats, neutral: Floats) -> Evidence:
         """With what a fit without a gait takes the columns for: `neutral`, give or take their distance to `values`.

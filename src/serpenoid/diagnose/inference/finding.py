@@ -17,7 +17,6 @@ class Named:
     """An effect, 95 % intervals by parameter, its strength over the noise level, and parameters that ended at a bound.
 
     stand_in: what the model misses repeats, so that a cause which the catalogue does not hold may be behind it.
-    probability: beside its rivals and nothing in its place, the other effects kept; None where there is no posterior.
     """
 
     effect: ActiveEffect
@@ -25,7 +24,6 @@ class Named:
     strength: float
     at_bound: tuple[str, ...] = ()
     stand_in: bool = False
-    probability: float | None = None
 
     def record(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""
@@ -40,7 +38,6 @@ class Named:
         return {
             "name": effect.name, "site": effect.effect.site, "place": effect.place, "parameters": parameters,
             "strength_over_noise": self.strength, "stand_in": self.stand_in,
-            "probability": self.probability,
         }  # fmt: skip
 
 
@@ -49,13 +46,11 @@ class Rival:
     """An effect that could stand in the place of a chosen one.
 
     separation: S_ab over the noise level, the RMS between what the two predict on the stage's own scale.
-    probability: as of a named effect.
     """
 
     effect: ActiveEffect
     instead_of: ActiveEffect
     separation: float
-    probability: float | None = None
 
     @property
     def separable(self) -> bool:
@@ -68,7 +63,6 @@ class Rival:
         return {
             "name": e.name, "site": e.effect.site, "place": e.place, "parameters": dict(e.parameters),
             "instead_of": {"name": other.name, "place": other.place}, "separation_over_noise": self.separation,
-            "probability": self.probability,
         }  # fmt: skip
 
 

@@ -101,11 +101,6 @@ class Rule:
             total += float(unseen.evidence.constant.sum()) if unseen.evidence.count.sum() == whole else np.inf
         return total
 
-    @property
-    def repeated(self) -> bool:
-        """Whether repeats tell chance from discrepancy: then held-out parts decide nothing."""
-        return self.leave_out is first_order
-
     def needed(self, base: Fit, held_out: float, gain: float) -> float:
         """Chi squared on held-out gaits that one more effect must take from `held_out`, `gain` at least."""
         return max(gain, self.worth * (held_out - float(base.evidence.count.sum())))

@@ -15,9 +15,7 @@ from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.windows import Prediction, Track, coasting, predict
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, at_values, held_at_bounds
-from serpenoid.diagnose.inference.discrepancy import Blocks, rows_of
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.prior import Prior
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.base import MediumEffect, Parameter
 from serpenoid.effects.catalogue import catalogue
@@ -112,7 +110,7 @@ def linearised(
 
     hold: without what sits at a bound and is pushed outwards.
     """
-    rows, columns, labels, predictions, used = [], [], [], [], []
+    rows, columns, labels, predictions = [], [], [], []
     names: list[tuple[str, int | None]] = []
     listed = [*at_values(model, effects, drift), *candidates]
     for track, label in zip(motion.tracks, motion.labels, strict=True):
@@ -134,33 +132,9 @@ def linearised(
         columns.append((jacobian / noise[..., None])[good].reshape(-1, len(names)))
         labels.append(np.full(len(rows[-1]), label))
         predictions.append(p)
-        used.append(good)
-    joined = whitened(motion, predictions, used, np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
     evidence = held_at_bounds(model, listed, joined) if hold else joined
     return evidence, tuple(predictions), tuple(names)
-
-
-def blocks(motion: Motion, predictions: Sequence[Prediction], used: Sequence[np.ndarray]) -> Blocks:
-    """What of the used windows' residuals is alike."""
-    noise, moved = [motion.noise.of(t) for t in motion.tracks], [p.displacement for p in predictions]
-    return Blocks.of(rows_of(motion.tracks, used, noise, moved))
-
-
-def whitened(
-    motion: Motion,
-    predictions: Sequence[Prediction],
-    used: Sequence[np.ndarray],
-    residuals: Floats,
-    columns: Floats,
-    labels: np.ndarray,
-) -> Evidence:
-    """Sums of residuals (R,) and columns (R, P) in noise levels, in units of noise and discrepancy together."""
-    if motion.sizes is None or not motion.sizes.any():
-        return Evidence.of(residuals, columns, labels)
-    alike = blocks(motion, predictions, used)
-    white = alike.whitened(np.column_stack([residuals, columns]), motion.sizes)
-    found = Evidence.of(white[:, 0], white[:, 1:], labels)
-    return replace(found, log_determinant=alike.log_determinant(motion.sizes))
 
 
 def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
@@ -176,30 +150,26 @@ def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats
     held = len(model.effects) - len(effects) + (drift is not None)
     evidence, predictions, _ = linearised(motion, model, effects, drift)
     x = _values(model.effects[held:], model, drift)
-    prior = Prior.of(motion, effects)
-    best, damping = float(evidence.constant.sum()) - 2 * prior.log_density(x), 1e-4
+    best, damping = float(evidence.constant.sum()), 1e-4
     for _ in range(steps):
-        slope, curvature = prior.pull(x)
-        matrix = evidence.matrix.sum(axis=0) + np.diag(curvature)
-        vector = evidence.vector.sum(axis=0) - slope
+        matrix, vector = evidence.matrix.sum(axis=0), evidence.vector.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
         regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
         step = np.linalg.solve(regular, vector / scale) / scale
         trial, trial_drift = with_values(start, effects, x + step, motion.held)
         new, new_predictions, _ = linearised(motion, trial, effects, trial_drift)
-        there = _values(trial.effects[held:], trial, trial_drift)
-        cost = float(new.constant.sum()) - 2 * prior.log_density(there)
-        if cost < best and new.count.sum() == evidence.count.sum():
+        cost = float(new.constant.sum()) if new.count.sum() == evidence.count.sum() else np.inf
+        if cost < best:
             gained = best - cost
             model, drift, evidence, predictions, best = trial, trial_drift, new, new_predictions, cost
-            x, damping = there, max(damping / 10, 1e-9)
+            x, damping = _values(model.effects[held:], model, drift), max(damping / 10, 1e-9)
             if gained < CONVERGED * max(1.0, 1e-5 * best):
                 break
         else:
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    found = Fit(model, drift, evidence, predictions, float(evidence.constant.sum()), np.inf, held)
+    found = Fit(model, drift, evidence, predictions, best, np.inf, held)
     evidence = found.shrinking(evidence)
     return replace(found, evidence=evidence, held_out=evidence.held_out(range(len(x))))
 

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.windows import Track, predict, windowed
 from serpenoid.diagnose.inference.bounds import held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.medium import Fit, drift_columns, whitened
+from serpenoid.diagnose.inference.medium import Fit, drift_columns
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import step_sensitivities
@@ -36,9 +36,23 @@ def patch_grid(motion: Motion) -> list[ActiveEffect]:
     return found
 
 
-def patch_evidence(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
-    """Columns: those of a fit, then the strength of each patch."""
-    rows, columns, labels, used = [], [], [], []
+def score_patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[Ranked]:
+    """Each patch of the grid: gain on held-out gaits to first order, and where its full fit begins."""
+    grid = patch_grid(motion)
+    evidence = base.shrinking(_with_patches(motion, base, grid))
+    result = []
+    for i, patch in enumerate(grid):
+        index = [*own, len(own) + i]
+        values, _ = evidence.solve(index)
+        weak = float(np.clip(values[-1], -0.9, 3.0))
+        x = np.concatenate([base.coordinates + values[:-1], [weak, *patch.coordinates[1:-1]]])
+        shrunk = evidence.shrinking(index[-1:], values[-1:], np.zeros(1))
+        result.append((patch, before - shrunk.held_out(index), x))
+    return result
+
+
+def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
+    rows, columns, labels = [], [], []
     fitted = {e.key for e in base.effects}
     for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
         own = predict(base.model, track)
@@ -51,11 +65,9 @@ def patch_evidence(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> E
         rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
         columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
         labels.append(np.full(len(rows[-1]), label))
-        used.append(use)
-    sums = whitened(
-        motion, base.predictions, used, np.concatenate(rows), np.concatenate(columns), np.concatenate(labels)
+    return held_at_bounds(
+        base.model, base.effects, Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
     )
-    return held_at_bounds(base.model, base.effects, sums)
 
 
 def patch_columns(model: Model, track: Track, patches: Sequence[ActiveEffect]) -> Floats:

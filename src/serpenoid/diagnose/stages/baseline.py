@@ -44,11 +44,6 @@ class Baseline:
         """eps, where it was measured before; the calibration still begins at the model's."""
         return None
 
-    @property
-    def misfit(self) -> float:
-        """Mean square of a marker's distance from the chain, in noise levels, that is no news; 1: chance alone."""
-        return 1.0
-
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""
         mine = self.model.body

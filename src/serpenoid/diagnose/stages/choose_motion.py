@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import path_draws, path_error, repeats_apart
+from serpenoid.diagnose.data.noise import path_draws, path_error, residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
@@ -16,10 +16,10 @@ from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_o
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Stage, interval
-from serpenoid.diagnose.inference.groups import Swap, groups, swaps_of
+from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.held_out import LeaveOut, Rule, first_order, held_out_error
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
-from serpenoid.diagnose.inference.select import FIRST_ORDER, VISIBLE, Selection, Try, select, trace
+from serpenoid.diagnose.inference.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
 from serpenoid.diagnose.residuals.residual_words import discrepancy, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.jumps import find_jumps
@@ -32,6 +32,7 @@ QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
 CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
 NOISE_UNCERTAIN = 0.06  # standard deviation of the logarithm of a noise level that is itself estimated from repeats
+SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def choose_motion(
     def track(about: Model) -> tuple[Track, ...]:
         return baseline.corrected(make_tracks(recordings, seen, about))
 
-    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
+    return causes(choose_on_tracks(track, held_out_labels(recordings), baseline, say), MINOR)
 
 
 def choose_on_tracks(
@@ -112,19 +113,13 @@ def finding(found: Selection) -> MotionFinding:
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
     before = path_error(motion, found.null.predictions)
     after = path_error(motion, best.predictions)
-    alike = groups(found)
-    named = [
-        replace(named_of(found, base, g.effect), probability=g.probability)
-        for g, base in zip(alike, found.bases, strict=True)
-    ]
-    swaps = swaps_of(alike)
+    named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
+    swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, noise_level)
-    lost = [undetected_of(f.attempt, noise_level) for f in found.undetected]
-    undetected = [n for n in lost if n.strength < VISIBLE]
+    undetected = [undetected_of(f.attempt, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
-    words += tuple(_minor(n) for n in lost if n.strength >= VISIBLE)
     if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
         named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
     if jumps is not None and jumps in named:
@@ -139,12 +134,6 @@ def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
     return motion, fit.predictions
 
 
-def _minor(n: Named) -> str:
-    """What stands above the noise and below what is left."""
-    where = "" if n.effect.place is None else f" at {n.effect.place}"
-    return f"{n.effect.name}{where} would take away {n.strength:.1f} times the noise, less than is left: no cause"
-
-
 def undetected_of(t: Try, noise_level_m: float) -> Named:
     """What held-out gaits are better predicted with, though its trace in the path is too weak to name it."""
     return Named(t.fitted, {}, t.strength_m / noise_level_m)
@@ -154,18 +143,18 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
     motion, predictions = _fullest(found)
     after_m = path_error(motion, predictions, mend)
+    _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
     chance = float(np.exp(CERTAIN * np.hypot(draws.std(), NOISE_UNCERTAIN)))
-    doubled = 1.0 if motion.ratio is None else np.sqrt(2)  # the reference's trials differ as much
-    chance *= max(1.0, doubled * repeats_apart(motion, predictions) / found.noise_level_m)
-    return pattern(motion, predictions, after_m / found.noise_level_m, chance)
+    return pattern(motion, predictions, after_m / found.noise_level_m, chance, differences)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
     """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
     best = found.best
     columns = range(len(best.coordinates))
-    covariance = best.evidence.covariance(columns)
+    _, covariance = best.evidence.solve(columns)
+    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     at = 1
     for e in best.effects:
         if e is effect:
@@ -178,8 +167,8 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
             bound.append(p.name)  # how far it may be from there: the fit itself held it
             held, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
-            covariance = held.covariance(columns)
-        half = QUANTILE * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
+            _, covariance = held.solve(columns)
+        half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
@@ -192,8 +181,9 @@ def ratio_interval(found: Selection) -> tuple[float, float]:
     evidence = best.evidence
     if ratio_at_bound(best.model):  # the fit itself held it
         evidence, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
-    eps, covariance = best.model.medium.anisotropy_ratio, evidence.covariance(columns)
-    half = QUANTILE * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
+    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    eps, covariance = best.model.medium.anisotropy_ratio, evidence.solve(columns)[1]
+    half = QUANTILE * spread * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
     low, high = best.model.medium.limits(LEAST_EPS, MOST_EPS)
     return _clipped(eps - half, low, high), _clipped(eps + half, low, high)
 

@@ -32,11 +32,11 @@ def all_keys(body: Body) -> list[Key]:
 
 @remembered
 def choose_observation(
-    recordings: Sequence[Recording], now: Observation, without: Set[str] = frozenset(), habitual: float = 1.0
+    recordings: Sequence[Recording], now: Observation, without: Set[str] = frozenset()
 ) -> tuple[Stage, Observation]:
     """What is new beside the observation model `now`, and the model to be taken out of the data (weak effects too).
 
-    without: effects that are no candidates. habitual: mean square misfit of a marker [noise levels] that is no news.
+    without: effects that are no candidates.
     """
     data = sample(recordings)
     chosen: list[Key] = []
@@ -55,9 +55,7 @@ def choose_observation(
     if clock is not None:
         (shown if clock.strength >= VISIBLE else undetected).append(clock)
     words = (
-        ()
-        if left < SETTLED * habitual
-        else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
+        () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
     )
     visible = [k for k in chosen if k in {n.effect.key for n in shown}]
     rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k, without))
