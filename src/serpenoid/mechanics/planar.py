@@ -83,7 +83,7 @@ class _At:
 
 
 def _at(phi: ca.SX, k: ca.SX) -> _At:
-    """At turn phi, from the moments k: in one pass what `_polynomials` and its derivatives say."""
+    """At turn phi, from the moments k: the polynomials e, l, H, their derivatives, b."""
     c, s = ca.cos(phi), ca.sin(phi)
     c2, s2 = c * c - s * s, 2 * c * s
     e, l0, l1, (kappa, lam), h = k[:5], k[5:8], k[8:11], ca.vertsplit(k[11:13]), k[13:]
@@ -124,19 +124,3 @@ def root() -> ca.Function:
     at = _at(phi, k)
     outputs = [ca.vertcat(at.translation, phi), at.slope, at.curvature, at.energy]
     return ca.Function("root", [guess, k], outputs, {"cse": True})
-
-
-def energy_from_moments(phi: ca.SX, b: ca.SX, m: ca.SX) -> ca.SX:
-    """Step energy at the relative pose (b, phi)."""
-    e, linear, h = _polynomials(phi, m)
-    return e + ca.dot(linear, b) + ca.bilin(h, b, b) / 2
-
-
-def _polynomials(phi: ca.SX, m: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """e, l (2), H (2, 2) at turn phi."""
-    c, s, c2, s2 = ca.cos(phi), ca.sin(phi), ca.cos(2 * phi), ca.sin(2 * phi)
-    u, v = m[11] * c2 + m[12] * s2, m[11] * s2 - m[12] * c2
-    x, y = m[16] * c2 - m[17] * s2, m[16] * s2 + m[17] * c2
-    e = m[0] + m[1] * c + m[2] * s + m[3] * c2 + m[4] * s2
-    linear = ca.vertcat(m[5] + m[6] * c + m[7] * s + u, m[8] + m[9] * c + m[10] * s + v)
-    return e, linear, ca.blockcat([[m[13] + x, m[15] + y], [m[15] + y, m[14] - x]])

@@ -89,9 +89,7 @@ class Criteria:
     def vertices(self, row: int) -> ca.SX:
         """Vertices (2, N), tail to head, at a row 0 .. T, as they are commanded [body lengths]."""
         body, pose = self.body(self.joint_angles[:, row % self.rows]), self.poses[:, row]
-        c, s = ca.cos(pose[2]), ca.sin(pose[2])
-        turned = ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c)) @ body
-        return turned + ca.repmat(pose[:2], 1, body.size2())
+        return placed(pose, body)
 
     def count_turns(self) -> None:
         """Have every step turn by less than half a turn: a heading that is a whole turn off is the same pose."""
@@ -155,3 +153,9 @@ class Criteria:
         """Whether objective or constraints depend on `symbol`."""
         both = ca.vertcat(self.objective, self.constraints)
         return ca.jacobian(both, symbol).nnz() > 0
+
+
+def placed(pose: ca.SX, points: ca.SX) -> ca.SX:
+    """Points (2, K) of a frame with the pose (x, y, heading), in the frame that the pose is given in."""
+    c, s = ca.cos(pose[2]), ca.sin(pose[2])
+    return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c)) @ points + ca.repmat(pose[:2], 1, points.size2())

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.body import Floats
-from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.criteria import Criteria, placed
 from serpenoid.objectives.obstacles import TINY, Obstacle
 from serpenoid.objectives.term import Played, Term, after
 
@@ -35,9 +35,7 @@ class Path(Term):
         total = ca.SX(0)
         for cycle in range(self.cycles):
             begin = of.after(cycle)
-            c, s = ca.cos(begin[2]), ca.sin(begin[2])
-            turned = ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
-            total += sum((_squared(self.line, begin[:2] + turned @ point) for point in local), ca.SX(0))
+            total += sum((_squared(self.line, placed(begin, point)) for point in local), ca.SX(0))
         return total / (self.cycles * of.steps)
 
     def outcome(self, played: Played) -> str:

@@ -71,8 +71,7 @@ class ApartSolver(GaitSolver):
             alone = GaitSolver(self.problem, self._with(watched, margin), self._gait)
             apart = self.pairs.least(angles[None])[0] > 0
             again = alone.solve(answer.q if apart else begin, c, gait_bounds, None, flag, watch)
-            answer = replace(again, iterations=answer.iterations + again.iterations,
-                             seconds=answer.seconds + again.seconds)  # fmt: skip
+            answer = again.after(answer)
             if again.outcome.status is Status.STOPPED:
                 break
         return answer

@@ -14,7 +14,7 @@ from serpenoid.optimise.certify import GAIN_TOLERANCE, KKT_TOLERANCE, POSE_TOLER
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Outcome, Residuals
 from serpenoid.optimise.lifted import NAMES, LiftedBody, SpatialMotion, compose
-from serpenoid.optimise.mesh import MeshStudy
+from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.status import Status
@@ -162,7 +162,7 @@ class SpatialSolver:
         motion = self.body.play(q, steps)
         vertices, contact, joints = self.body.rows(q, steps)
         error = float(np.abs(motion.frames[1:].ravel() - outcome.point.x[6 * steps : 18 * steps]).max())
-        mesh = _study(lambda factor: self.body.play(q, factor * steps), steps)
+        mesh = study_mesh(lambda factor: self.body.play(q, factor * steps), steps)
         status, gain = outcome.status, None
         if status.ok and not (motion.sound and error <= POSE_TOLERANCE):
             status = Status.RESIMULATION_DISAGREES
@@ -215,13 +215,6 @@ def solve_in_space(
 
 def _order(solution: SpatialSolution) -> tuple[bool, float]:
     return not solution.status.ok, solution.cost
-
-
-def _study(play: Callable[[int], SpatialMotion], steps: int) -> MeshStudy:
-    runs = [play(factor) for factor in (1, 2, 4)]
-    rows = [(r.displacement, r.dissipation, r.heading_change) if r.sound else (np.nan,) * 3 for r in runs]
-    (d1, e1, h1), (d2, e2, h2), (d4, e4, h4) = rows
-    return MeshStudy(steps, (d1, d2, d4), (e1, e2, e4), (h1, h2, h4))
 
 
 def standing(vertices: Floats, contact: Floats, weights: Floats) -> float:

@@ -18,7 +18,7 @@ Legend: T steps, N vertices, m joints.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -29,11 +29,10 @@ from serpenoid.gaits import EllipseBounds, EllipseGait
 from serpenoid.mechanics import energy, functions, kinematics
 from serpenoid.model import Model
 from serpenoid.problem import Lift, Problem
+from serpenoid.status import Status
 
-NAMES = ("a", "xi", "phase", "bias")
-SUPPORT = (
-    100.0  # times the drag of a step of one body length: what stands on the floor tilts by thousandths of a radian
-)
+NAMES = ("a", "xi", "phase", "bias")  # [per body length], [waves], [cycles], none
+SUPPORT = 100.0  # times the drag of a step of a body length: what stands tilts by thousandths of a radian
 NEWTON, ROOT = 30, 1e-12
 LIMITS = {"joint_limits"}  # constraints that gaits in space know
 
@@ -46,6 +45,11 @@ class SpatialMotion:
     poses: Floats
     frames: Floats
     dissipation: float
+
+    @property
+    def status(self) -> Status:
+        """Whether every step has its root."""
+        return Status.SOLVED if self.sound else Status.STEP_UNSOLVED
 
     @property
     def rotations(self) -> Floats:
@@ -72,21 +76,6 @@ class SpatialMotion:
         """Over the cycle [rad]."""
         last = self.rotations[-1]
         return float(np.arctan2(last[1, 0], last[0, 0]))
-
-
-@dataclass(frozen=True)
-class LiftedGait:
-    """a [per body length], xi [waves], phase [cycles], bias."""
-
-    a: float
-    xi: float
-    phase: float
-    bias: float
-
-    @property
-    def parameters(self) -> Floats:
-        """As the NLP has them, shape (4,)."""
-        return np.array([self.a, self.xi, self.phase, self.bias])
 
 
 @dataclass(frozen=True)
@@ -214,6 +203,7 @@ class LiftedBody:
         return vertices, contact, joints
 
 
+@lru_cache(maxsize=1)
 def compose() -> ca.Function:
     """(frame (12): rotation columns and place; pose (6)) -> frame."""
     frame, pose = ca.SX.sym("frame", 12), ca.SX.sym("pose", 6)

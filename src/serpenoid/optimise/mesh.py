@@ -17,10 +17,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from serpenoid.trajectory import Trajectory
+from serpenoid.status import Status
 
 TOLERANCE = 0.05  # of the limit; the paper's 50 steps are 0.5 % (its gait of amplitude 6) to 1.2 % (the optimum) off
 GYRATION = 12**-0.5  # body lengths: a turn of a straight uniform body counts as its points' root mean square way
@@ -88,7 +89,27 @@ class MeshStudy:
         }
 
 
-def study_mesh(motion: Callable[[int], Trajectory], steps: int) -> MeshStudy:
+class Cycle(Protocol):
+    """A simulated cycle, in the plane or in space."""
+
+    @property
+    def status(self) -> Status:
+        """Whether it could be simulated."""
+
+    @property
+    def displacement(self) -> float:
+        """[body lengths]."""
+
+    @property
+    def dissipation(self) -> float:
+        """T * E."""
+
+    @property
+    def heading_change(self) -> float:
+        """[rad]."""
+
+
+def study_mesh(motion: Callable[[int], Cycle], steps: int) -> MeshStudy:
     """Compare one cycle of a gait on three meshes; `motion(f)` is its simulation with f times as many steps."""
     runs = [motion(factor) for factor in FACTORS]
     found = [(r.displacement, r.dissipation, r.heading_change) if r.status.ok else (np.nan,) * 3 for r in runs]

@@ -106,9 +106,7 @@ class RobustSolver(GaitSolver):
             if not left:
                 return replace(answer, outcome=replace(answer.outcome, status=Status.NOT_CONVERGED))
             self._add(at_ratio(self.problem, ratio))
-            again = super().solve(answer.q, c, gait_bounds, None, flag, watch)
-            answer = replace(again, iterations=answer.iterations + again.iterations,
-                             seconds=answer.seconds + again.seconds)  # fmt: skip
+            answer = super().solve(answer.q, c, gait_bounds, None, flag, watch).after(answer)
         return answer
 
     def prepared(self, carried: Carried, penalised: bool = True) -> tuple[RobustNLP, Ipopt]:  # type: ignore[override]

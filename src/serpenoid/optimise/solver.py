@@ -43,6 +43,10 @@ class Answer:
     carried: Carried
     clearance: Clearance | None = None
 
+    def after(self, before: Answer) -> Answer:
+        """With the iterations and seconds of the search before, too."""
+        return replace(self, iterations=before.iterations + self.iterations, seconds=before.seconds + self.seconds)
+
 
 class GaitSolver(PreparedNLPs):
     """Prepared once per problem (structure, family, criteria); bounds and c may change per solve.

@@ -60,10 +60,11 @@ def animation(
         for artist in moving:
             fig.draw_artist(artist)
         frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-    _write(path, frames, (cycle_duration_s or DEFAULT_CYCLE_S) * stride / trajectory.steps_per_cycle)
+    write_gif(path, frames, (cycle_duration_s or DEFAULT_CYCLE_S) * stride / trajectory.steps_per_cycle)
 
 
-def _write(path: str | Path, frames: list[NDArray[np.uint8]], seconds: float) -> None:
+def write_gif(path: str | Path, frames: list[NDArray[np.uint8]], seconds: float) -> None:
+    """Write frames (height, width, 3), each shown for so many seconds, in a loop."""
     palette = _palette()
     images = [_indexed(frame, palette) for frame in frames]
     delay = max(20, round(100 * seconds) * 10)  # GIF counts hundredths; browsers slow down anything below two

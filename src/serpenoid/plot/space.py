@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from PIL import Image
 
-from serpenoid.files.writing import atomic
 from serpenoid.optimise.in_space import RESTING, SpatialSolution
+from serpenoid.plot.animate import write_gif
 from serpenoid.plot.figures import save
 from serpenoid.plot.style import BLUE, FAINT, GREY, INK, LARGE, PHASE_MAP, colour_bar, dress, figure
 
@@ -76,6 +75,8 @@ def film(path: Path, solution: SpatialSolution) -> None:
         chains.append(chains[-1] @ turn.T + last)
     every = np.concatenate(chains)
     fig = figure(5.2, 4.2)
+    fig.set_dpi(80)
+    canvas = FigureCanvasAgg(fig)
     ax: Any = fig.add_subplot(projection="3d")
     images = []
     for row in rows:
@@ -85,12 +86,9 @@ def film(path: Path, solution: SpatialSolution) -> None:
         ax.plot(*points.T, color=BLUE, linewidth=3.0)
         ax.scatter(*points[_rests(solution, row % steps)].T, color=INK, s=16, depthshade=False)
         _room(ax, every)
-        stream = io.BytesIO()
-        fig.savefig(stream, format="png", dpi=80)
-        images.append(Image.open(stream).convert("P", palette=Image.Palette.ADAPTIVE, colors=64))
-    with atomic(path) as temporary:
-        delay = round(1000 * CYCLES * SECONDS / FRAMES)
-        images[0].save(temporary, save_all=True, append_images=images[1:], duration=delay, loop=0)
+        canvas.draw()
+        images.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    write_gif(path, images, CYCLES * SECONDS / FRAMES)
 
 
 def _rests(solution: SpatialSolution, row: int) -> np.ndarray:
