@@ -8,6 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from oracle.chain import serpenoid_joint_table
+from oracle.resistive_force import sawtooth_angle, sawtooth_efficiency, tangent_angles
+from oracle.small_strokes import cheapest_stroke
 from serpenoid.body import Floats
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.errors import InputError
@@ -18,6 +21,7 @@ from serpenoid.model import Model
 from serpenoid.optimise.in_space import SpatialSolver
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
+from serpenoid.performance import lighthill_efficiency
 from serpenoid.problem import Problem, load
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import write_table
@@ -142,6 +146,40 @@ def purcell_stroke() -> None:
     assert (np.repeat([1, -1], 30) * change >= -1e-9).all()  # one stroke
 
 
+def purcell_efficiency() -> None:
+    asked = problem("purcell-efficiency", "body.vertices=13", "body.joints=[4,8]", "task.steps=30")
+    found = solve(asked, starts=1, seed=0).best
+    assert found.status.ok
+    best = efficiency_of(asked, found.table)
+    assert best == pytest.approx(-0.5 * found.cost, abs=1e-10)
+    assert lighthill_efficiency(asked, found.trajectory.displacement, found.trajectory.dissipation) == pytest.approx(
+        best
+    )
+    phase = 2 * np.pi * np.arange(30)[:, None] / 30
+    circles = [efficiency_of(asked, r * np.hstack([np.cos(phase), np.sin(phase)])) for r in (1.1, 1.2, 1.3, 1.4)]
+    assert max(circles) < best < 1.15 * max(circles)  # round, but for its odd harmonics
+
+
+def efficiency_of(asked: Problem, table: Floats) -> float:
+    """Lighthill's, by the independent simulator: pulling the straight body takes eps / 2 displacement^2."""
+    run = oracle_run(asked.model, table)
+    return float(asked.medium.anisotropy_ratio * run.displacement**2 / (2 * run.dissipation))
+
+
+def lighthill() -> None:
+    asked = problem("lighthill", "body.vertices=11", "task.steps=20")
+    found = solve(asked, starts=1, seed=0).best
+    assert found.status.ok
+    best, eps = efficiency_of(asked, found.table), asked.medium.anisotropy_ratio
+    assert best == pytest.approx(-eps * found.cost, abs=1e-10)
+    assert best < sawtooth_efficiency(eps)
+    waves = [serpenoid_joint_table(asked.body.edges, 20, sigma=1.0, a=2 * np.pi * w, xi=w) for w in (1.0, 1.25, 1.5)]
+    assert best > max(efficiency_of(asked, table) for table in waves)
+    angle, spread = tangent_angles(found.trajectory.vertices)
+    assert angle == pytest.approx(sawtooth_angle(eps), abs=np.deg2rad(2))  # five edges from end to middle
+    assert spread < np.pi / np.sqrt(8)  # more of a sawtooth than a sine
+
+
 def transport() -> None:
     small = "body.vertices=6", "task.steps=24"
     found = solve(problem("transport", *small), starts=1).best
@@ -177,31 +215,7 @@ def five_links() -> None:
     assert second < 1e-4 * first
     assert third < 1e-3 * first  # falls with the square of the amplitude, which is 0.13 rad
     dearest = found.trajectory.dissipation / found.trajectory.displacement
-    assert dearest == pytest.approx(least_energy_of_small_strokes(found.problem.model), rel=5e-3)
-
-
-def least_energy_of_small_strokes(model: Model) -> float:
-    """Least dissipation per way of ellipses a cos + b sin of small joint angles, by the independent simulator; T = 12.
-
-    The way is a.S b with S antisymmetric, the dissipation a.G a + b.G b: 2 over the first singular value of S by G.
-    """
-    small, phase, joints = 0.02, 2 * np.pi * np.arange(12)[:, None] / 12, np.eye(4)
-
-    def run(a: Floats, b: Floats) -> tuple[float, float]:
-        motion = oracle_run(model, small * (np.cos(phase) * a + np.sin(phase) * b))
-        return float(motion.poses[-1, 0]) / small**2, motion.dissipation / small**2
-
-    pairs = [(i, j) for i in range(4) for j in range(i, 4)]
-    s, g = np.zeros((4, 4)), np.zeros((4, 4))
-    for i, j in pairs:
-        if i != j:
-            s[i, j] = run(joints[i], joints[j])[0]
-        g[i, j] = run(joints[i] + joints[j], 0 * joints[i])[1] / (4 if i == j else 2)
-    for i, j in ((i, j) for i, j in pairs if i != j):
-        g[i, j] -= (g[i, i] + g[j, j]) / 2
-    s, g = s - s.T, g + np.triu(g, 1).T
-    root = np.linalg.inv(np.linalg.cholesky(g))
-    return float(2 / np.linalg.svd(root @ s @ root.T)[1][0])
+    assert dearest == pytest.approx(cheapest_stroke(links=5, per_link=2, eps=0.5, steps=12).energy, rel=1e-2)  # 0.13^2
 
 
 def steer() -> None:
@@ -240,6 +254,8 @@ def disc_obstacle() -> None:
 
 
 CHECKS = {
+    "purcell-efficiency": purcell_efficiency,
+    "lighthill": lighthill,
     "purcell-stroke": purcell_stroke,
     "transport": transport,
     "steer": steer,

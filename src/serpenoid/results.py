@@ -13,7 +13,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
 from serpenoid.files.writing import provenance, short_hash, write_csv, write_json
 from serpenoid.gaits import Gait
-from serpenoid.performance import electrical_cost_of_transport
+from serpenoid.performance import electrical_cost_of_transport, lighthill_efficiency
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.table_file import write_table
@@ -143,6 +143,7 @@ def _record(
         "dissipation": _number(trajectory.dissipation),
         "energy_raw": _number(trajectory.energy_raw),
         "cost_of_transport": electrical_cost_of_transport(problem, *per_cycle),
+        "lighthill_efficiency": lighthill_efficiency(problem, *per_cycle),
         "cycles": cycles,
         "gait": gait.document(),
         "body": {

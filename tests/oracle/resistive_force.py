@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import quad
 
+from oracle.chain import Floats
+
 
 def wave_speed_ratio(eps: float, beta: float) -> float:
     """U / V of an infinite travelling wave of any form: (K - 1)(1 - beta) / (K - (K - 1) beta)."""
@@ -48,3 +50,16 @@ def wave_efficiency(eps: float, beta: float, mean_cosine: float) -> float:
     c, w = 1.0 / mean_cosine, 1.0 - u
     power = eps * (c**2 - 2 * c * w * mean_cosine + w**2 * beta) + w**2 * (1 - beta)
     return eps * u**2 / power
+
+
+def tangent_angles(vertices: Floats) -> tuple[float, float]:
+    """Of a motion's vertices (T + 1, N, 2): angle of the edges to the way [rad], median, and its rms over its mean.
+
+    Of the middle half of the body, without its ends. 1 for a sawtooth, pi / sqrt(8) = 1.111 where the angle is a sine.
+    """
+    way = np.subtract(*vertices[[-1, 0]].mean(axis=1))
+    way = way / np.hypot(*way)
+    edges, quarter = np.diff(vertices, axis=1), (vertices.shape[1] - 1) // 4
+    across = np.abs(edges @ np.array([-way[1], way[0]]))
+    angle = np.arctan2(across, np.abs(edges @ way))[:, quarter:-quarter]
+    return float(np.median(angle)), float(np.sqrt((angle**2).mean()) / angle.mean())

@@ -15,6 +15,7 @@ from oracle.resistive_force import (
     wave_efficiency,
 )
 from oracle.search import REFERENCE_BOUNDS, global_search, polish
+from oracle.small_strokes import cheapest_stroke
 
 EDGES, WEIGHTS, EPS = np.ones(11), np.ones(12), 0.1865
 
@@ -92,3 +93,8 @@ def test_search_finds_a_known_minimum_on_a_bound() -> None:
     assert found.gait["sigma"] == pytest.approx(1, abs=1e-4)
     assert found.cost == pytest.approx(1.5, abs=1e-3)
     assert polish(cost, found.gait).cost <= found.cost + 1e-12
+
+
+def test_the_cheapest_small_stroke_of_five_links_is_a_wave_three_links_long() -> None:
+    """Joints that follow each other by a third of a cycle (Alouges et al. 2019); edge effects: a few degrees."""
+    np.testing.assert_allclose(cheapest_stroke(links=5, per_link=4, eps=0.5).lags, 120, atol=5)

@@ -175,6 +175,7 @@ def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
 
 def _lines(best: Solution, result: MultiStart) -> list[str]:
     from serpenoid.objectives.term import Played
+    from serpenoid.performance import lighthill_efficiency
 
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
@@ -182,10 +183,12 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
     goals: list[Goal] = [*task.objectives, *task.demands]
     played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
     outcomes = [goal.outcome(played) for goal in goals]
+    efficiency = lighthill_efficiency(best.problem, best.trajectory.displacement, best.trajectory.dissipation)
     return [
         f"status            {best.status.words}",
         f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
+        *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:.6f} at c = {best.c:g}",
         f"heading change    {best.trajectory.heading_change:+.6f} rad",
         *(f"goal              {words}" for words in outcomes if words),
