@@ -10,7 +10,7 @@ from oracle.chain import serpenoid_joint_table
 from oracle.integrator import Run, simulate
 from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait, Gait
-from serpenoid.mechanics import tables
+from serpenoid.mechanics import columns, tables
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.optimise import joint_blocks, motion_law, serpenoid_blocks
@@ -19,7 +19,6 @@ from serpenoid.optimise.between import GapField
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.optimise.watch import Watch, Watched, every_vertex
 from serpenoid.problem import Problem, Task, load
-from serpenoid.simulation import steps
 from serpenoid.trajectory import Trajectory
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
@@ -29,9 +28,9 @@ REFERENCE_EPS = 0.1865
 def forget_functions() -> None:
     """Drop what was prepared for compiled or uncompiled evaluation, so that the environment is asked again."""
     for cache in (
-        steps._compiled,
-        steps._mapped,
-        steps._cycles,
+        columns.shapes,
+        columns.steps,
+        columns._mapped,
         serpenoid_blocks._compiled,
         joint_blocks.baseline_blocks,
         tables._compiled,

@@ -16,9 +16,10 @@ import stat
 import subprocess
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import casadi as ca
 import filelock
@@ -29,26 +30,38 @@ from serpenoid.files.writing import atomic, write_text
 
 FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
 log = logging.getLogger(__name__)
+T = TypeVar("T")
 
 
 def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
     """The same functions, evaluated as machine code where a C compiler exists, else as they are."""
-    compiler = find_compiler()
-    if compiler is None:
+    if find_compiler() is None:
         _note_once()
         return list(functions)
+
+    def load(library: str) -> list[ca.Function]:
+        return [ca.external(function.name(), library) for function in functions]
+
+    return loaded(functions[0].name(), generate_c(functions), load) or list(functions)
+
+
+def loaded(name: str, source: str, load: Callable[[str], T], flags: Sequence[str] = ()) -> T | None:
+    """What `load` makes of the library of a C source, compiled once per source, compiler, flags; None: no library."""
+    compiler = find_compiler()
+    if compiler is None:
+        return None
     try:
-        library = _library(functions, compiler)
+        library = _library(name, source, [compiler, *FLAGS, *flags])
     except (OSError, subprocess.SubprocessError, filelock.Timeout) as error:
         log.warning("compiling failed, using CasADi's virtual machine: %s", error)
-        return list(functions)
+        return None
     try:
-        return [ca.external(function.name(), str(library)) for function in functions]
-    except RuntimeError as error:  # built for another machine that shares the cache
+        return load(str(library))
+    except (RuntimeError, OSError) as error:  # built for another machine that shares the cache
         library.unlink(missing_ok=True)
         reason = str(error).splitlines()[0]
         log.warning("%s cannot be loaded and was removed, using CasADi's virtual machine: %s", library, reason)
-        return list(functions)
+        return None
 
 
 def find_compiler() -> str | None:
@@ -77,18 +90,17 @@ def generate_c(functions: Sequence[ca.Function]) -> str:
     return generator.dump()
 
 
-def _library(functions: Sequence[ca.Function], compiler: str) -> Path:
-    source = generate_c(functions)
-    key = hashlib.sha256("\0".join([source, compiler, *FLAGS]).encode()).hexdigest()[:24]
+def _library(name: str, source: str, command: Sequence[str]) -> Path:
+    key = hashlib.sha256("\0".join([source, *command]).encode()).hexdigest()[:24]
     folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     refuse_shared(folder)
-    library = folder / f"{functions[0].name()}-{key}.so"
+    library = folder / f"{name}-{key}.so"
     if _is_whole(library):
         return library
     with filelock.FileLock(folder / f"{key}.lock", timeout=300):
         if not _is_whole(library):
-            _build(source, compiler, library)
+            _build(source, command, library)
             write_text(_receipt(library), _digest(library))
     with contextlib.suppress(OSError):
         (folder / f"{key}.lock").unlink()
@@ -130,13 +142,13 @@ def _is_whole(library: Path) -> bool:
         return False
 
 
-def _build(source: str, compiler: str, library: Path) -> None:
+def _build(source: str, command: Sequence[str], library: Path) -> None:
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder, atomic(library) as target:
         path = Path(folder) / "functions.c"
         path.write_text(source, encoding="utf-8")
-        command = [compiler, *FLAGS, str(path), "-o", str(target), "-lm"]
-        result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=280)
+        whole = [*command, str(path), "-o", str(target), "-lm"]
+        result = subprocess.run(whole, capture_output=True, text=True, check=False, timeout=280)
         if result.returncode != 0:
-            raise subprocess.SubprocessError(result.stderr[-2000:] or f"{compiler} ended with {result.returncode}")
+            raise subprocess.SubprocessError(result.stderr[-2000:] or f"{command[0]} ended with {result.returncode}")
     log.info("compiled %s in %.1f s", library.name, time.perf_counter() - begin)

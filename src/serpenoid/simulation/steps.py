@@ -16,13 +16,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from serpenoid.body import Floats
-from serpenoid.mechanics import functions
-from serpenoid.mechanics.compile import compiled
-from serpenoid.mechanics.evaluate import evaluate
+from serpenoid.mechanics import columns, functions
 from serpenoid.model import Model, Structure
 
 TOLERANCE = 1e-12
 SUSPICIOUS_TURN = 0.35  # rad; a step of a resolved gait turns far less
+CHUNK = 1600  # rows whose elements stay in the second cache
 SAMPLES = 720  # half a degree: the energy has two harmonics, so its minima are far wider apart
 
 
@@ -38,12 +37,7 @@ class Steps:
 
 def solve_steps(model: Model, before: Floats, after: Floats) -> Steps:
     """Place `after` against `before`, element arrays of shape (4, M S), for S independent steps."""
-    structure = model.structure
-    count = before.shape[1] // structure.elements
-    _, step = _compiled(structure)
-    mapped = _mapped(step, count)
-    guess = np.zeros(1)
-    pose, residual, curvature, energy = evaluate(mapped, before.T, after.T, guess, model.parameters)
+    pose, residual, curvature, energy = columns.steps(model.structure)(before.T, after.T, model.parameters)
     sound = _sound(pose, residual, curvature)
     relative, residual, energy = pose.T, np.abs(residual[0]), energy[0]
     for s in np.flatnonzero(~sound):
@@ -58,31 +52,19 @@ def elements_of_vertices(model: Model, vertices: Floats) -> Floats:
     """Dissipation elements of chains (R, N, 2): shape (4, M R)."""
     rows = vertices.shape[0]
     points = np.ascontiguousarray(vertices).reshape(rows * vertices.shape[1], 2).T
-    function = functions.shape_elements(model.structure)
-    return _mapped(function, rows)(points).full()
+    return _vertices_to_elements(model.structure, rows)(points).full()
 
 
 def shape_rows(model: Model, joint_angles: Floats) -> tuple[Floats, Floats]:
     """Vertices (R, N, 2) in the body frame and elements (4, M R) of joint angles (R, m)."""
-    shapes, _ = _compiled(model.structure)
     rows = joint_angles.shape[0]
-    points, found = evaluate(_mapped(shapes, rows), joint_angles, model.parameters)
+    points, found = columns.shapes(model.structure)(joint_angles, model.parameters)
     return points.T.reshape(rows, -1, 2), found
 
 
-@lru_cache(maxsize=32)
-def _compiled(structure: Structure) -> tuple[ca.Function, ca.Function]:
-    shapes, step = compiled([functions.shape(structure), functions.step(structure)])
-    return shapes, step
-
-
 @lru_cache(maxsize=128)
-def _mapped(function: ca.Function, count: int) -> ca.Function:
-    """`function` over `count` columns; the last input (parameters), if there are several inputs, is shared."""
-    if function.n_in() == 1:
-        return function.map(count)
-    shared = [function.n_in() - 1] if function.n_in() == 2 else [function.n_in() - 2, function.n_in() - 1]
-    return function.map(f"map{count}_{function.name()}", "serial", count, shared, [])
+def _vertices_to_elements(structure: Structure, rows: int) -> ca.Function:
+    return functions.shape_elements(structure).map(rows)
 
 
 def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats, float, float] | None:
@@ -104,27 +86,24 @@ def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats
 
 
 def solve_cycles(model: Model, tables: Floats) -> Steps:
-    """Steps of B closed joint tables (B, T, m) without leaving compiled code between shapes and roots; S = B T.
+    """Steps of B closed joint tables (B, T, m); S = B T.
 
     Steps whose root is not sound are left marked; `solve_steps` repairs them.
     """
-    b, t, _ = tables.shape
-    pose, residual, curvature, energy = evaluate(_cycles(model.structure, t, b), tables, model.parameters)
+    count = max(1, CHUNK // tables.shape[1])
+    parts = [_cycles(model, tables[first : first + count]) for first in range(0, len(tables), count)]
+    pose, residual, curvature, energy = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
     return Steps(pose.T, energy[0], np.abs(residual[0]), _sound(pose, residual, curvature))
+
+
+def _cycles(model: Model, tables: Floats) -> list[Floats]:
+    b, t, joints = tables.shape
+    _, elements = columns.shapes(model.structure)(tables.reshape(b * t, joints), model.parameters)
+    before = elements.T.reshape(b, t, -1)
+    after = np.concatenate([before[:, 1:], before[:, :1]], axis=1)
+    return columns.steps(model.structure)(before.reshape(-1, 4), after.reshape(-1, 4), model.parameters)
 
 
 def _sound(pose: Floats, residual: Floats, curvature: Floats) -> np.ndarray:
     with np.errstate(invalid="ignore"):
         return (np.abs(residual[0]) <= TOLERANCE) & (curvature[0] > 0) & (np.abs(pose[2]) <= SUSPICIOUS_TURN)
-
-
-@lru_cache(maxsize=32)
-def _cycles(structure: Structure, steps: int, count: int) -> ca.Function:
-    shapes, step = _compiled(structure)
-    m = structure.elements
-    angles = ca.MX.sym("angles", len(structure.joints), steps)
-    parameters = ca.MX.sym("parameters", 2 * structure.vertices)
-    _, before = _mapped(shapes, steps)(angles, parameters)
-    after = ca.horzcat(before[:, m:], before[:, :m])
-    cycle = ca.Function("cycle", [angles, parameters], _mapped(step, steps)(before, after, 0, parameters))
-    return cycle.map("cycles", "serial", count, [1], [])

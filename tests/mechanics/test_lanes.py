@@ -1,0 +1,79 @@
+"""C over many columns at once: the same numbers as CasADi's, whatever the columns and the registers."""
+
+from __future__ import annotations
+
+import ctypes
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from serpenoid.mechanics import columns, lanes
+from serpenoid.mechanics.columns import over_columns
+from serpenoid.mechanics.compile import find_compiler
+from specimens import forget_functions
+
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+ROUNDING = 4e-16  # two units in the last place of a number near one
+
+
+def waves() -> ca.Function:
+    """Sine and cosine of a column times a shared number."""
+    x, frequency = ca.SX.sym("x"), ca.SX.sym("frequency")
+    return ca.Function("waves", [x, frequency], [ca.sin(frequency * x), ca.cos(frequency * x)])
+
+
+@needs_compiler
+@pytest.mark.parametrize("largest", [1e-3, 4.0, 1e3, 1e6])
+def test_the_polynomial_sine_is_the_sine(largest: float) -> None:
+    x = np.concatenate([largest * np.linspace(-1, 1, 4001), np.arange(-8, 9) * np.pi / 2, [0.0, -0.0]])
+    sine, cosine = over_columns(waves())(x[:, None], np.ones(1))
+    assert np.abs(sine[0] - np.sin(x)).max() <= ROUNDING
+    assert np.abs(cosine[0] - np.cos(x)).max() <= ROUNDING
+
+
+@needs_compiler
+def test_what_is_not_a_number_stays_so_in_its_own_column() -> None:
+    x = np.array([0.5, np.nan, np.inf, -0.5])
+    sine, _ = over_columns(waves())(x[:, None], np.ones(1))
+    np.testing.assert_array_equal(np.isnan(sine[0]), [False, True, True, False])
+
+
+@needs_compiler
+@pytest.mark.parametrize("count", [1, 7, 8, 9, lanes.LANES, lanes.LANES + 1, 3 * lanes.LANES - 1])
+def test_every_number_of_columns_gives_each_column_its_own(count: int) -> None:
+    rng = np.random.default_rng(count)
+    a, b = ca.SX.sym("a", 3), ca.SX.sym("b", 2)
+    outer = ca.Function("outer", [a, b], [a @ b.T, ca.dot(a, a) / ca.sqrt(ca.sumsqr(b))])
+    x, y = rng.normal(size=(count, 3)), rng.normal(size=2)
+    product, size = over_columns(outer)(x, y)
+    np.testing.assert_allclose(product.T.reshape(count, 2, 3), y[None, :, None] * x[:, None, :], rtol=ROUNDING)
+    np.testing.assert_allclose(size[0], (x**2).sum(1) / np.linalg.norm(y), rtol=4 * ROUNDING)
+
+
+@needs_compiler
+def test_narrow_registers_give_the_numbers_of_wide_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    x = np.linspace(-3, 3, 50)[:, None]
+    wide = over_columns(waves())(x, np.array([1.7]))
+    monkeypatch.setattr(columns, "flags", lambda: ())
+    narrow = over_columns(waves())(x, np.array([1.7]))
+    np.testing.assert_array_equal(wide, narrow)
+
+
+def test_a_library_that_cannot_be_loaded_leaves_the_virtual_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: str) -> None:
+        raise OSError(f"{path}: built for another machine")
+
+    forget_functions()
+    monkeypatch.setattr(ctypes, "CDLL", refuse)
+    sine, _ = over_columns(waves())(np.array([[0.5]]), np.ones(1))
+    assert sine[0, 0] == np.sin(0.5)
+
+
+def test_operations_without_c_are_refused_by_name() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    with pytest.raises(ValueError, match="`bends` holds operation"):
+        lanes.kernel(ca.Function("bends", [x, p], [ca.atan2(x, p)]))
+    y = ca.MX.sym("y")
+    with pytest.raises(ValueError, match="must be an SX Function"):
+        lanes.kernel(ca.Function("mixed", [y], [y]))
