@@ -19,7 +19,7 @@ from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, split_parameters
 from serpenoid.model import Structure
 from serpenoid.objectives.criteria import Gaps
-from serpenoid.optimise.assembly import Scatter, scatter
+from serpenoid.optimise.assembly import Scatter, Scatters, scatter
 from serpenoid.optimise.blocks import Cycle, over
 from serpenoid.optimise.watch import Watch
 
@@ -149,7 +149,7 @@ class _Group:
         return scatter(shapes, np.zeros_like(shapes), shapes >= 0, (self.coordinates * self.rows, 1))
 
     @cached_property
-    def hessian_places(self) -> tuple[Scatter, Scatter, Scatter]:
+    def hessian_places(self) -> Scatters:
         """Of Hessian blocks: poses by poses (upper), poses by shapes, shapes by shapes."""
         z, g, a = (3 + self.coordinates) * self.ends, 3 * self.steps, self.coordinates * self.rows
         t, j, i = np.meshgrid(*(np.arange(k) for k in (len(self.instants), z, z)), indexing="ij")
@@ -198,12 +198,12 @@ class Along:
             pairs.append([places(blocks) for places in group.jacobian_places])
         return ca.vertcat(*(pair[0] for pair in pairs)), ca.vertcat(*(pair[1] for pair in pairs))
 
-    def hessian(self, cycle: Cycle, multipliers: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX, ca.MX]:
-        """Force on the shapes (s, R); Hessian blocks poses by poses (upper), poses by shapes, shapes by shapes."""
-        parts, ends = [], np.cumsum([0, *(group.total for group in self._groups)]).tolist()
+    def hessian(self, cycle: Cycle, multipliers: ca.MX) -> tuple[ca.MX, list[tuple[Scatters, ca.MX]]]:
+        """Force on the shapes (s, R); Hessian blocks and where they go, of every group of instants."""
+        force, parts, ends = ca.MX(0), [], np.cumsum([0, *(group.total for group in self._groups)]).tolist()
         for group, on_group in zip(self._groups, ca.vertsplit(multipliers, ends), strict=True):
             columns = ca.reshape(on_group, group.count, len(group.instants))
             gradient, blocks = group.over(group.functions[2], cycle, columns)
-            parts.append([ca.densify(group.force_places(gradient)), *(p(blocks) for p in group.hessian_places)])
-        force, uu, uq, qq = (sum(same[1:], same[0]) for same in zip(*parts, strict=True))
-        return ca.reshape(force, self.functions.coordinates, self.rows), uu, uq, qq
+            force = force + ca.densify(group.force_places(gradient))
+            parts.append((group.hessian_places, blocks))
+        return ca.reshape(force, self.functions.coordinates, self.rows), parts

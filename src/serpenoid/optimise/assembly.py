@@ -8,11 +8,14 @@ Legend: T steps, R rows, s coordinates of a row, o = 6 + 2 s, v values per step.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
+
+MOST_PASSES = 4  # of gathering; where more entries meet at a place, a sparse product adds them
 
 
 @dataclass(frozen=True)
@@ -27,23 +30,63 @@ class Scatter:
 
     def __call__(self, values: ca.MX) -> ca.MX:
         """The matrix of `count` values, given in any shape."""
-        pattern, add = self._plan
+        pattern, passes, add = self._plan
         flat = ca.vec(values)
-        if isinstance(add, ca.DM):
+        if add is not None:
             return ca.MX(pattern, ca.densify(add @ flat))
-        return ca.MX(pattern, flat[add])
+        if len(passes) > 1:
+            flat = ca.vertcat(flat, 0)  # what a pass takes where nothing is left to add
+        return ca.MX(pattern, sum((flat[chosen] for chosen in passes[1:]), flat[passes[0]]))
 
     @cached_property
-    def _plan(self) -> tuple[ca.Sparsity, ca.DM | list[int]]:
+    def _plan(self) -> tuple[ca.Sparsity, list[list[int]], ca.DM | None]:
         key = self.columns.astype(np.int64) * self.shape[0] + self.rows
-        places, target = np.unique(key, return_inverse=True)
+        order = np.argsort(key, kind="stable")
+        places, first, counts = np.unique(key[order], return_index=True, return_counts=True)
         pattern = ca.Sparsity.triplet(
             *self.shape, (places % self.shape[0]).tolist(), (places // self.shape[0]).tolist()
         )
-        if places.size == key.size:
-            return pattern, self.source[np.argsort(target)].tolist()
-        adds = ca.Sparsity.triplet(places.size, self.count, target.tolist(), self.source.tolist())
-        return pattern, ca.DM(adds, 1.0)
+        most = int(counts.max(initial=1))
+        if most > MOST_PASSES:
+            target = np.repeat(np.arange(places.size), counts)
+            adds = ca.Sparsity.triplet(places.size, self.count, target.tolist(), self.source[order].tolist())
+            return pattern, [], ca.DM(adds, 1.0)
+        taken = np.append(self.source[order], self.count)
+        passes = [taken[np.where(counts > i, first + i, taken.size - 1)].tolist() for i in range(most)]
+        return pattern, passes, None
+
+
+Scatters = tuple[Scatter, Scatter, Scatter]  # poses by poses, poses by shapes, shapes by shapes
+
+
+class Upper:
+    """The upper triangle of a symmetric (size, size), put together from parts that may meet at places, in one go."""
+
+    def __init__(self, size: int) -> None:
+        self.size, self._count = size, 0
+        self._values: list[ca.MX] = []
+        self._entries: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def scatter(self, values: ca.MX, parts: Iterable[tuple[Scatter, int, int]]) -> None:
+        """Values that Scatters take to their places from (row, column) on."""
+        for part, row, column in parts:
+            self._entries.append((part.rows + row, part.columns + column, part.source + self._count))
+        self._values.append(ca.vec(values))
+        self._count += values.numel()
+
+    def matrix(self, values: ca.MX, row: int = 0, column: int = 0) -> None:
+        """A sparse matrix from (row, column) on."""
+        if values.nnz():
+            rows, columns = (np.array(x, int) for x in values.sparsity().get_triplet())
+            part = Scatter(rows, columns, np.arange(rows.size), values.shape, rows.size)
+            self.scatter(values.nz[:], [(part, row, column)])
+
+    def __call__(self) -> ca.MX:
+        """The matrix."""
+        rows, columns, source = (np.concatenate(x) for x in zip(*self._entries, strict=True))
+        above = rows <= columns
+        whole = Scatter(rows[above], columns[above], source[above], (self.size, self.size), self._count)
+        return whole(ca.vertcat(*self._values))
 
 
 def scatter(rows: np.ndarray, columns: np.ndarray, keep: np.ndarray, shape: tuple[int, int]) -> Scatter:
@@ -98,7 +141,7 @@ class Places:
         pair = [scatter(c, zero, c >= 0, (n, 1)) for c, n in zip((self.poses, self.shapes), sizes, strict=True)]
         return pair[0], pair[1]
 
-    def hessian(self) -> tuple[Scatter, Scatter, Scatter]:
+    def hessian(self) -> Scatters:
         """Blocks (o, o T) to: poses by poses (upper triangle), poses by shapes, shapes by shapes (both triangles)."""
         g, a = 3 * self.steps, self.coordinates * self.rows
         t, j, i = np.meshgrid(*(np.arange(n) for n in (self.steps, self.outer, self.outer)), indexing="ij")

@@ -8,7 +8,7 @@ Legend: B motions, T steps, m joints, n edges, I points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -18,7 +18,7 @@ from serpenoid.body import Floats
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.objectives.criteria import Gaps
-from serpenoid.optimise.joint_blocks import directions, placement
+from serpenoid.optimise.joint_rows import directions, placement
 
 TOGETHER = 512  # points that are looked at in one call
 
@@ -49,8 +49,9 @@ class Between:
     @cached_property
     def levers(self) -> Floats:
         """How far vertices are moved by unit edges, shape (n + 1, n): vertices = levers (cos phi, sin phi)."""
-        at_vertices = replace(self.model.structure, dissipation="vertex")
-        return np.asarray(ca.evalf(placement(at_vertices, ca.MX(ca.DM(self.model.parameters)))).full(), np.float64)
+        return np.asarray(
+            ca.evalf(placement(self.model.structure, ca.MX(ca.DM(self.model.parameters)))).full(), np.float64
+        )
 
     @cached_property
     def phi(self) -> Floats:

@@ -25,7 +25,7 @@ import casadi as ca
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.optimise.along import Along, gap_functions
-from serpenoid.optimise.assembly import Places
+from serpenoid.optimise.assembly import Places, Upper
 from serpenoid.optimise.blocks import Cycle
 from serpenoid.optimise.layer import Layer
 from serpenoid.optimise.motion_law import MotionLaw, path_layer, table_layer
@@ -346,33 +346,34 @@ class GaitNLP:
         asked = self._derived(*self._asked_at, factor, on_asked)
         weights, energy = self._step_weights(factor, on_motion, asked)
         slope, blocks = self.law.blocks.hessian(self._cycle, weights, energy)
-        places = self._places.hessian()
-        uu, uq, qq = places[0](blocks), self._beside(places[1](blocks)), self._square(places[2](blocks))
-        if self.lifted:
-            uu, uq = ca.diagcat(uu, ca.MX(1, 1)), ca.vertcat(uq, ca.MX(1, uq.size2()))
-        force = ca.densify(self._places.gradient()[1](slope))
+        force, placed = ca.densify(self._places.gradient()[1](slope)), [(self._places.hessian(), blocks)]
         if self._along:
-            gap_force, *gap_blocks = self._along.hessian(self._cycle, on_gaps)
-            force = force + ca.vec(gap_force)
-            gap_uq = self._beside(gap_blocks[1])
-            if self.lifted:
-                gap_blocks[0] = ca.diagcat(gap_blocks[0], ca.MX(1, 1))
-                gap_uq = ca.vertcat(gap_uq, ca.MX(1, gap_uq.size2()))
-            uu, uq, qq = uu + gap_blocks[0], uq + gap_uq, qq + self._square(gap_blocks[2])
-        more = self._asked_hessian(asked[2])
-        uu, uq, qq = uu + ca.triu(more[0]), uq + more[1], qq + more[2]
+            gap_force, gap_parts = self._along.hessian(self._cycle, on_gaps)
+            force, placed = force + ca.vec(gap_force), placed + gap_parts
+        more, start = self._asked_hessian(asked[2]), 3 * self.steps + self.lifted
+        total = Upper(start + self.size)
+        free = self._psi is None
+        for (by_poses, mixed, by_shapes), values in placed:
+            beside = [(mixed, 0, start), (by_shapes, start, start)] if free else []
+            total.scatter(values, [(by_poses, 0, 0), *beside])
+        total.matrix(more[0])
         if self._psi is None:
-            pp, up = qq, uq
+            mixed, square = more[1:]
         else:
-            pp = self._psi.T @ (qq @ self._psi) + self._curvature(force, factor, on_asked)
-            up = uq @ self._psi
+            sums = [sum(same[1:], same[0]) for same in zip(*([p(v) for p in ps[1:]] for ps, v in placed), strict=True)]
+            uq = ca.vertcat(self._beside(sums[0]), ca.MX(int(self.lifted), sum(self._groups)))
+            mixed = (uq + more[1]) @ self._psi
+            square = self._psi.T @ ((self._square(sums[1]) + more[2]) @ self._psi)
+            square = square + self._curvature(force, factor, on_asked)
+        total.matrix(mixed, 0, start)
+        total.matrix(square, start, start)
         if self._servos is not None:
             on_states = ca.reshape(on_motion[3 * self.steps + self.lifted :], -1, self.family.rows)
-            pp = pp + self._servos[0].curvature(*self._servos[1], on_states)
+            total.matrix(self._servos[0].curvature(*self._servos[1], on_states), start, start)
         if self._path is not None:
             on_rows = ca.reshape(on_path, -1, self.path_rows)
-            pp = pp + self._path.curvature(*self._path_at, on_rows)
-        return ca.vertcat(ca.horzcat(uu, up), ca.horzcat(ca.MX(up.size2(), up.size1()), ca.triu(pp)))
+            total.matrix(self._path.curvature(*self._path_at, on_rows), start, start)
+        return total()
 
     def _step_weights(self, factor: ca.MX, on_motion: ca.MX, asked: tuple[ca.MX, ...]) -> tuple[ca.MX, ca.MX]:
         """Multipliers of the steps' values (v, T) and the factor of each step's energy (1, T)."""
