@@ -6,6 +6,7 @@ Precedence: what `--set` assigns, then the file, then the defaults below.
 from __future__ import annotations
 
 import hashlib
+import math
 from functools import reduce
 from operator import or_
 from pathlib import Path
@@ -24,6 +25,9 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
+from serpenoid.objectives.contradictions import contradiction
+from serpenoid.objectives.shape import Shape
+from serpenoid.objectives.term import Ask, Rows
 
 LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
@@ -183,6 +187,20 @@ class Problem(Record):
         if size > MOST_POSITIONS:
             raise ValueError(f"task.steps * task.cycles * body.vertices must be at most {MOST_POSITIONS}, is {size}")
         self.model.step_duration(self.task.steps)  # refuses effects that do not fit the body, or lack the clock
+        return self
+
+    @model_validator(mode="after")
+    def _demands_meet(self) -> Self:
+        task, rows = self.task, Rows(self.task.steps, self.body.joint_count, not self.task.transient)
+        wanted = 0.0 if task.constraints.straight else task.constraints.heading_change_rad
+        others = [] if wanted is None else [("[task.constraints]", Ask("heading after 1 cycle(s)", wanted, wanted))]
+        if self.joint_limit_deg is not None:
+            limit = math.radians(self.joint_limit_deg)
+            joints = {ask.quantity for d in task.demands if isinstance(d, Shape) for ask in d.asks(rows)}
+            others += [("[body] joint_limit_deg", Ask(joint, -limit, limit)) for joint in sorted(joints)]
+        fault = contradiction(task.demands, rows, others)
+        if fault is not None:
+            raise ValueError(fault)
         return self
 
     @property

@@ -269,17 +269,6 @@ def test_the_place_after_several_cycles_is_where_they_lead() -> None:
     assert found.cost == pytest.approx(value, abs=1e-9)
 
 
-def test_what_cannot_be_is_said() -> None:
-    far = {"demands": ({"kind": "travel", "least": 50.0},)}
-    assert solve(asked("reference-optimum", *SMALL, **far), starts=1).best.status in (
-        Status.INFEASIBLE, Status.NOT_CONVERGED,
-    )  # fmt: skip
-    bent = {"demands": ({"kind": "shape", "angles": (1.5, 0.0, 0.0)},)}  # beyond the joint limits
-    assert not solve(asked("reach", "body.vertices=5", "task.steps=10", **bent), starts=1).best.status.ok
-    inside = {"demands": ({"kind": "disc", "centre": (0.0, 0.0), "radius": 3.0},)}
-    assert not solve(asked("reach", "body.vertices=5", "task.steps=10", **inside), starts=1).best.status.ok
-
-
 def test_faults_in_objectives_name_their_place() -> None:
     path = PROBLEMS / "reach.toml"
     with pytest.raises(InputError, match="unknown key"):

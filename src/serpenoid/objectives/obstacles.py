@@ -17,11 +17,12 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand, Played
+from serpenoid.objectives.term import Demand, Played, miss
 
 Point = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
 DEEP = 1e-6  # body lengths: less is what the optimiser leaves of a constraint
+BEND = 1.0  # body lengths: no point of the body is farther from its centroid
 TINY = 1e-18  # keeps the derivative of a distance defined where it is zero
 
 
@@ -30,6 +31,11 @@ class Obstacle(Demand):
 
     kind: str
     clearance: Annotated[float, Field(ge=0, description="distance to keep: half the body's width, say")] = 0.0
+
+    @property
+    def room(self) -> float:
+        """How deep inside the centroid may be [body lengths]: a body may bend round an obstacle, not out of a room."""
+        return BEND
 
     @abstractmethod
     def distances(self, points: ca.SX) -> ca.SX:
@@ -52,7 +58,7 @@ class Obstacle(Demand):
         if gaps.min() >= -DEEP:
             return ""
         step, vertex = np.unravel_index(gaps.argmin(), gaps.shape)
-        return f"{self.kind} missed by {-gaps.min():.4f} body lengths at vertex {vertex}, step {step}"
+        return f"{self.kind} missed by {miss(-gaps.min())} body lengths at vertex {vertex}, step {step}"
 
 
 class Disc(Obstacle):
@@ -77,6 +83,11 @@ class Box(Obstacle):
     angle_rad: float = 0.0
     inside: bool = Field(default=False, description="stay in it instead of outside")
 
+    @property
+    def room(self) -> float:
+        """The inside of a box is convex: the centroid is there, too."""
+        return 0.0 if self.inside else BEND
+
     def distances(self, points: ca.SX) -> ca.SX:
         """Inside: to each of the four walls. Outside: to the box."""
         c, s = ca.cos(self.angle_rad), ca.sin(self.angle_rad)
@@ -96,6 +107,11 @@ class HalfPlane(Obstacle):
     kind: Literal["half_plane"] = "half_plane"
     point: Point
     normal: Point
+
+    @property
+    def room(self) -> float:
+        """A half-plane is convex: the centroid is there, too."""
+        return 0.0
 
     @model_validator(mode="after")
     def _direction(self) -> Self:

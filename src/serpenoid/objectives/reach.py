@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand, Played, after
+from serpenoid.objectives.term import Ask, Demand, Played, Rows, after, miss
 
 
 class Reach(Demand):
@@ -39,7 +39,23 @@ class Reach(Demand):
         poses = played.poses
         pose = after(poses, self.cycles) if self.at == 1 else poses[self._row(len(poses) - 1)]
         left = np.hypot(*(pose[:2] - self.target))
-        return f"({self.target[0]:g}, {self.target[1]:g}) within {left:.4f} body lengths ({self.radius:g} allowed)"
+        place = f"({self.target[0]:g}, {self.target[1]:g})"
+        turn = "" if self.heading_rad is None else f", heading by {miss(pose[2] - self.heading_rad)} rad"
+        return f"{place} missed by {miss(left)} body lengths ({self.radius:g} allowed){turn}"
+
+    def asks(self, rows: Rows) -> list[Ask]:
+        """x and y within the radius; at the end of one cycle the displacement."""
+        end = self.at == 1
+        when = f"after {self.cycles} cycle(s)" if end else f"at step {self._row(rows.steps)}"
+        found = [
+            Ask(f"{axis} {when}", v - self.radius, v + self.radius) for axis, v in zip("xy", self.target, strict=True)
+        ]
+        if self.heading_rad is not None:
+            found.append(Ask(f"heading {when}", self.heading_rad, self.heading_rad))
+        if end and self.cycles == 1:
+            way = float(np.hypot(*self.target))
+            found.append(Ask("displacement", max(way - self.radius, 0.0), way + self.radius))
+        return found
 
     def _row(self, steps: int) -> int:
         """Where it is asked for, if on the way."""

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from serpenoid.errors import InputError
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand, Played
+from serpenoid.objectives.term import Ask, Demand, Played, Rows, miss
 
 
 class Shape(Demand):
@@ -37,4 +37,9 @@ class Shape(Demand):
         """How far the farthest joint is from its angle."""
         row = round(self.at * (len(played.poses) - 1)) % len(played.table)
         left = np.abs(played.table[row] - (0.0 if self.angles is None else np.array(self.angles))).max()
-        return f"shape at {self.at:g} missed by {left:.1e} rad"
+        return f"shape at {self.at:g} missed by {miss(left)} rad"
+
+    def asks(self, rows: Rows) -> list[Ask]:
+        """Every joint angle of the row."""
+        row = rows.of(self.at)
+        return [Ask(f"joint {j} at row {row}", v, v) for j, v in enumerate(self.angles or [0.0] * rows.joints, start=1)]

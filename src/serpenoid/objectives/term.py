@@ -13,6 +13,8 @@ from serpenoid.body import Floats
 from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
 
+NOTHING = 1e-7  # body lengths or radians: KKT conditions hold to 1e-8, with factors of a few in a demand's own units
+
 
 @dataclass(frozen=True)
 class Played:
@@ -21,6 +23,28 @@ class Played:
     poses: Floats
     vertices: Floats
     table: Floats
+
+
+@dataclass(frozen=True)
+class Ask:
+    """A number of the motion that a demand confines, whatever the gait: lower <= quantity <= upper."""
+
+    quantity: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What demands count by: T steps, m joints, and whether the row after the last is the first again."""
+
+    steps: int
+    joints: int
+    closed: bool
+
+    def of(self, share: float) -> int:
+        """The row of joint angles nearest to a part of the cycle."""
+        return round(share * self.steps) % (self.steps + (not self.closed))
 
 
 class Goal(Record):
@@ -49,6 +73,15 @@ class Demand(Goal):
     @abstractmethod
     def require(self, of: Criteria) -> None:
         """Add the requirement to the criteria."""
+
+    def asks(self, rows: Rows) -> list[Ask]:
+        """What it confines by itself: demands whose intervals do not meet contradict each other."""
+        return []
+
+
+def miss(amount: float, digits: int = 4) -> str:
+    """An amount by which something is missed: zero where it is less than the optimiser leaves of a constraint."""
+    return "0" if abs(amount) < NOTHING else f"{amount:.{digits}f}" if abs(amount) >= 10**-digits else f"{amount:.0e}"
 
 
 def after(poses: Floats, cycles: int) -> Floats:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand
+from serpenoid.objectives.term import Ask, Demand, Played, Rows, miss
 
 
 class Travel(Demand):
@@ -27,3 +28,14 @@ class Travel(Demand):
         """On the squared distance, which is smooth at a gait that does not move."""
         squared = of.poses[0, -1] ** 2 + of.poses[1, -1] ** 2
         of.subject_to(squared, self.least**2, self.most**2)
+
+    def asks(self, rows: Rows) -> list[Ask]:
+        """The displacement itself."""
+        return [Ask("displacement", self.least, self.most)]
+
+    def outcome(self, played: Played) -> str:
+        """How far it goes beyond the ends."""
+        way = float(np.hypot(*played.poses[-1, :2]))
+        beyond = max(self.least - way, way - self.most, 0.0)
+        ends = f"{self.least:g}" if self.least == self.most else f"{self.least:g} to {self.most:g}"
+        return f"displacement {ends} missed by {miss(beyond)} body lengths"

@@ -21,6 +21,7 @@ from serpenoid.shown import Shown
 from serpenoid.status import Status
 
 SAME_COST = 1e-6  # optima whose objectives differ by less are one: mirror images and half turns of theta are equal
+MISSED = 1e-6  # of a constraint: far above the optimiser's tolerance
 Progress = Callable[[int, "Solution | None"], None]
 
 
@@ -45,12 +46,20 @@ class MultiStart(Shown):
 
     @property
     def best(self) -> Solution:
-        """The best certified optimum, else a failure: a stopped one first, then the best that its mesh alone spoils."""
+        """The best certified optimum, else a failure: a stopped one first, then the best that its mesh alone spoils.
+
+        Of others the one that misses the constraints least.
+        """
         if self.optima:
             return self.optima[0].solution
         first = (Status.STOPPED, Status.MESH_TOO_COARSE)
         ranks = {status: rank for rank, status in enumerate(first)}
-        return min(self.solutions, key=lambda s: (ranks.get(s.status, len(first)), s.objective))
+
+        def order(s: Solution) -> tuple[int, float, float]:
+            missed = s.residuals.feasibility
+            return ranks.get(s.status, len(first)), 0.0 if missed < MISSED else missed, s.objective
+
+        return min(self.solutions, key=order)
 
     @property
     def failures(self) -> tuple[Solution, ...]:

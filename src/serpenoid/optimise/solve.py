@@ -14,6 +14,7 @@ from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import MultiStart, solve_many, solve_one
+from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
@@ -45,7 +46,8 @@ def solve(
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])
     with catch_interrupt() as flag:
-        return solve_many(solver, gaits, problem.task.c, flag, progress, folder)
+        found = solve_many(solver, gaits, problem.task.c, flag, progress, folder)
+        return with_nearest(solver, found, customise, flag)
 
 
 def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:

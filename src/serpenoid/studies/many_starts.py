@@ -13,6 +13,7 @@ from serpenoid.files.writing import write_csv
 from serpenoid.optimise.chain_store import store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.multistart import MultiStart, Optimum, Progress, as_solution, best_of, summarised
+from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import starts_of
@@ -53,7 +54,7 @@ def solve_starts(
         if not found:
             raise
         flag.stopped = True
-    return summarised(solver, [found[i] for i in sorted(found)], c, flag)
+    return with_nearest(solver, summarised(solver, [found[i] for i in sorted(found)], c, flag), flag=flag)
 
 
 def one_start(problem: Problem, start: Floats, known: Answer | None) -> tuple[Solution, Answer]:

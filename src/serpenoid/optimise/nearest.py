@@ -1,0 +1,72 @@
+"""Where no start meets all demands: the gait that misses them least, in the sum of squares.
+
+IPOPT's own last point spreads what is missed over the equations of motion, too, so that its gait, played, misses more.
+Here motion, limits and obstacles hold, and what the demands miss is the objective; where that comes down to nothing,
+the demands are asked for once more from there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+
+from serpenoid.objectives import Criteria
+from serpenoid.optimise.asked import Customise
+from serpenoid.optimise.interrupt import StopFlag
+from serpenoid.optimise.multistart import MISSED, MultiStart, Optimum, solve_one
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solver import GaitSolver
+from serpenoid.status import Status
+
+
+def with_nearest(
+    solver: GaitSolver, found: MultiStart, customise: Customise | None = None, flag: StopFlag | None = None
+) -> MultiStart:
+    """The same; where no start met the demands, the best is the gait that misses them least, or one that meets them."""
+    best = found.best
+    if (
+        best.status is not Status.INFEASIBLE
+        or type(solver) is not GaitSolver
+        or not solver.asked.criteria.added
+        or flag
+    ):
+        return found
+    c, start = solver.problem.task.c, np.clip(best.q, *solver.gait_bounds())
+    nearer = GaitSolver(solver.problem, softened(customise), best.gait).solve(start, 0.0, flag=flag)
+    if not nearer.outcome.status.ok:
+        return found
+    if nearer.outcome.objective < MISSED**2:
+        again, _ = solve_one(solver, nearer.q, c, polish=True, flag=flag)
+        if again.status.ok:
+            return _with(found, best, again, (Optimum(again, 1),))
+    return _with(found, best, _of(solver, best, nearer.q), ())
+
+
+def softened(customise: Customise | None) -> Customise:
+    """What is asked for becomes an objective: the sum of the squares of what it misses."""
+
+    def soften(of: Criteria) -> None:
+        if customise is not None:
+            customise(of)
+        of.minimise(ca.SX(0))
+        for expression, lower, upper in of.added:
+            of.also_minimise(ca.sumsqr(ca.fmax(lower - expression, 0)) + ca.sumsqr(ca.fmax(expression - upper, 0)))
+        of.added.clear()
+
+    return soften
+
+
+def _of(solver: GaitSolver, failed: Solution, q: np.ndarray) -> Solution:
+    """The failed solution with another gait and its motion."""
+    table = solver.table(q)
+    motion, c = solver.simulate(table), solver.problem.task.c
+    return replace(
+        failed, gait=solver.family.gait(q), q=q, table=table, trajectory=motion, mesh=solver.meshes(q)[0],
+        cost=solver.value(q, table, motion, c),
+    )  # fmt: skip
+
+
+def _with(found: MultiStart, old: Solution, new: Solution, optima: tuple[Optimum, ...]) -> MultiStart:
+    return MultiStart(tuple(new if s is old else s for s in found.solutions), optima)

@@ -1,0 +1,115 @@
+"""What cannot be: contradictions are told before the work, all else by a status and the nearest that was found."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from serpenoid.errors import InputError
+from serpenoid.objectives.term import Played, miss
+from serpenoid.objectives.travel import Travel
+from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solve import solve
+from serpenoid.simulation import simulate_batch
+from serpenoid.status import Status
+from specimens import problem
+
+SMALL = "body.vertices=5", "task.steps=16"
+
+
+def nearest(*demands: str) -> tuple[Solution, list[str]]:
+    """What a solve ends with, and what it says of each demand."""
+    found = solve(problem("reach", *SMALL, f"task.demands=[{','.join(demands)}]"), starts=1).best
+    played = Played(found.trajectory.poses, found.trajectory.vertices, found.table)
+    return found, [demand.outcome(played) for demand in found.problem.task.demands]
+
+
+def missed(words: str) -> float:
+    """The number that follows `missed by`."""
+    found = re.search(r"missed by (\S+)", words)
+    assert found is not None
+    return float(found[1])
+
+
+def test_of_a_place_out_of_reach_the_nearest_is_found() -> None:
+    found, (words,) = nearest('{kind="reach",target=[3.0,0.0]}')
+    assert found.status is Status.INFEASIBLE
+    end = found.trajectory.poses[-1, :2]
+    assert missed(words) == pytest.approx(np.hypot(*(end - [3, 0])), abs=1e-4)
+    limit, rng = np.deg2rad(63), np.random.default_rng(0)
+    around = np.clip(found.table + 0.01 * rng.normal(size=(40, *found.table.shape)), -limit, limit)
+    ends = simulate_batch(found.problem.model, around).poses[:, -1, :2]
+    assert np.hypot(*(ends - [3, 0]).T).min() > missed(words) - 1e-4  # no gait nearby comes nearer
+
+
+def test_a_way_says_by_how_much_it_is_too_short_or_too_long() -> None:
+    moved = Played(np.array([[0.0, 0, 0], [0.3, 0.4, 0]]), np.zeros((2, 3, 2)), np.zeros((1, 1)))
+    said = [Travel(least=a, most=b).outcome(moved) for a, b in ((0.7, 0.8), (0.1, 0.2), (0.5, 0.5))]
+    assert [missed(words) for words in said] == [0.2, 0.3, 0]
+
+
+def test_a_body_that_begins_in_an_obstacle_and_cannot_leave_it_says_how_deep_it_is() -> None:
+    found, (words,) = nearest('{kind="disc",centre=[0.0,0.0],radius=0.9}')
+    assert found.status is Status.INFEASIBLE
+    assert 0 < missed(words) <= 0.9
+    assert "vertex" in words
+
+
+def test_what_is_met_is_missed_by_nothing() -> None:
+    assert (miss(7.3e-32), miss(0.0), miss(3e-6), miss(0.25)) == ("0", "0", "3e-06", "0.2500")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            'task.demands=[{kind="reach",target=[0.3,0.0]},{kind="travel",least=0.5}]',
+            r"1 \(reach\) and \S+ 2 \(travel\) contradict each other: displacement is 0\.3 and from 0\.5",
+        ),
+        (
+            'task.demands=[{kind="reach",target=[0.3,0.0],radius=0.01},{kind="reach",target=[0.3,0.1],radius=0.02}]',
+            r"contradict each other: y after 1 cycle",
+        ),
+        (
+            'task.demands=[{kind="shape",angles=[1.5,0.0,0.0]}]',
+            r"\[body\] joint_limit_deg and \S+ 1 \(shape\) contradict .* joint 1 at row 0",
+        ),
+        (
+            'task.demands=[{kind="shape",at=0.0},{kind="shape",at=1.0,angles=[0.0,0.2,0.0]}]',  # closed: one row
+            r"1 \(shape\) and \S+ 2 \(shape\) contradict each other: joint 2 at row 0",
+        ),
+        (
+            'task={steps=16,constraints={straight=true},demands=[{kind="reach",target=[0.3,0.0],heading_rad=1.0}]}',
+            r"\[task\.constraints\] and \S+ 1 \(reach\) contradict each other: heading",
+        ),
+        ('task.demands=[{kind="disc",centre=[0.0,0.0],radius=3.0}]', r"\(disc\) forbids where the body begins, by 2 "),
+        (
+            'task.demands=[{kind="box",half_widths=[0.5,0.5],inside=true},{kind="reach",target=[0.8,0.0]}]',
+            r"\(box\) forbids the place of \S+ 2 \(reach\), by 0\.3 body lengths",
+        ),
+        ('task.demands=[{kind="half_plane",point=[0.1,0.0],normal=[1.0,0.0]}]', r"\(half_plane\) forbids .* by 0\.1 "),
+    ],
+)
+def test_demands_that_contradict_each_other_are_refused_before_the_work(change: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        problem("reach", *SMALL, change)
+
+
+@pytest.mark.parametrize(
+    "demands",
+    [
+        '{kind="reach",target=[0.3,0.0],at=0.5},{kind="travel",least=0.5}',
+        '{kind="reach",target=[0.3,0.0],cycles=2},{kind="travel",least=0.1}',
+        '{kind="disc",centre=[0.3,0.0],radius=0.5}',  # a body may bend round it
+        '{kind="box",half_widths=[0.5,0.2],inside=true},{kind="reach",target=[0.5,0.1],radius=0.1}',
+    ],
+)
+def test_demands_that_may_be_met_are_not(demands: str) -> None:
+    assert problem("reach", *SMALL, f"task.demands=[{demands}]").task.demands
+
+
+def test_a_motion_that_is_not_closed_may_end_in_another_shape() -> None:
+    ends = '{kind="shape",at=0.0},{kind="shape",at=1.0,angles=[0.0,0.2,0.0]}'
+    assert problem("reach", *SMALL, "task.transient=true", f"task.demands=[{ends}]").task.demands
