@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
+from serpenoid.__main__ import calm
+
+calm()  # before NumPy is imported
 PROBLEMS = Path(__file__).parents[1] / "problems"
 
 # as shells start what runs in the background; children inherit it

@@ -1,7 +1,17 @@
 """The console script `serpenoid`, and `python -m serpenoid`: one exit code, whenever Ctrl-C comes."""
 
+import os
 import signal
 import sys
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # of linear algebra
+
+
+def calm() -> None:
+    """One thread of linear algebra in each process: on matrices as small as ours more of them wait for one another,
+    which takes a third of a diagnosis' processor time. Whoever has set a number keeps it."""
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
 
 
 def entry() -> None:
@@ -10,6 +20,7 @@ def entry() -> None:
     heard = usual is signal.default_int_handler
     if heard:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    calm()
     from serpenoid.cli.main import main, stopped
 
     if heard:

@@ -13,6 +13,8 @@ from serpenoid.effects.catalogue import actuation_effects
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE
 
+SERIES = (32, 256)  # steps of one call
+
 
 def memories() -> int:
     """Q: each of these effects remembers the angle that it let through last."""
@@ -20,16 +22,26 @@ def memories() -> int:
 
 
 @cache
-def joint_step() -> ca.Function:
-    """(memory (Q), before, after [rad], duration [s], theta (P)) -> memory (Q), true angle, what the servo reads."""
-    return compiled([_joint_step()])[0]
+def joint_series() -> dict[int, ca.Function]:
+    """By their number of steps: (memory (Q), before (1, n), after (1, n), durations (1, n), theta (P)) -> memory after
+    each step (Q, n), true angles (1, n), readings (1, n)."""
+    return dict(zip(SERIES, compiled([_series(count) for count in SERIES]), strict=True))
+
+
+def _series(count: int) -> ca.Function:
+    step = _joint_step()
+    inputs = [ca.MX.sym(step.name_in(0), memories()), *(ca.MX.sym(step.name_in(i), 1, count) for i in (1, 2, 3))]
+    theta = ca.MX.sym("theta", step.size1_in(4))
+    outputs = step.mapaccum(count)(*inputs, ca.repmat(theta, 1, count))
+    return ca.Function(f"joint_series_{count}", [*inputs, theta], list(outputs))
 
 
 @cache
 def joint_sensitivity() -> ca.Function:
-    """The same with derivatives carried along: state (Q (1 + P)) = memory and its derivatives by theta, columnwise.
+    """One step with derivatives carried along: state (Q (1 + P)) = memory and its derivatives by theta, columnwise.
 
-    -> state, true angle, reading, derivatives of both by theta (P, 2).
+    (state, before, after [rad], duration [s], theta (P)) -> state, true angle, reading, derivatives of both by theta
+    (P, 2).
     """
     plain, q = _joint_step(), memories()
     _, *inputs = plain.sx_in()
@@ -54,6 +66,7 @@ def parameter_rows() -> dict[tuple[str, str], int]:
 
 
 def _joint_step() -> ca.Function:
+    """(memory (Q), before, after [rad], duration [s], theta (P)) -> memory (Q), true angle, what the servo reads."""
     kinds = actuation_effects()
     counts = [len(kind.parameters) + 1 for kind in kinds]
     memory, theta = ca.SX.sym("memory", memories()), ca.SX.sym("theta", sum(counts))

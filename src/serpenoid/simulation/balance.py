@@ -8,7 +8,7 @@ Legend: S steps, M elements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,13 @@ class Coast:
         return Coast(self.rate[keep], self.carried[keep])
 
 
+@dataclass(frozen=True)
+class Balance(Steps):
+    """Steps, and the derivatives (S, 3, 3) of their residuals about the floor's origin by the second poses."""
+
+    slopes: Floats
+
+
 def solve_balance(
     model: Model,
     before: Floats,
@@ -41,13 +48,13 @@ def solve_balance(
     starts: Floats,
     guess: Floats,
     coast: Coast | None = None,
-) -> Steps:
+) -> Balance:
     """Relative poses of S steps between `times` (S, 2) [s], from poses `starts` (S, 3) on the floor.
 
     before, after: elements (4, M S). guess (S, 3): relative poses, usually the baseline's. Without `coast` effects
     that know history are left out.
     """
-    coast = coast or Coast(np.zeros(len(guess)), np.zeros((len(guess), 3)))
+    coast = coast or at_rest(len(guess))
     root = _newton(model, before, after, times, starts, compose(starts, guess), coast, 1.0)
     for strength in STRENGTHS:
         bad = ~root.sound
@@ -55,12 +62,32 @@ def solve_balance(
             break
         if strength == STRENGTHS[0]:
             root.relative[bad] = compose(starts, guess)[bad]
-        again = _subset(model, before, after, bad)
+        again = _subset(before, after, bad)
         part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], coast.part(bad), strength)
         root.relative[bad] = part.relative
         if strength == STRENGTHS[-1]:
             root.sound[bad], root.residual[bad], root.energy[bad] = part.sound, part.residual, part.energy
-    return Steps(relative(starts, root.relative), root.energy, root.residual, root.sound)
+            root.slopes[bad] = part.slopes
+    return replace(root, relative=relative(starts, root.relative))
+
+
+def solve_near(
+    model: Model,
+    before: Floats,
+    after: Floats,
+    times: Floats,
+    starts: Floats,
+    near: Floats,
+    coast: Coast | None = None,
+) -> Balance:
+    """The same from relative poses `near` (S, 3) of a model much like this one; those that lead nowhere not sound."""
+    found = _newton(model, before, after, times, starts, compose(starts, near), coast or at_rest(len(near)), 1.0)
+    return replace(found, relative=relative(starts, found.relative))
+
+
+def at_rest(count: int) -> Coast:
+    """No earlier momenta."""
+    return Coast(np.zeros(count), np.zeros((count, 3)))
 
 
 def _newton(
@@ -72,9 +99,9 @@ def _newton(
     ends: Floats,
     coast: Coast,
     strength: float,
-) -> Steps:
+) -> Balance:
     """Damped Newton for the second poses; `relative` of the answer holds poses on the floor."""
-    law, m = MediumNumbers.of(model, strength), model.structure.elements
+    law = MediumNumbers.of(model, strength)
     home, count = starts * [1, 1, 0], len(ends)
     settings, carried = law.settings(times), about(coast.carried, home)
     settings[3:5] = home[:, :2].T
@@ -82,12 +109,13 @@ def _newton(
     slopes = np.zeros((count, 3, 3))
     damping, step = np.ones(count), np.zeros((count, 3))
     base, turned = ends - home, starts - home
+    elements = by_step(before, count), by_step(after, count)
     todo = np.arange(count)
     for _ in range(ITERATIONS):
         trial = base[todo] + damping[todo, None] * step[todo]
-        part = _columns(before, todo, m), _columns(after, todo, m)
+        first, last = (x[todo].reshape(-1, 4).T for x in elements)
         poses = np.hstack([turned[todo], trial]).T
-        value, work, slope = evaluate("balance", law, *part, poses, settings[:, todo])
+        value, work, slope = evaluate("balance", law, first, last, poses, settings[:, todo])
         rate = coast.rate[todo, None]
         excess = value[:, :3] + rate * value[:, 3:] + carried[todo]
         size = np.abs(excess).max(1)
@@ -102,7 +130,7 @@ def _newton(
         if todo.size == 0:
             break
     sound = (residual <= TOLERANCE) & (np.linalg.det(slopes) > 0)
-    return Steps(base + home, energy, residual, sound)
+    return Balance(base + home, energy, residual, sound, about(slopes, -home))
 
 
 def _solve(matrix: Floats, right: Floats) -> Floats:
@@ -112,19 +140,23 @@ def _solve(matrix: Floats, right: Floats) -> Floats:
     return np.asarray(np.linalg.solve(regular, right[..., None])[..., 0], np.float64)
 
 
-def _columns(elements: Floats, steps: np.ndarray, m: int) -> Floats:
-    return elements.reshape(4, -1, m)[:, steps].reshape(4, -1)
+def by_step(elements: Floats, count: int) -> Floats:
+    """Elements (4, M S) step by step in memory (S, 4 M)."""
+    return np.ascontiguousarray(elements.T).reshape(count, -1)
 
 
-def _subset(model: Model, before: Floats, after: Floats, keep: np.ndarray) -> tuple[Floats, Floats]:
-    m, steps = model.structure.elements, np.flatnonzero(keep)
-    return _columns(before, steps, m), _columns(after, steps, m)
+def _subset(before: Floats, after: Floats, keep: np.ndarray) -> tuple[Floats, Floats]:
+    first, second = (by_step(x, len(keep))[keep].reshape(-1, 4).T for x in (before, after))
+    return first, second
 
 
 def about(momenta: Floats, point: Floats) -> Floats:
-    """Momenta (S, 3) whose angular part is about `point` (3,) or (S, 3) instead of the origin."""
-    angular = momenta[:, 2] - (point[..., 0] * momenta[:, 1] - point[..., 1] * momenta[:, 0])
-    return np.column_stack([momenta[:, :2], angular])
+    """Momenta (S, 3) whose angular part is about `point` (3,) or (S, 3) instead of the origin; or derivatives of them
+    (S, 3, P)."""
+    moved = momenta.copy()
+    x, y = (point[..., i].reshape(-1, *[1] * (momenta.ndim - 2)) for i in range(2))
+    moved[:, 2] -= x * momenta[:, 1] - y * momenta[:, 0]
+    return moved
 
 
 def compose(starts: Floats, relative: Floats) -> Floats:

@@ -20,6 +20,7 @@ from serpenoid.mechanics.evaluate import evaluate as run
 from serpenoid.mechanics.extended import step_functions
 from serpenoid.model import Model
 
+BLOCK = 256  # steps of one call
 SOFTER = 3  # power of the strength: at a tenth, friction gives way at a thousand times the slip (at most at all of it)
 
 
@@ -91,9 +92,8 @@ def evaluate(
 ) -> tuple[Floats, Floats, Floats]:
     """`balance` or `coupled` of S steps: drag and momentum (S, 6), energy (S,), derivatives (S, 6, 3 or 6)."""
     count = poses.shape[1]
-    function = _mapped(which, law.medium.shape[1], law.kind, count)
-    value, energy, slope = run(function, before.T, after.T, poses.T, settings.T, law.medium.T, law.theta.T)
-    return value.T, energy[0], slope.T.reshape(count, -1, 6).transpose(0, 2, 1)
+    value, energy, slope = _over_steps(which, law, before, after, poses, settings)
+    return value, energy[:, 0], slope.reshape(count, -1, 6).transpose(0, 2, 1)
 
 
 def sensitivities(
@@ -101,10 +101,36 @@ def sensitivities(
 ) -> tuple[Floats, Floats]:
     """Derivatives of drag and momentum by (eps, unplaced parameters): (S, 6, 1 + G); by placed ones: (S, 6, M, L)."""
     count, m = poses.shape[1], law.medium.shape[1]
-    function = _mapped("sensitivity", m, law.kind, count)
-    everywhere, somewhere = run(function, before.T, after.T, poses.T, settings.T, law.medium.T, law.theta.T)
-    first = everywhere.T.reshape(count, -1, 6).transpose(0, 2, 1)
-    return first, somewhere.T.reshape(count, m, -1, 6).transpose(0, 3, 1, 2)
+    everywhere, somewhere = _over_steps("sensitivity", law, before, after, poses, settings)
+    first = everywhere.reshape(count, -1, 6).transpose(0, 2, 1)
+    return first, somewhere.reshape(count, m, -1, 6).transpose(0, 3, 1, 2)
+
+
+def _over_steps(
+    which: str, law: MediumNumbers, before: Floats, after: Floats, poses: Floats, settings: Floats
+) -> list[Floats]:
+    """Outputs (S, ...), step by step in one piece of memory; BLOCK steps a call, and the last ones filled up.
+
+    So a few maps serve any number of steps: making one takes as long as a hundred steps do.
+    """
+    count, m = poses.shape[1], law.medium.shape[1]
+    rows = [np.ascontiguousarray(x.T, float).reshape(count, -1) for x in (before, after, poses, settings)]
+    shared = law.medium.T, law.theta.T
+    parts = []
+    for first in range(0, count, BLOCK):
+        some = [x[first : first + BLOCK] for x in rows]
+        size = len(some[0])
+        whole = _whole(size)
+        if size < whole:
+            some = [np.concatenate([x, np.repeat(x[-1:], whole - size, axis=0)]) for x in some]
+        found = run(_mapped(which, m, law.kind, whole), *some, *shared)
+        parts.append([x.reshape(-1, order="A").reshape(whole, -1)[:size] for x in found])
+    return [np.concatenate(x) for x in zip(*parts, strict=True)]
+
+
+def _whole(size: int) -> int:
+    """The least power of two that holds so many."""
+    return 1 << (size - 1).bit_length()
 
 
 @lru_cache(maxsize=128)

@@ -16,7 +16,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.simulation.chain import Chain, evaluate_window, solve_linear
 from serpenoid.simulation.rollout import simulate_vertices
-from serpenoid.simulation.sensitivity import Column, recorded
+from serpenoid.simulation.sensitivity import Column, MeasuredSteps, recorded
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -48,11 +48,13 @@ def path_sensitivities(
     moving already, which no parameter changes.
     """
     motion = simulate_vertices(model, vertices, start, times)
-    problem, columns = recorded(model, vertices, times, motion.poses, candidates)
+    problem, columns = recorded(
+        model, MeasuredSteps.of(model, vertices, np.asarray(times, float), motion.poses), candidates
+    )
     rows, count = len(motion.poses), len(columns)
     if motion.status is not Status.SOLVED:
         return PathSensitivities(motion, np.full((rows, 3, 3), np.nan), np.full((rows, 3, count), np.nan), columns)
-    chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.rates)
+    chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.steps.rates)
     now = evaluate_window(chain, slice(0, rows - 1), motion.poses, np.zeros((2, 3)))
     given = 0 if start is None else len(np.atleast_2d(start)) - 1
     right = np.zeros((rows - 1, 3, 3 + count))

@@ -14,11 +14,12 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, MediumEffect
-from serpenoid.effects.catalogue import find, medium_effects
+from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics.extended import parameter_rows
 from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
 from serpenoid.model import Model
 from serpenoid.simulation import balance, servos
+from serpenoid.simulation.balance import Balance
 from serpenoid.simulation.chain import difference_weights
 from serpenoid.simulation.law import MediumNumbers, evaluate, sensitivities
 from serpenoid.simulation.poses import body_frame, body_poses
@@ -47,8 +48,54 @@ class StepSensitivities:
     columns: tuple[Column, ...]
     sound: np.ndarray
 
+    def part(self, some: slice) -> StepSensitivities:
+        """Of some of the steps."""
+        return StepSensitivities(self.relative[some], self.jacobian[some], self.columns, self.sound[some])
+
 
 EPS = Column(None, None, "anisotropy_ratio")
+
+
+@dataclass(frozen=True)
+class MeasuredSteps:
+    """Measured shapes and poses as steps, of one recording or of several, one after the other.
+
+    before, after: elements (4, M S); spans (S, 2) [s]: when each step begins and ends; starts, ends (S, 3): measured
+    poses on the floor [body lengths, rad]; rates (S, 3): coefficients of momenta (see `chain.difference_weights`),
+    times the steps' durations.
+    """
+
+    before: Floats
+    after: Floats
+    spans: Floats
+    starts: Floats
+    ends: Floats
+    rates: Floats
+
+    @classmethod
+    def of(cls, model: Model, vertices: Floats, times: Floats, floor: Floats) -> MeasuredSteps:
+        """Of vertices (R, N, 2) [body lengths] at `times` (R,) with poses (R, 3)."""
+        m = model.structure.elements
+        elements = np.ascontiguousarray(elements_of_vertices(model, body_frame(model, vertices)).T).T  # step by step
+        rates = difference_weights(times) * np.diff(times)[:, None]
+        rates[0, 1:], rates[1:2, 2] = 0.0, 0.0  # nothing moved before
+        spans = np.column_stack([times[:-1], times[1:]])
+        return cls(elements[:, :-m], elements[:, m:], spans, floor[:-1], floor[1:], rates)
+
+    @classmethod
+    def joined(cls, parts: Sequence[MeasuredSteps]) -> MeasuredSteps:
+        """Several recordings."""
+        elements = (np.concatenate([getattr(p, name).T for p in parts]).T for name in ("before", "after"))
+        others = (np.concatenate([getattr(p, name) for p in parts]) for name in ("spans", "starts", "ends", "rates"))
+        return cls(*elements, *others)
+
+    def some(self, keep: np.ndarray) -> MeasuredSteps:
+        """Those with the numbers `keep`."""
+        elements = (balance.by_step(x, len(self))[keep].reshape(-1, 4).T for x in (self.before, self.after))
+        return MeasuredSteps(*elements, *(x[keep] for x in (self.spans, self.starts, self.ends, self.rates)))
+
+    def __len__(self) -> int:
+        return len(self.spans)
 
 
 def step_sensitivities(
@@ -65,11 +112,21 @@ def step_sensitivities(
     are not in the model: `ActiveEffect.neutral(name, place)`, with values for parameters that have no neutral one.
     """
     floor = body_poses(model, vertices) if poses is None else np.asarray(poses, float)
-    problem, columns = recorded(model, vertices, times, floor, candidates)
-    relative, sound = problem.predict()
-    jacobian = problem.differentiate(relative, columns)
-    jacobian[~sound] = np.nan
-    return StepSensitivities(relative, jacobian, columns, sound)
+    return sensitivities_of(model, MeasuredSteps.of(model, vertices, np.asarray(times, float), floor), candidates)
+
+
+def sensitivities_of(
+    model: Model, steps: MeasuredSteps, candidates: Sequence[ActiveEffect] = (), near: Floats | None = None
+) -> StepSensitivities:
+    """The same of measured steps, of any number of recordings at once; each step's answer is its own.
+
+    near (S, 3): relative poses of a model much like this one, NaN where there are none: the search begins there.
+    """
+    problem, columns = recorded(model, steps, candidates)
+    root = problem.predict(near)
+    jacobian = problem.differentiate(root, columns)
+    jacobian[~root.sound] = np.nan
+    return StepSensitivities(root.relative, jacobian, columns, root.sound)
 
 
 @dataclass(frozen=True)
@@ -112,15 +169,15 @@ def servo_sensitivities(
 
 
 def recorded(
-    model: Model, vertices: Floats, times: Floats, floor: Floats, candidates: Sequence[ActiveEffect]
+    model: Model, steps: MeasuredSteps, candidates: Sequence[ActiveEffect]
 ) -> tuple[Recorded, tuple[Column, ...]]:
-    """A recording as a problem, and the columns of its derivatives: eps, the model's medium effects, the candidates."""
-    m = model.structure.elements
-    elements = elements_of_vertices(model, body_frame(model, vertices))
+    """Recorded steps as a problem, and the columns of its derivatives: eps, the model's medium effects, candidates."""
     wanted = [e for e in (*model.medium_effects, *candidates) if isinstance(e.effect, MediumEffect)]
     wanted = list({e.key: e for e in reversed(wanted)}.values())[::-1]
     columns = (EPS, *(Column(e.name, e.place, p.name) for e in wanted for p in e.effect.parameters))
-    return Recorded.of(model, elements[:, :-m], elements[:, m:], np.asarray(times, float), floor, wanted), columns
+    law = MediumNumbers.of(model, candidates=[e for e in wanted if e not in model.effects])
+    history = any("history" in e.effect.knows for e in wanted if isinstance(e.effect, MediumEffect))
+    return Recorded(model, law, steps, history), columns
 
 
 def _has_edge(active: ActiveEffect) -> bool:
@@ -129,65 +186,75 @@ def _has_edge(active: ActiveEffect) -> bool:
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recording's steps, with the law of the model plus resting candidates."""
+    """Recorded steps, with the law of the model plus resting candidates; history: whether momenta matter to any."""
 
     model: Model
     law: MediumNumbers
-    before: Floats
-    after: Floats
-    times: Floats
-    floor: Floats
-    rates: Floats
+    steps: MeasuredSteps
     history: bool
-
-    @classmethod
-    def of(
-        cls, model: Model, before: Floats, after: Floats, times: Floats, floor: Floats, wanted: list[ActiveEffect]
-    ) -> Recorded:
-        law = MediumNumbers.of(model, candidates=[e for e in wanted if e not in model.effects])
-        rates = difference_weights(times) * np.diff(times)[:, None]
-        history = any("history" in e.effect.knows for e in wanted if isinstance(e.effect, MediumEffect))
-        return cls(model, law, before, after, times, floor, rates, history)
 
     @property
     def settings(self) -> Floats:
         """Settings of the steps."""
-        return self.law.settings(np.column_stack([self.times[:-1], self.times[1:]]))
+        return self.law.settings(self.steps.spans)
 
     @property
     def elements_by_step(self) -> tuple[Floats, Floats]:
         """Elements before and after, (4, S, M)."""
         m = self.model.structure.elements
-        return self.before.reshape(4, -1, m), self.after.reshape(4, -1, m)
+        return self.steps.before.reshape(4, -1, m), self.steps.after.reshape(4, -1, m)
 
     @property
     def measured(self) -> Floats:
         """Measured poses before and after each step, (6, S)."""
-        return np.hstack([self.floor[:-1], self.floor[1:]]).T
+        return np.hstack([self.steps.starts, self.steps.ends]).T
 
-    def predict(self) -> tuple[Floats, np.ndarray]:
-        """Relative poses (S, 3) and whether they are sound."""
-        plain = solve_steps(self.model, self.before, self.after)
+    def predict(self, near: Floats | None = None) -> Balance:
+        """Relative poses (S, 3), whether they are sound, and slopes; `near`: where to begin."""
         if self.model.is_plain:
-            return plain.relative, plain.sound
-        guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
-        spans = np.column_stack([self.times[:-1], self.times[1:]])
-        coast = None
-        if self.model.knows("history"):
-            momenta = evaluate("balance", self.law, self.before, self.after, self.measured, self.settings)[0][:, 3:]
-            coast = balance.Coast(self.rates[:, 0], self._carried(momenta))
-        steps = balance.solve_balance(self.model, self.before, self.after, spans, self.floor[:-1], guess, coast)
-        return steps.relative, steps.sound
+            plain = solve_steps(self.model, self.steps.before, self.steps.after)
+            slopes = self._slopes(plain.relative)
+            return Balance(plain.relative, plain.energy, plain.residual, plain.sound, slopes)
+        coast = self._coast()
+        if near is None:
+            return self._balanced(np.arange(len(self.steps)), coast)
+        s = self.steps
+        found = balance.solve_near(self.model, s.before, s.after, s.spans, s.starts, near, coast)
+        lost = np.flatnonzero(~found.sound)
+        if lost.size:
+            again = self._balanced(lost, coast)
+            for mine, theirs in zip(_fields(found), _fields(again), strict=True):
+                mine[lost] = theirs
+        return found
 
-    def differentiate(self, relative: Floats, columns: Sequence[Column]) -> Floats:
+    def _balanced(self, some: np.ndarray, coast: balance.Coast | None) -> Balance:
+        """Some of the steps, from the baseline's roots."""
+        s = self.steps.some(some)
+        plain = solve_steps(self.model, s.before, s.after)
+        guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
+        mine = None if coast is None else coast.part(some)
+        return balance.solve_balance(self.model, s.before, s.after, s.spans, s.starts, guess, mine)
+
+    def _coast(self) -> balance.Coast | None:
+        """What the momenta of the measured motion carry into each step."""
+        if not self.model.knows("history"):
+            return None
+        now = evaluate("balance", self.law, self.steps.before, self.steps.after, self.measured, self.settings)[0]
+        return balance.Coast(self.steps.rates[:, 0], self._carried(now[:, 3:]))
+
+    def _slopes(self, relative: Floats) -> Floats:
+        s = self.steps
+        poses = np.hstack([s.starts, balance.compose(s.starts, np.nan_to_num(relative))]).T
+        slope = evaluate("balance", self.law, s.before, s.after, poses, self.settings)[2]
+        return slope[:, :3] + s.rates[:, :1, None] * slope[:, 3:]
+
+    def differentiate(self, root: Balance, columns: Sequence[Column]) -> Floats:
         """Derivatives (S, 3, P) of the relative poses."""
-        starts = self.floor[:-1]
-        ends = balance.compose(starts, np.nan_to_num(relative))
-        poses = np.hstack([starts, ends]).T
-        _, _, slope = evaluate("balance", self.law, self.before, self.after, poses, self.settings)
-        by = self.residual_derivatives(poses, columns)
-        matrix = slope[:, :3] + self.rates[:, :1, None] * slope[:, 3:]
-        ends_by = -np.linalg.solve(matrix, by)
+        starts = self.steps.starts
+        ends = balance.compose(starts, np.nan_to_num(root.relative))
+        by = self.residual_derivatives(np.hstack([starts, ends]).T, columns)
+        slopes = np.where(root.sound[:, None, None], root.slopes, np.eye(3))
+        ends_by = -np.linalg.solve(slopes, by)
         c, s = np.cos(starts[:, 2])[:, None], np.sin(starts[:, 2])[:, None]
         x, y = ends_by[:, 0], ends_by[:, 1]
         return np.stack([c * x + s * y, c * y - s * x, ends_by[:, 2]], axis=1)
@@ -198,27 +265,33 @@ class Recorded:
         total = now[:, :3]
         if self.history:
             earlier = self._by_columns(self.measured, columns)[:, 3:]
-            total = total + self.rates[:, 0, None, None] * now[:, 3:] + self._carried(earlier)
+            total = total + self.steps.rates[:, 0, None, None] * now[:, 3:] + self._carried(earlier)
         return total
 
     def _by_columns(self, poses: Floats, columns: Sequence[Column]) -> Floats:
-        everywhere, somewhere = sensitivities(self.law, self.before, self.after, poses, self.settings)
+        everywhere, somewhere = sensitivities(self.law, self.steps.before, self.steps.after, poses, self.settings)
         kinds = medium_effects()
         first = {(e, p): 1 + i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=False))}
         second = {(e, p): i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=True))}
-        found = []
-        for column in columns:
-            if column.effect is None:
-                found.append(everywhere[:, :, 0])
-            elif find(column.effect).place is None:
-                found.append(everywhere[:, :, first[column.effect, column.parameter]])
-            else:
-                found.append(somewhere[:, :, column.place, second[column.effect, column.parameter]])
-        return np.stack(found, axis=2)
+        placed = np.array([c.place is not None for c in columns])
+        found = np.empty((len(self.steps), 6, len(columns)))
+        found[:, :, ~placed] = everywhere[
+            :, :, [0 if c.effect is None else first[c.effect, c.parameter] for c in columns if c.place is None]
+        ]
+        at = [(c.place, second[c.effect or "", c.parameter]) for c in columns if c.place is not None]
+        if at:
+            places, rows = np.array(at).T
+            found[:, :, placed] = somewhere[:, :, places, rows]
+        return found
 
     def _carried(self, momenta: Floats) -> Floats:
         """What earlier momenta (S, 3, ...) add to each step's residual."""
         zero = np.zeros((2, *momenta.shape[1:]))
         earlier = np.concatenate([zero, momenta])
+        rates = self.steps.rates
         shape = (-1, *[1] * (momenta.ndim - 1))
-        return self.rates[:, 1].reshape(shape) * earlier[1:-1] + self.rates[:, 2].reshape(shape) * earlier[:-2]
+        return rates[:, 1].reshape(shape) * earlier[1:-1] + rates[:, 2].reshape(shape) * earlier[:-2]
+
+
+def _fields(found: Balance) -> tuple[Floats, ...]:
+    return found.relative, found.energy, found.residual, found.sound, found.slopes

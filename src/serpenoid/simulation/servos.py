@@ -16,7 +16,8 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import actuation_effects
 from serpenoid.errors import InputError
-from serpenoid.mechanics.servo import joint_sensitivity, joint_step, memories
+from serpenoid.mechanics.evaluate import evaluate
+from serpenoid.mechanics.servo import SERIES, joint_sensitivity, joint_series, memories
 from serpenoid.model import Model
 
 CHUNK = 1000  # steps evaluated in one call
@@ -34,12 +35,27 @@ class Realised:
 
 def realise(model: Model, setpoints: Floats, times: Floats) -> Realised:
     """A trial that begins at rest on the first row: set-points (R, m) [rad] at `times` (R,) [s], linear in between."""
+    return realise_all(model, [setpoints], [times])[0]
+
+
+def realise_all(model: Model, setpoints: Sequence[Floats], times: Sequence[Floats]) -> list[Realised]:
+    """Several trials side by side."""
     if not model.actuation_effects:
-        return Realised(setpoints, setpoints)
-    resting = np.concatenate([setpoints[:1], setpoints])  # a first step on the spot gives the first row's angles
-    durations = np.concatenate([[1.0], np.diff(times)])
-    memory = np.tile(setpoints[:1], (memories(), 1))
-    return _play(coordinates(model), resting, durations, memory)[0]
+        return [Realised(s, s) for s in setpoints]
+    most, theta = max(map(len, setpoints)), coordinates(model)
+    # a first step on the spot gives the first row's angles; shorter trials stay on their last row
+    rows = [np.concatenate([s[:1], s, np.repeat(s[-1:], most - len(s), axis=0)]) for s in setpoints]
+    clocks = [np.concatenate([[1.0], np.diff(t), np.ones(most - len(t))]) for t in times]
+    joints = setpoints[0].shape[1]
+    played, _ = _play(
+        np.tile(theta, (1, len(rows))),
+        np.hstack(rows),
+        np.repeat(np.column_stack(clocks), joints, axis=1),
+        np.tile(np.hstack([s[:1] for s in setpoints]), (memories(), 1)),
+    )
+    parts = [slice(i * joints, (i + 1) * joints) for i in range(len(rows))]
+    pairs = zip(parts, setpoints, strict=True)
+    return [Realised(played.angles[: len(s), part], played.readings[: len(s), part]) for part, s in pairs]
 
 
 def realise_gait(model: Model, table: Floats) -> Floats:
@@ -47,7 +63,7 @@ def realise_gait(model: Model, table: Floats) -> Floats:
     if not model.actuation_effects:
         return table
     theta, closed = coordinates(model), np.concatenate([table, table[:1]])
-    durations = np.full(len(table), model.step_duration(len(table)))
+    durations = np.full(table.shape, model.step_duration(len(table)))
     memory = np.tile(table[:1], (memories(), 1))
     for _ in range(CYCLES):
         realised, last = _play(theta, closed, durations, memory)
@@ -67,7 +83,7 @@ def play_with_derivatives(theta: Floats, setpoints: Floats, times: Floats) -> tu
         part = slice(first, min(first + CHUNK, len(durations)))
         count = part.stop - part.start
         inputs = _inputs(resting, durations, part, theta)
-        result = _rollout(joints, count, derivatives=True)(state, *inputs)
+        result = _rollout(joints, count)(state, *inputs)
         state = result[0].full()[:, -joints:]
         shapes = (count, joints), (count, joints), (count, joints, 2, len(theta))
         for found, value, shape in zip(parts, result[1:], shapes, strict=True):
@@ -90,16 +106,24 @@ def coordinates(model: Model, candidates: Sequence[ActiveEffect] = ()) -> Floats
 
 
 def _play(theta: Floats, setpoints: Floats, durations: Floats, memory: Floats) -> tuple[Realised, Floats]:
-    """Play rows (n + 1, m) for n steps from the memory (Q, m); the last memory comes back beside n rows of angles."""
-    joints, angles, readings = setpoints.shape[1], [], []
-    for first in range(0, len(durations), CHUNK):
-        part = slice(first, min(first + CHUNK, len(durations)))
-        count = part.stop - part.start
-        result = _rollout(joints, count)(memory, *_inputs(setpoints, durations, part, theta))
-        memory = result[0].full()[:, -joints:]
-        angles.append(result[1].full().reshape(count, joints))
-        readings.append(result[2].full().reshape(count, joints))
-    return Realised(np.concatenate(angles), np.concatenate(readings)), memory
+    """Play rows (n + 1, m) for n steps of `durations` (n, m) from the memory (Q, m); theta (P, m).
+
+    n rows of angles and readings, and the memory after the last.
+    """
+    count, joints = durations.shape
+    angles, readings = np.empty((count, joints)), np.empty((count, joints))
+    shortest, longest = SERIES
+    first = 0
+    while first < count:
+        size = longest if count - first > longest // 2 else shortest
+        end = min(first + size, count)
+        rows = [setpoints[first:end], setpoints[first + 1 : end + 1], durations[first:end]]
+        filled = [np.concatenate([x, np.repeat(x[-1:], first + size - end, axis=0)]) for x in rows]
+        states, *found = evaluate(_side_by_side(size, joints), memory.T, *(x.T for x in filled), theta.T)
+        angles[first:end], readings[first:end] = (x.reshape(joints, size).T[: end - first] for x in found)
+        memory = states.T.reshape(joints, size, -1)[:, end - first - 1].T
+        first = end
+    return Realised(angles, readings), memory
 
 
 def _inputs(setpoints: Floats, durations: Floats, part: slice, theta: Floats) -> tuple[Floats, ...]:
@@ -110,6 +134,10 @@ def _inputs(setpoints: Floats, durations: Floats, part: slice, theta: Floats) ->
 
 
 @lru_cache(maxsize=64)
-def _rollout(joints: int, count: int, derivatives: bool = False) -> ca.Function:
-    function = joint_sensitivity() if derivatives else joint_step()
-    return function.map(joints).mapaccum(count)
+def _side_by_side(size: int, joints: int) -> ca.Function:
+    return joint_series()[size].map(joints)
+
+
+@lru_cache(maxsize=64)
+def _rollout(joints: int, count: int) -> ca.Function:
+    return joint_sensitivity().map(joints).mapaccum(count)

@@ -18,7 +18,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import relative
 from serpenoid.diagnose.data.lead import Lead, Run
 from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
-from serpenoid.diagnose.data.windows import Track, coasting, predict
+from serpenoid.diagnose.data.windows import Track, predictions
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign
@@ -207,5 +207,5 @@ def _cut(recording: TrackedRecording, states: States, run: Run, pieces: int) -> 
 
 def _missed(model: Model, track: Track) -> Floats:
     """Measured minus predicted displacement of the windows (B - 1, 3)."""
-    predicted = (coasting if model.knows("history") else predict)(model, track).displacement
+    predicted = predictions(model, [track])[0].displacement
     return np.asarray(relative(track.measured[:-1], track.measured[1:]) - predicted)

@@ -8,8 +8,9 @@ Legend: R rows of a trial's time mesh, B boundaries, F frames, P columns.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import relative, travel
 from serpenoid.diagnose.data.lead import Lead, Recorded, free_run, led
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
 from serpenoid.simulation.path import path_sensitivities
 from serpenoid.simulation.poses import body_frame
-from serpenoid.simulation.sensitivity import Column, step_sensitivities
+from serpenoid.simulation.sensitivity import Column, MeasuredSteps, StepSensitivities, sensitivities_of
 from serpenoid.simulation.steps import elements_of_vertices
 
 
@@ -53,6 +55,14 @@ class Track:
     doubt: Floats | float = 0.0
     least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
 
+    @cached_property
+    def steps(self) -> MeasuredSteps:
+        """With those of the lead before them; the same in every evaluation."""
+        model = Model(self.recording.body, Medium(anisotropy_ratio=1.0))
+        length = model.body.total_length_m
+        time, vertices, poses, _ = led(self.lead, self.time, self.vertices, self.poses)
+        return MeasuredSteps.of(model, vertices / length, time, poses / np.array([length, length, 1.0]))
+
     @property
     def duration(self) -> Floats:
         """Of each window [s]."""
@@ -81,21 +91,62 @@ def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) 
 
 @dataclass(frozen=True)
 class Prediction:
-    """displacement (B - 1, 3) of each window [m, m, rad], jacobian (B - 1, 3, P) by the columns."""
+    """displacement (B - 1, 3) of each window [m, m, rad], jacobian (B - 1, 3, P) by the columns; steps (S, 3): relative
+    poses of all steps [body lengths, rad], None where the body ran free."""
 
     displacement: Floats
     jacobian: Floats
     columns: tuple[Column, ...]
+    steps: Floats | None = None
 
 
-def predict(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()) -> Prediction:
-    """What a model makes of a trial's shapes, window by window, and its derivatives."""
+def predictions(
+    model: Model,
+    tracks: Sequence[Track],
+    candidates: Sequence[ActiveEffect] = (),
+    near: Sequence[Prediction] | None = None,
+) -> list[Prediction]:
+    """What a model makes of trials' shapes, window by window, and its derivatives.
+
+    near: what a model much like this one makes of them: where the search for roots begins.
+    """
+    if model.knows("history"):
+        return [coasting(model, t, candidates) for t in tracks]
+    return balanced(model, tracks, candidates, near)
+
+
+def balanced(
+    model: Model,
+    tracks: Sequence[Track],
+    candidates: Sequence[ActiveEffect] = (),
+    near: Sequence[Prediction] | None = None,
+) -> list[Prediction]:
+    """The same with every step begun at its measured pose: all steps of all trials at once."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    time, vertices, poses, lead = led(track.lead, track.time, track.vertices, track.poses)
-    found = step_sensitivities(model, vertices / length, time, poses / scale, candidates)
-    p = windowed(track, found.relative[lead:] * scale, found.jacobian[lead:] * scale[:, None], found.columns)
-    return replace(p, displacement=p.displacement + track.offset)
+    result = []
+    for track, own, steps in by_track(model, tracks, candidates, near):
+        p = windowed(track, own.relative * scale, own.jacobian * scale[:, None], own.columns)
+        result.append(replace(p, displacement=p.displacement + track.offset, steps=steps))
+    return result
+
+
+def by_track(
+    model: Model,
+    tracks: Sequence[Track],
+    candidates: Sequence[ActiveEffect] = (),
+    near: Sequence[Prediction] | None = None,
+) -> Iterator[tuple[Track, StepSensitivities, Floats]]:
+    """Each track with its own steps, and the relative poses (S, 3) of these and its lead's."""
+    begin = None
+    if near is not None and all(p.steps is not None for p in near):
+        begin = np.concatenate([p.steps for p in near if p.steps is not None])
+    found = sensitivities_of(model, MeasuredSteps.joined([t.steps for t in tracks]), candidates, begin)
+    end = 0
+    for track in tracks:
+        first, end = end, end + len(track.steps)
+        own = found.part(slice(first + (track.lead.rows if track.lead else 0), end))
+        yield track, own, found.relative[first:end]
 
 
 def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()) -> Prediction:

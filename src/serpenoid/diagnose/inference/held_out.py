@@ -35,7 +35,8 @@ def first_order(motion: Motion, found: Fit, label: int) -> Floats:
 def fitted_again(motion: Motion, found: Fit, label: int) -> Floats:
     """The same by a fit to the others."""
     others = [i for i, own in enumerate(motion.labels) if own != label]
-    return fit(part(motion, others), found.model, list(found.effects), found.coordinates).coordinates
+    near = [found.predictions[i] for i in others]
+    return fit(part(motion, others), found.model, list(found.effects), found.coordinates, near=near).coordinates
 
 
 def part(motion: Motion, index: list[int]) -> Motion:
@@ -61,7 +62,8 @@ def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unse
     effects = list(found.effects)
     index = [i for i, own in enumerate(motion.labels) if own == label]
     model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
-    evidence, predictions, _ = linearised(part(motion, index), model, effects, drift)
+    near = [found.predictions[i] for i in index]
+    evidence, predictions, _ = linearised(part(motion, index), model, effects, drift, near=near)
     return Unseen(index, evidence, predictions)
 
 

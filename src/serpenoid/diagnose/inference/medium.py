@@ -13,7 +13,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.windows import Prediction, Track, coasting, predict
+from serpenoid.diagnose.data.windows import Prediction, Track, predictions
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, at_values, held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.effects.active import ActiveEffect, joined
@@ -105,21 +105,23 @@ def linearised(
     drift: ActiveEffect | None,
     candidates: Sequence[ActiveEffect] = (),
     hold: bool = True,
+    near: Sequence[Prediction] | None = None,
 ) -> tuple[Evidence, tuple[Prediction, ...], tuple[tuple[str, int | None], ...]]:
     """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions.
 
-    hold: without what sits at a bound and is pushed outwards.
+    hold: without what sits at a bound and is pushed outwards. near: what a model much like this one predicts.
     """
-    rows, columns, labels, predictions = [], [], [], []
+    rows, columns, labels, found = [], [], [], []
     names: list[tuple[str, int | None]] = []
     listed = [*at_values(model, effects, drift), *candidates]
-    for track, label in zip(motion.tracks, motion.labels, strict=True):
-        p = _prediction(model, track, candidates)
+    inside = [c for c in candidates if isinstance(c.effect, MediumEffect)]
+    plain = predictions(model, motion.tracks, inside, near)
+    for track, label, p in zip(motion.tracks, motion.labels, plain, strict=True):
         by = {(c.effect, c.place, c.parameter): p.jacobian[..., i] for i, c in enumerate(p.columns)}
         own = drift_columns(track)
         velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
         moved = p.displacement + own @ velocity
-        p = replace(p, displacement=moved)
+        found.append(replace(p, displacement=moved))
         stacked, names = [by[None, None, "anisotropy_ratio"]], [("anisotropy_ratio", None)]
         for e in listed:
             for i, parameter in enumerate(e.effect.parameters):
@@ -131,24 +133,25 @@ def linearised(
         rows.append(((track.displacement - moved) / noise)[good].ravel())
         columns.append((jacobian / noise[..., None])[good].reshape(-1, len(names)))
         labels.append(np.full(len(rows[-1]), label))
-        predictions.append(p)
     joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
     evidence = held_at_bounds(model, listed, joined) if hold else joined
-    return evidence, tuple(predictions), tuple(names)
-
-
-def _prediction(model: Model, track: Track, candidates: Sequence[ActiveEffect]) -> Prediction:
-    inside = [c for c in candidates if isinstance(c.effect, MediumEffect)]
-    return (coasting if model.knows("history") else predict)(model, track, inside)
+    return evidence, tuple(found), tuple(names)
 
 
 @remembered
-def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats, steps: int = STEPS) -> Fit:
-    """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded."""
+def fit(
+    motion: Motion,
+    start: Model,
+    effects: Sequence[ActiveEffect],
+    x: Floats,
+    steps: int = STEPS,
+    near: Sequence[Prediction] | None = None,
+) -> Fit:
+    """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded; near: see `linearised`."""
     effects = sorted(effects, key=lambda e: e.name == "frame_drift")
     model, drift = with_values(start, effects, x, motion.held)
     held = len(model.effects) - len(effects) + (drift is not None)
-    evidence, predictions, _ = linearised(motion, model, effects, drift)
+    evidence, predicted, _ = linearised(motion, model, effects, drift, near=near)
     x = _values(model.effects[held:], model, drift)
     best, damping = float(evidence.constant.sum()), 1e-4
     for _ in range(steps):
@@ -157,11 +160,11 @@ def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats
         regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
         step = np.linalg.solve(regular, vector / scale) / scale
         trial, trial_drift = with_values(start, effects, x + step, motion.held)
-        new, new_predictions, _ = linearised(motion, trial, effects, trial_drift)
+        new, elsewhere, _ = linearised(motion, trial, effects, trial_drift, near=predicted)
         cost = float(new.constant.sum()) if new.count.sum() == evidence.count.sum() else np.inf
         if cost < best:
             gained = best - cost
-            model, drift, evidence, predictions, best = trial, trial_drift, new, new_predictions, cost
+            model, drift, evidence, predicted, best = trial, trial_drift, new, elsewhere, cost
             x, damping = _values(model.effects[held:], model, drift), max(damping / 10, 1e-9)
             if gained < CONVERGED * max(1.0, 1e-5 * best):
                 break
@@ -169,7 +172,7 @@ def fit(motion: Motion, start: Model, effects: Sequence[ActiveEffect], x: Floats
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    found = Fit(model, drift, evidence, predictions, best, np.inf, held)
+    found = Fit(model, drift, evidence, predicted, best, np.inf, held)
     evidence = found.shrinking(evidence)
     return replace(found, evidence=evidence, held_out=evidence.held_out(range(len(x))))
 
@@ -181,7 +184,7 @@ def _resting(p: Parameter) -> float:
 
 def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
     """Another few steps from a fit, on other tracks or another noise."""
-    return fit(motion, found.model, list(found.effects), found.coordinates, steps)
+    return fit(motion, found.model, list(found.effects), found.coordinates, steps, found.predictions)
 
 
 def fit_eps(motion: Motion, start: Model) -> Fit:
@@ -192,14 +195,14 @@ def fit_eps(motion: Motion, start: Model) -> Fit:
 def fit_without(motion: Motion, found: Fit, effect: ActiveEffect) -> Fit:
     """A fit with one effect left out and everything else fitted again."""
     kept = _others(found, effect)
-    return fit(motion, found.model, kept, _coordinates(found.model, kept))
+    return fit(motion, found.model, kept, _coordinates(found.model, kept), near=found.predictions)
 
 
 def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple[Prediction, ...]:
     """What a fit predicts with one effect taken out and nothing fitted again."""
     kept = _others(found, effect)
     model, drift = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
-    return linearised(motion, model, kept, drift)[1]
+    return linearised(motion, model, kept, drift, near=found.predictions)[1]
 
 
 def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:

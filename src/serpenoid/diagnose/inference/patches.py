@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.windows import Track, predict, windowed
+from serpenoid.diagnose.data.windows import by_track, windowed
 from serpenoid.diagnose.inference.bounds import held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import Fit, drift_columns
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.model import Model
-from serpenoid.simulation.sensitivity import step_sensitivities
 
 RADII, MARGIN = (0.14, 0.24, 0.38), 0.27  # body lengths
 
@@ -53,15 +51,9 @@ def score_patches(motion: Motion, base: Fit, before: float, own: list[int]) -> l
 
 def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
     rows, columns, labels = [], [], []
-    fitted = {e.key for e in base.effects}
-    for track, label, p in zip(motion.tracks, motion.labels, base.predictions, strict=True):
-        own = predict(base.model, track)
-        mine = [c.effect is None or (c.effect, c.place) in fitted for c in own.columns]
-        jacobian = [own.jacobian[..., mine]]
-        if base.drift is not None:
-            jacobian.append(drift_columns(track))
-        jacobian.append(patch_columns(base.model, track, grid))
-        joined, noise, use = np.concatenate(jacobian, axis=2), motion.noise.of(track), track.usable
+    found = zip(motion.tracks, motion.labels, base.predictions, patch_columns(motion, base, grid), strict=True)
+    for track, label, p, joined in found:
+        noise, use = motion.noise.of(track), track.usable
         rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
         columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
         labels.append(np.full(len(rows[-1]), label))
@@ -70,22 +62,26 @@ def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Ev
     )
 
 
-def patch_columns(model: Model, track: Track, patches: Sequence[ActiveEffect]) -> Floats:
-    """Derivatives (B - 1, 3, K) by the strengths of K weak friction patches, from those by the loads of the vertices.
+def patch_columns(motion: Motion, base: Fit, patches: Sequence[ActiveEffect]) -> Iterator[Floats]:
+    """Of each track, derivatives (B - 1, 3, P + K) by the fit's own coordinates and by the strengths of K weak patches.
 
-    A patch changes each vertex's weight in the drag by strength w_k exp(-|p_k - (x, y)|^2 / (2 radius^2)).
+    A patch changes each vertex's weight in the drag by strength w_k exp(-|p_k - (x, y)|^2 / (2 radius^2)), so the
+    derivatives by the loads of the vertices give its own.
     """
-    length, n = model.body.total_length_m, model.body.vertices
-    scale = np.array([length, length, 1.0])
-    loads = [ActiveEffect.neutral("load", k) for k in range(n)]
-    found = step_sensitivities(model, track.vertices / length, track.time, track.poses / scale, loads)
-    by_load = np.stack([found.jacobian[..., i] for i, c in enumerate(found.columns) if c.effect == "load"], axis=-1)[
-        ..., -n:
-    ]
-    world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
-    middle = (world[1:] + world[:-1]) / 2
+    length, weights = base.model.body.total_length_m, base.model.body.vertex_weights
+    scale = np.array([[length], [length], [1.0]])
+    loads = [ActiveEffect.neutral("load", k) for k in range(len(weights))]
     values = np.array([[e.parameters[p] for p in ("x", "y", "radius")] for e in patches])
-    away = ((middle[:, :, None] - values[:, :2]) ** 2).sum(axis=-1)
-    felt = model.body.vertex_weights[:, None] * np.exp(-away / (2 * values[:, 2] ** 2))
-    by = np.einsum("sck,skp->scp", by_load * scale[:, None], felt)
-    return windowed(track, found.relative * scale, by, ()).jacobian
+    fitted = {e.key for e in base.effects}
+    for track, own, _ in by_track(base.model, motion.tracks, loads, base.predictions):
+        column = {(c.effect, c.place): i for i, c in enumerate(own.columns)}
+        mine = [i for i, c in enumerate(own.columns) if c.effect is None or (c.effect, c.place) in fitted]
+        world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+        middle = (world[1:] + world[:-1]) / 2
+        away = ((middle[:, :, None] - values[:, :2]) ** 2).sum(axis=-1)
+        felt = weights[:, None] * np.exp(-away / (2 * values[:, 2] ** 2))
+        by_load = own.jacobian[..., [column[e.key] for e in loads]]
+        by = np.concatenate([own.jacobian[..., mine], by_load @ felt], axis=2)
+        strung = windowed(track, own.relative * scale[:, 0], by * scale, ()).jacobian
+        drift = [] if base.drift is None else [drift_columns(track)]
+        yield np.concatenate([strung[..., : len(mine)], *drift, strung[..., len(mine) :]], axis=2)

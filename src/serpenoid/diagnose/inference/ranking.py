@@ -20,7 +20,7 @@ def score(motion: Motion, base: Fit) -> list[Ranked]:
     drift = {e.name for e in base.effects}
     singles = [c for c in candidates_of(base) if c.name not in drift or c.place is not None]
     singles = [c for c in singles if c.name not in motion.untestable]
-    evidence, _, names = linearised(motion, base.model, base.effects, base.drift, singles)
+    evidence, _, _ = linearised(motion, base.model, base.effects, base.drift, singles, near=base.predictions)
     evidence, own = base.shrinking(evidence), list(range(len(base.coordinates)))
     before, at, result = evidence.held_out(own), len(own), []
     for c in singles:

@@ -95,7 +95,7 @@ def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
     """Noise from repeats about a fit, and the fit with it."""
     noise, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
     motion = replace(motion, noise=noise)
-    return motion, fit(motion, base.model, list(base.effects), base.coordinates, TO_THE_END)
+    return motion, fit_guided(motion, base, TO_THE_END)
 
 
 def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
@@ -139,7 +139,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
             undetected = (Undetected(replace(first, fit=better), extended),)
             break
         motion, noise_level = extended, None
-        null = fit(motion, null.model, [], null.coordinates)
+        null = fit_guided(motion, null, STEPS)
         best = pruned(motion, better, rule)
         if level and path_error(motion, best.predictions) > (1 - MINOR) * path_error(motion, null.predictions):
             break  # two effects that leave the path as wrong as it was: more of the kind would not mend it
@@ -240,7 +240,7 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     for share in SHARES:
         start = neutral + share * (x - neutral)
         start = np.concatenate([start[:1], *(start[starts[i] : starts[i] + sizes[i]] for i in moved)])
-        found = fit(motion, base.model, [order[i] for i in moved], start, steps)
+        found = fit(motion, base.model, [order[i] for i in moved], start, steps, base.predictions)
         if found.evidence.count.sum() >= base.evidence.count.sum():
             break
     return Try(found, added, strength(motion, found.predictions, base.predictions))

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.signal import savgol_filter
@@ -23,7 +24,7 @@ from serpenoid.effects.catalogue import actuation_effects, find
 from serpenoid.files.store import remembered
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.simulation.servos import realise
+from serpenoid.simulation.servos import realise_all
 
 TICK = 2 * np.pi / 4096
 STEPS = 7
@@ -58,13 +59,16 @@ class Plays:
         """Whether the rows of the tables jump."""
         return self.recordings[0].schedule.held
 
+    @cached_property
+    def setpoints(self) -> tuple[Floats, ...]:
+        """On the meshes [rad]."""
+        return tuple(r.schedule.commanded(t) for r, t in zip(self.recordings, self.meshes, strict=True))
+
     @property
     def quickest(self) -> float:
         """Largest speed of a set-point [rad/s]."""
-        pairs = zip(self.recordings, self.meshes, strict=True)
-        return max(
-            float((np.abs(np.diff(r.schedule.commanded(t), axis=0)).max(axis=1) / np.diff(t)).max()) for r, t in pairs
-        )
+        pairs = zip(self.setpoints, self.meshes, strict=True)
+        return max(float((np.abs(np.diff(s, axis=0)).max(axis=1) / np.diff(t)).max()) for s, t in pairs)
 
     def left(self, played: Floats) -> Floats:
         """Readings minus what is played (R, m), each trial shifted in time as far as nothing says when it began."""
@@ -88,10 +92,8 @@ class Plays:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
         body = self.recordings[0].body
         model = Model(body, Medium(anisotropy_ratio=0.2), joined(self.known, effects))
-        parts = []
-        for r, mesh, where in zip(self.recordings, self.meshes, self.where, strict=True):
-            parts.append(realise(model, r.schedule.commanded(mesh), mesh).readings[where])
-        return np.concatenate(parts) + self.habit
+        played = realise_all(model, self.setpoints, self.meshes)
+        return np.concatenate([p.readings[where] for p, where in zip(played, self.where, strict=True)]) + self.habit
 
 
 def plays(recordings: Sequence[Recording]) -> Plays:
