@@ -6,12 +6,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from serpenoid.gaits import EllipseGait, TableGait
 from serpenoid.plot import figures, optima, sweep
 from serpenoid.plot.animate import animation
 from serpenoid.plot.hero import hero
+from serpenoid.plot.world import targets
+from serpenoid.problem import Problem
 from serpenoid.status import Status
 
 GAIT = EllipseGait(sigma=0.6, theta=0.5, a=6, xi=1)
@@ -78,6 +81,25 @@ def test_all_axes_are_labelled_with_units(problem, trajectory, table, family):
     ]  # fmt: skip
     for fig in made:
         check_labels(fig)
+
+
+def test_a_motion_that_is_played_once_has_no_cycles_and_its_many_legend_entries_clear_the_title(
+    tmp_path, problem, trajectory, table
+):
+    line = {"kind": "path", "line": ((0.0, 0.0), (0.5, 0.1))}
+    asked = {"transient": True, "objectives": (line, {"kind": "position", "target": (0.4, 0.1)})}
+    once = Problem.model_validate(problem.model_dump(exclude_unset=True) | {"task": asked})
+    moved = figures.motion_figure(trajectory, once)
+    for fig in (moved, figures.joints_figure(table, once)):
+        assert not any("cycle" in word for ax in fig.axes for word in (ax.get_xlabel(), ax.get_ylabel()))
+    canvas = FigureCanvasAgg(moved)
+    canvas.draw()
+    title, legend = moved.axes[0]._left_title, moved.axes[0].get_legend()
+    assert len(legend.get_texts()) == 6
+    assert not title.get_window_extent().overlaps(legend.get_window_extent())
+    seen = []
+    animation(tmp_path / "a.gif", trajectory, None, world=lambda ax: seen.append(targets(once, ax)))
+    assert seen
 
 
 def test_hero_is_written(tmp_path, problem, trajectory, table):

@@ -117,6 +117,11 @@ def report(args: argparse.Namespace, record: Any, lines: list[str], folder: Path
         open_page(args, folder)
 
 
+def signed(value: float) -> str:
+    """Six decimals with a sign, but none before nothing."""
+    return f"{value:+.6f}" if abs(value) >= 5e-7 else "0"
+
+
 def complain(message: str) -> None:
     """A sentence on standard error."""
     log.info("said: %s", message)

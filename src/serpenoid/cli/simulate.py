@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     lines = [
         f"displacement      {motion.displacement:.6f} body lengths ({problem.task.cycles} cycle(s))",
         f"forward part      {motion.forward_displacement:+.6f} body lengths along the mean heading",
-        f"heading change    {motion.heading_change:+.6f} rad",
+        f"heading change    {options.signed(motion.heading_change)} rad",
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
         *limit_lines(problem, result.table),

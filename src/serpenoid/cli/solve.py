@@ -190,7 +190,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:.6f} at c = {best.c:g}",
-        f"heading change    {best.trajectory.heading_change:+.6f} rad",
+        f"heading change    {options.signed(best.trajectory.heading_change)} rad",
         *(f"goal              {words}" for words in outcomes if words),
         *_case_lines(best),
         f"gait              {best.gait.words}",

@@ -49,7 +49,7 @@ def _lines(found: list[SpatialSolution]) -> list[str]:
         f"status            {best.status.words}",
         f"displacement      {best.motion.displacement:.6f} body lengths per cycle, "
         f"{best.sideways_deg:.0f} degrees off the body's axis",
-        f"heading change    {best.motion.heading_change:+.6f} rad",
+        f"heading change    {options.signed(best.motion.heading_change)} rad",
         f"dissipation T*E   {best.motion.dissipation:.6f}",
         f"cost              {best.cost:.6f} at c = {best.c:g}",
         f"gait              a {a:.4f}, xi {xi:.4f}, lifted {phase:+.4f} cycles behind, bias {bias:+.4f}",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from PIL import Image
 from serpenoid.files.writing import atomic
 from serpenoid.plot.body import draw_body, move_body
 from serpenoid.plot.motion import over_cycles
-from serpenoid.plot.style import BLUE, FAINT, INK, NORMAL, around, dress, figure
+from serpenoid.plot.style import BLUE, FAINT, GREY, INK, NORMAL, RED, around, dress, figure
 from serpenoid.trajectory import Trajectory
 
 FRAMES_PER_CYCLE = 50
@@ -25,12 +26,16 @@ WIDTH = 4.8  # inches at 100 dots
 def animation(
     path: str | Path,
     trajectory: Trajectory,
-    cycles: int = 2,
+    cycles: int | None = 2,
     cycle_duration_s: float | None = None,
     joints: Sequence[int] = (),
+    world: Callable[[Axes], object] | None = None,
 ) -> None:
-    """Write a GIF of `cycles` cycles, in real time where the cycle's duration is known."""
-    poses, chains = over_cycles(trajectory, cycles)
+    """Write a GIF of `cycles` cycles (None: of a motion played once), in real time where its duration is known.
+
+    world: draws what stands still.
+    """
+    poses, chains = over_cycles(trajectory, cycles or 1)
     stride = -(-trajectory.steps_per_cycle // FRAMES_PER_CYCLE)
     rows = np.arange(0, len(poses) - 1, stride)
     fig = figure(WIDTH, WIDTH)
@@ -41,6 +46,8 @@ def animation(
     fig.set_size_inches(WIDTH, float(np.clip((WIDTH - 0.7) * slope + 0.85, 2.0, WIDTH)))
     dress(ax, " ", "x [body lengths]", "y [body lengths]")
     ax.plot(*chains[0].T, color=FAINT, linewidth=3.2, solid_capstyle="round", zorder=1)
+    if world is not None:
+        world(ax)
     (trace,) = ax.plot([], [], color=INK, linewidth=1.4)
     body = draw_body(chains[0], ax, BLUE, width=4.2, joints=joints)
     clock = ax.text(0.0, 1.03, "", transform=ax.transAxes, fontsize=NORMAL, color=INK, va="bottom")
@@ -56,7 +63,9 @@ def animation(
         trace.set_data(*poses[: row + 1, :2].T)
         move_body(body, chains[row])
         gone = float(np.hypot(*(poses[row, :2] - poses[0, :2])))
-        clock.set_text(f"{row / trajectory.steps_per_cycle:4.2f} cycles, {gone:4.2f} body lengths")
+        share = row / trajectory.steps_per_cycle
+        when = f"{share:4.2f} cycles" if cycles else f"{share:.0%} of the motion"
+        clock.set_text(f"{when}, {gone:4.2f} body lengths")
         for artist in moving:
             fig.draw_artist(artist)
         frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
@@ -81,8 +90,9 @@ def _indexed(frame: NDArray[np.uint8], palette: Image.Image) -> Image.Image:
 
 def _palette() -> Image.Image:
     """White and the few colours of the picture, blended: fixed, so that white stays white and frames do not flicker."""
-    shades = np.linspace(0, 1, 40)[:, None]
+    shades = np.linspace(0, 1, 36)[:, None]  # of seven ramps: a GIF has 256 colours
     pairs = [("white", BLUE), ("white", INK), (FAINT, BLUE), (FAINT, INK), (BLUE, INK)]
+    pairs += [("white", RED), ("white", GREY)]
     ramps = [(1 - shades) * to_rgb(a) + shades * to_rgb(b) for a, b in pairs]
     image = Image.new("P", (1, 1))
     image.putpalette((np.concatenate(ramps) * 255).round().astype(np.uint8).tobytes())

@@ -54,8 +54,9 @@ def simulation_figures(
         if gait.curve(np.zeros(1)) is not None:
             names += save(gait_figure(gait, trajectory), folder, "gait")
         duration, joint_vertices = problem.task.cycle_duration_s, problem.body.joint_vertices
-        cycles = 1 if problem.task.transient else ANIMATED_CYCLES
-        animation(Path(folder) / "animation.gif", trajectory, cycles, duration, _countable(joint_vertices))
+        cycles = None if problem.task.transient else ANIMATED_CYCLES
+        film, dots = Path(folder) / "animation.gif", _countable(joint_vertices)
+        animation(film, trajectory, cycles, duration, dots, lambda ax: obstacles(problem, targets(problem, ax)))
         names.append("animation.gif")
     return names
 
@@ -110,7 +111,8 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     targets(problem, ax)
     obstacles(problem, ax)
     legend_above(ax, 5)
-    colour_bar(ax, PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, aspect=25)
+    when = joints.ONCE if problem.task.transient else joints.X_LABEL
+    colour_bar(ax, PHASE_MAP, 0, 1, when, pad=0.02, aspect=25)
     slope = float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
     width = min(6.9, 5.0 / slope)
     fig.set_size_inches(max(width + 1.7, 5.4), max(width * slope, 1.2) + 1.15)
@@ -154,6 +156,6 @@ def joints_figure(table: Floats, problem: Problem) -> Figure:
         speeds = joints.speeds_rpm(table, duration, closed)
         whole = "a cycle" if closed else "the whole motion"
         title = f"Joint speeds, up to {np.abs(speeds).max():.1f} rpm with {whole} in {duration:g} s"
-        joints.joint_speeds(speeds, axes[1], body.joint_speed_limit_rpm, title)
+        joints.joint_speeds(speeds, axes[1], body.joint_speed_limit_rpm, title, closed)
     joints.joint_bar(list(axes), table.shape[1])
     return fig

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from serpenoid.body import Floats
 from serpenoid.plot.style import ANGLE_MAP, CHAIN_MAP, GREY, RED, SMALL, colour_bar, dress
 
-X_LABEL = "phase [cycles]"
+X_LABEL, ONCE = "phase [cycles]", "time [share of the motion]"
 FAR = 2.0  # times the data: a limit beyond would take more than half of the picture
 
 
@@ -32,7 +32,7 @@ def joint_angles(
         ax.plot(phase, angles[:, j], color=colour, linewidth=1.6)
     _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(angles).max()))
     ax.set_xlim(0, 1)
-    return dress(ax, title, X_LABEL, "joint angle [deg]")
+    return dress(ax, title, X_LABEL if closed else ONCE, "joint angle [deg]")
 
 
 def speeds_rpm(table: Floats, cycle_duration_s: float, closed: bool = True) -> Floats:
@@ -41,27 +41,38 @@ def speeds_rpm(table: Floats, cycle_duration_s: float, closed: bool = True) -> F
     return steps * len(steps) / cycle_duration_s * 60 / (2 * np.pi)
 
 
-def joint_speeds(speeds: Floats, ax: Axes, limit_rpm: float | None = None, title: str = "Joint speeds") -> Axes:
+def joint_speeds(
+    speeds: Floats, ax: Axes, limit_rpm: float | None = None, title: str = "Joint speeds", closed: bool = True
+) -> Axes:
     """A line per joint, (T, m) [rpm], at the middle of its steps; limits dashed."""
     steps, count = speeds.shape
     for j, colour in enumerate(joint_colours(count)):
         ax.plot((np.arange(steps) + 0.5) / steps, speeds[:, j], color=colour, linewidth=1.6)
     _limits(ax, limit_rpm, f"limit {limit_rpm:g} rpm" if limit_rpm else "", float(np.abs(speeds).max()))
     ax.set_xlim(0, 1)
-    return dress(ax, title, X_LABEL, "joint speed [rpm]")
+    return dress(ax, title, X_LABEL if closed else ONCE, "joint speed [rpm]")
 
 
-def joint_map(table: Floats, ax: Axes, title: str = "Joint table") -> Axes:
-    """The table as a picture: phase to the right, joints from tail (below) to head (above), colour for the angle."""
+def joint_map(table: Floats, ax: Axes, title: str = "Joint table", reach: float | None = None) -> Axes:
+    """The table as a picture: phase to the right, joints from tail (below) to head (above), colour for the angle.
+
+    reach: of a scale that several pictures share, whose colour bar stands elsewhere [deg].
+    """
     steps, count = table.shape
-    degrees = np.rad2deg(table)
-    reach = float(np.abs(degrees).max()) or 1.0
+    degrees, shared = np.rad2deg(table), reach is not None
+    reach = reach or float(np.abs(degrees).max()) or 1.0
     edges = np.arange(steps + 1) / steps, np.arange(count + 1) + 0.5
     mesh: QuadMesh = ax.pcolormesh(*edges, degrees.T, cmap=ANGLE_MAP, vmin=-reach, vmax=reach)
     mesh.set_rasterized(True)
     ax.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=min(count, 10), min_n_ticks=1))
-    colour_bar(ax, ANGLE_MAP, -reach, reach, "joint angle [deg]", pad=0.02, aspect=30)
+    if not shared:
+        angle_bar(ax, reach)
     return dress(ax, title, X_LABEL, "joint (1 = next to the tail)", grid=False)
+
+
+def angle_bar(ax: Axes | list[Axes], reach: float) -> None:
+    """Colour bar of angles up to `reach` [deg]."""
+    colour_bar(ax, ANGLE_MAP, -reach, reach, "joint angle [deg]", pad=0.02, aspect=30)
 
 
 def joint_bar(ax: Axes | list[Axes], count: int) -> None:

@@ -32,14 +32,17 @@ def ladder_figure(steps: Sequence[Step]) -> Figure:
     ax.margins(y=0.15)
     spent = steps[0].solution.trajectory.dissipation
     dress(ax, f"Displacement at equal limits, dissipation at most {spent:.3f}", "", "body lengths / cycle")
-    for i, step in enumerate(steps):
-        motion, below = fig.add_subplot(grid[1, i]), fig.add_subplot(grid[2, i])
+    motions, maps = ([fig.add_subplot(grid[row, i]) for i in range(len(steps))] for row in (1, 2))
+    reach = float(max(np.rad2deg(np.abs(step.solution.table)).max() for step in steps)) or 1.0
+    for i, (step, motion, below) in enumerate(zip(steps, motions, maps, strict=True)):
         trajectory = step.solution.trajectory
         rows = np.linspace(0, trajectory.steps_per_cycle, BODIES).astype(int)
         for row in rows:
             draw_body(trajectory.vertices[row], motion, PHASE_MAP(row / trajectory.steps_per_cycle), width=1.6)
         motion.set_aspect("equal", adjustable="datalim")
-        dress(motion, step.name, "x", "y" if i == 0 else "", grid=False)
-        joints.joint_map(step.solution.table, below, "")
-    colour_bar(fig.axes[1], PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, aspect=20)
+        dress(motion, step.name, "x [body lengths]", "y [body lengths]" if i == 0 else "", grid=False)
+        joints.joint_map(step.solution.table, below, "", reach)
+        below.set_ylabel("joint, from the tail" if i == 0 else "")
+    colour_bar(motions, PHASE_MAP, 0, 1, joints.X_LABEL, pad=0.02, aspect=20)
+    joints.angle_bar(maps, reach)
     return fig

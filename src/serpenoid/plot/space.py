@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from serpenoid.optimise.in_space import RESTING, SpatialSolution
 from serpenoid.plot.animate import write_gif
@@ -85,7 +86,7 @@ def film(path: Path, solution: SpatialSolution) -> None:
         ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
         ax.plot(*points.T, color=BLUE, linewidth=3.0)
         ax.scatter(*points[_rests(solution, row % steps)].T, color=INK, s=16, depthshade=False)
-        _room(ax, every)
+        _room(ax, every, zoom=0.9)
         canvas.draw()
         images.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     write_gif(path, images, CYCLES * SECONDS / FRAMES)
@@ -96,13 +97,15 @@ def _rests(solution: SpatialSolution, row: int) -> np.ndarray:
     return np.asarray(share > RESTING * share.max())
 
 
-def _room(ax: Any, vertices: np.ndarray) -> None:
+def _room(ax: Any, vertices: np.ndarray, zoom: float = 1.15) -> None:
     low, high = vertices.reshape(-1, 3).min(0), vertices.reshape(-1, 3).max(0)
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
     ax.set_zlim(0, max(high[2], 0.01))
-    ax.set_box_aspect((high[0] - low[0], high[1] - low[1], 3 * max(high[2], 0.01)), zoom=1.15)
+    ax.set_box_aspect((high[0] - low[0], high[1] - low[1], 3 * max(high[2], 0.01)), zoom=zoom)
+    ax.xaxis.set_major_locator(MaxNLocator(4))
+    ax.yaxis.set_major_locator(MaxNLocator(5))
     ax.set_xlabel("x [body lengths]")
-    ax.set_ylabel("y [body lengths]")
+    ax.set_ylabel("y [body lengths]", labelpad=10)
     ax.set_zticks([0, round(float(high[2]), 2)])
     ax.view_init(elev=38, azim=-70)

@@ -54,8 +54,9 @@ def dress(ax: Axes, title: str, x: str, y: str, grid: bool = True) -> Axes:
 
 
 def legend_above(ax: Axes, columns: int) -> None:
-    """Legend in a line between title and axes, where no data can be."""
-    ax.set_title(ax.get_title(loc="left"), fontsize=LARGE, loc="left", color=INK, pad=22)
+    """Legend in lines of so many entries between title and axes, where no data can be."""
+    lines = -(-len(ax.get_legend_handles_labels()[1]) // columns)
+    ax.set_title(ax.get_title(loc="left"), fontsize=LARGE, loc="left", color=INK, pad=8 + 14 * lines)
     ax.legend(
         loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=columns, frameon=False, fontsize=SMALL,
         borderaxespad=0.1, handletextpad=0.5, columnspacing=1.4,
