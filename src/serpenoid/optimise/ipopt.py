@@ -27,6 +27,7 @@ OPTIONS = {
     "ipopt.mumps_pivot_order": 0,  # AMD: METIS takes longer to order these banded systems than to factor them
     "ipopt.mumps_permuting_scaling": 0,
     "ipopt.mumps_scaling": 0,
+    "ipopt.min_refinement_steps": 0,  # a solution is refined where its residual asks for it, not always
     "ipopt.max_iter": 500,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",

@@ -19,7 +19,7 @@ from serpenoid.mechanics import energy
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, element_parameters
 from serpenoid.model import Structure
-from serpenoid.optimise import joint_twists
+from serpenoid.optimise import joint_twists, plain_element
 from serpenoid.optimise.blocks import Cycle, over
 from serpenoid.optimise.joint_rows import row_functions
 from serpenoid.optimise.joint_twists import Joints, Symbols, packed
@@ -41,6 +41,24 @@ class ElementShare:
     shared: tuple[bool, ...]
     value: ca.SX
     energy: ca.SX
+
+    def lagrangian(self, multipliers: ca.SX, factor: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Gradient and Hessian of multipliers . value + factor energy by (frame, w, w after)."""
+        z = ca.vertcat(self.frame, self.before, self.after)
+        hessian, gradient = ca.hessian(ca.dot(multipliers, self.value) + factor * self.energy, z)
+        return gradient, hessian
+
+
+class PlainShare(ElementShare):
+    """The plain medium's, whose second derivatives are written out."""
+
+    def lagrangian(self, multipliers: ca.SX, factor: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Gradient and Hessian of multipliers . value + factor energy by (frame, w, w after)."""
+        z, (weight, eps) = ca.vertcat(self.frame, self.before, self.after), self.more
+        pose = self.frame[:3]
+        before = ca.vertcat(energy.placed(pose, self.before[:2]), pose[2] + self.before[2])
+        inner = plain_element.motion(self.frame[3:], before, self.after, multipliers)
+        return plain_element.chained(z, inner, *plain_element.lagrangian(inner, weight, eps, multipliers[2], factor))
 
 
 class JointBlocks:
@@ -92,7 +110,7 @@ def _baseline() -> ElementShare:
     weight, eps = ca.SX.sym("weight"), ca.SX.sym("eps")
     begin, end = energy.move(frame[:3], with_directions(before)), energy.move(frame[3:], with_directions(after))
     value = energy.element_energy(begin, end, weight, eps)
-    return ElementShare(frame, before, after, (weight, eps), (False, True), ca.gradient(value, frame[3:]), value)
+    return PlainShare(frame, before, after, (weight, eps), (False, True), ca.gradient(value, frame[3:]), value)
 
 
 def with_directions(w: ca.SX) -> ca.SX:
@@ -175,7 +193,7 @@ class _Step:
     def _second(self, multipliers: ca.MX, factor: ca.MX) -> tuple[ca.MX, ca.MX]:
         """Gradient (o) and Hessian (o, o) of multipliers . value + factor energy."""
         law, by = self.law, [ca.SX.sym("multipliers", multipliers.numel()), ca.SX.sym("factor")]
-        own, sums, at = self._lagrangian(ca.dot(by[0], law.value) + by[1] * law.energy)
+        own, sums, at = self._lagrangian(*law.lagrangian(*by))
         outputs = [*own, packed(sums), packed(at)]
         slope, square, *carried = self._over("hessian", by, outputs, [0, 1], [multipliers, factor])
         reads = joint_twists.reads_second(sums, at, self.structure)
@@ -184,12 +202,12 @@ class _Step:
         slopes, curvature = joint_twists.second(parts, square, len(self.structure.joints))
         return ca.vertcat(slope, slopes), curvature
 
-    def _lagrangian(self, value: ca.SX) -> tuple[list[ca.SX], Symbols, Symbols]:
+    def _lagrangian(self, gradient: ca.SX, hessian: ca.SX) -> tuple[list[ca.SX], Symbols, Symbols]:
         """An element's gradient and Hessian by the frame; what it adds beyond joints; what is asked of it at one."""
-        law, w = self.law, (self.law.before, self.law.after)
-        slope = ca.gradient(value, law.frame)
-        forces = [ca.gradient(value, place) for place in w]
-        by_frame = [ca.jacobian(slope, place) for place in w]
-        blocks = {(i, j): ca.jacobian(forces[i], w[j]) for i, j in joint_twists.ENDS}
-        sums, at = joint_twists.second_parts(w, forces, by_frame, blocks)
-        return [slope, ca.jacobian(slope, law.frame)], sums, at
+        w, size = (self.law.before, self.law.after), self.law.before.numel()
+        ends = [0, FRAME, FRAME + size, FRAME + 2 * size]
+        frame, *forces = ca.vertsplit(gradient, ends)
+        by_frame, *rows = (ca.horzsplit(row, ends) for row in ca.vertsplit(hessian, ends))
+        blocks = {(i, j): rows[i][1 + j] for i, j in joint_twists.ENDS}
+        sums, at = joint_twists.second_parts(w, forces, by_frame[1:], blocks)
+        return [frame, by_frame[0]], sums, at

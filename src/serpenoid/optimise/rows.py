@@ -4,7 +4,7 @@ Every quantity is carried as the coefficients of its second-order Taylor polynom
 derivatives. Small functions act on one edge or one vertex and are mapped along the chain (a C loop), so that the
 compiled code does not grow with the number of vertices.
 
-Legend: N vertices, M elements, C = 1, 4 or 10 coefficients for derivatives up to order 0, 1, 2.
+Legend: N vertices, M elements, l numbers of one, C = 1, 4 or 10 coefficients for derivatives up to order 0, 1, 2.
 """
 
 from __future__ import annotations
@@ -29,19 +29,22 @@ def polynomial(coefficients: ca.SX, d: ca.SX, size: int) -> ca.SX:
 
 
 def gait_row(structure: Structure, order: int) -> ca.Function:
-    """(coordinates (3), parameters) -> elements with derivatives up to `order`, shape (4 C, M)."""
+    """(coordinates (3), parameters) -> elements with derivatives up to `order`, shape (l C, M).
+
+    An element: its position above its unit tangent (l = 4), where `order` is two above the tangent's direction (l = 3).
+    """
     n, c = structure.vertices, COEFFICIENTS[order]
     coordinates, parameters = ca.MX.sym("coordinates", 3), ca.MX.sym("parameters", 2 * n)
     edges, weights, _ = split_parameters(parameters, structure)
     psi = _along(_direction(order), len(structure.links), [0])(coordinates, link_midpoints(structure)(parameters))
     psi = psi[:, [i for i, group in enumerate(structure.links) for _ in group]]
     psi -= ca.repmat(ca.sum2(psi) / (n - 1), 1, n - 1)
-    if structure.dissipation == "edge":
-        unit = tangents = _along(_unit(order), n - 1, [])(psi)
-    else:  # the tangent at a vertex halves the angle between its edges (its sign does not matter)
-        middle = (ca.horzcat(psi[:, :1], psi) + ca.horzcat(psi, psi[:, -1:])) / 2
-        both = _along(_unit(order), 2 * n - 1, [])(ca.horzcat(psi, middle))
-        unit, tangents = both[:, : n - 1], both[:, n - 1 :]
+    at_vertices = structure.dissipation == "vertex"
+    # the tangent at a vertex halves the angle between its edges (its sign does not matter)
+    middle = (ca.horzcat(psi[:, :1], psi) + ca.horzcat(psi, psi[:, -1:])) / 2 if at_vertices else psi
+    unit = _along(_unit(order), n - 1, [])(psi)
+    turned = _along(_unit(order), n, [])(middle) if at_vertices else unit
+    tangents = middle if order == 2 else turned
     one = _chain(n)
     chain = ca.vertcat(*(one(unit[2 * k : 2 * k + 2, :], edges) for k in range(c)))
     points = chain - ca.repmat(chain @ weights, 1, n)
@@ -65,8 +68,9 @@ def _chain(n: int) -> ca.Function:
 
 
 def _interleave(positions: ca.MX, tangents: ca.MX, c: int) -> ca.MX:
-    """Blocks of (position, tangent) per coefficient from two stacks of 2-vectors."""
-    order = [row for k in range(c) for row in (2 * k, 2 * k + 1, 2 * c + 2 * k, 2 * c + 2 * k + 1)]
+    """Blocks of (position, tangent) per coefficient from stacks of both."""
+    size = tangents.size1() // c
+    order = [row for k in range(c) for row in (2 * k, 2 * k + 1, *range(2 * c + size * k, 2 * c + size * (k + 1)))]
     return ca.vertcat(positions, tangents)[order, :]
 
 

@@ -19,12 +19,14 @@ from serpenoid.mechanics import energy
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, element_parameters
 from serpenoid.model import Structure
+from serpenoid.optimise import plain_element
 from serpenoid.optimise.blocks import Cycle, over
 from serpenoid.optimise.rows import COEFFICIENTS, gait_row, polynomial
 
 LOCAL = 9  # h, coordinates of row t, coordinates of row t + 1
 OUTER = 12
-ROW = tuple(4 * c for c in COEFFICIENTS)  # an element's values; with first; with second derivatives by (w1, w2, xi)
+VALUES = 4, 4, 3  # of an element, as rows give them with no, first, second derivatives by (w1, w2, xi)
+ROW = tuple(size * c for size, c in zip(VALUES, COEFFICIENTS, strict=True))
 
 
 class SerpenoidBlocks:
@@ -116,7 +118,6 @@ def _element() -> list[ca.Function]:
     """Value, gradient, Jacobian and Hessian of one element's share, from the Taylor polynomials of its two rows."""
     h, w, eps = ca.SX.sym("h", 3), ca.SX.sym("w"), ca.SX.sym("eps")
     d0, d1 = ca.SX.sym("d0", 3), ca.SX.sym("d1", 3)
-    multipliers, factor = ca.SX.sym("multipliers", 3), ca.SX.sym("factor")
     z, zero = ca.vertcat(h, d0, d1), ca.vertcat(h, ca.SX.zeros(6))
 
     def share(order: int) -> tuple[list[ca.SX], ca.SX]:
@@ -128,16 +129,30 @@ def _element() -> list[ca.Function]:
         at_row = [ca.densify(ca.substitute(expression, z, zero)) for expression in outputs]
         return ca.Function(f"element_{name}", [*inputs, w, eps], at_row, CSE)
 
-    (rows0, plain), (rows1, linear), (rows2, quadratic) = share(0), share(1), share(2)
-    lagrangian = ca.dot(multipliers, ca.gradient(quadratic, h)) + factor * quadratic
-    curvature, slope = ca.hessian(lagrangian, z)
-    packed = ca.vertcat(*(curvature[i, j] for i, j in upper(LOCAL)))
+    (rows0, plain), (rows1, linear) = share(0), share(1)
     return [
         function("value", rows0, [ca.gradient(plain, h), plain]),
         function("gradient", rows1, [ca.jacobian(linear, z)]),
         function("jacobian", rows1, [ca.jacobian(ca.gradient(linear, h), z)]),
-        function("hessian", [*rows2, multipliers, factor], [slope, packed]),
+        _element_hessian(),
     ]
+
+
+def _element_hessian() -> ca.Function:
+    """Gradient (9) and packed Hessian of an element's Lagrangian by z, from the Taylor polynomials of its two rows."""
+    h, w, eps, factor = ca.SX.sym("h", 3), ca.SX.sym("w"), ca.SX.sym("eps"), ca.SX.sym("factor")
+    multipliers, rows = ca.SX.sym("multipliers", 3), [ca.SX.sym(f"r{i}", ROW[2]) for i in (0, 1)]
+    offsets = [ca.SX.sym(f"d{i}", 3) for i in (0, 1)]
+    z, inner = ca.vertcat(h, *offsets), ca.SX.sym("inner", LOCAL)
+    places = [polynomial(row, d, VALUES[2]) for row, d in zip(rows, offsets, strict=True)]
+    moved = plain_element.motion(inner[:3], inner[3:6], inner[6:], multipliers)
+    by_inner = plain_element.chained(inner, moved, *plain_element.lagrangian(moved, w, eps, multipliers[2], factor))
+    found = plain_element.chained(z, ca.vertcat(h, *places), *by_inner)
+    here = ca.vertcat(h, *(row[:3] for row in rows))
+    slope, curvature = (ca.substitute(ca.substitute(x, z, ca.vertcat(h, ca.SX.zeros(6))), inner, here) for x in found)
+    packed = ca.vertcat(*(curvature[i, j] for i, j in upper(LOCAL)))
+    inputs = [*rows, h, multipliers, factor, w, eps]
+    return ca.Function("element_hessian", inputs, [ca.densify(slope), ca.densify(packed)], CSE)
 
 
 def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:
