@@ -49,6 +49,7 @@ def test_a_new_problem_file_is_valid_and_its_gait_moves_within_its_limits(tmp_pa
     problem = load(path)
     result = simulate(problem)
     assert result.trajectory.status.ok
+    assert not problem.model.remarks
     assert np.degrees(np.abs(result.table).max()) <= (problem.joint_limit_deg or 0) or problem.body.joint_count < 6
 
 
@@ -78,6 +79,7 @@ def test_a_new_campaign_is_measured_with_its_made_up_trial(tmp_path: Path, capsy
     new("campaign", tmp_path / "camp", "--problem", str(problem))
     satisfies("campaign", tmp_path / "camp" / "campaign.toml")
     assert main(["measure", str(tmp_path / "camp"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
+    assert "trial `example` is made up" in capsys.readouterr().out
     (trial,) = load_campaign(tmp_path / "camp").trials
     assert trial.name == "example"
     capsys.readouterr()

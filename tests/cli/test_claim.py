@@ -36,7 +36,9 @@ def test_another_question_is_refused_and_nothing_is_touched(tmp_path: Path, caps
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
 
 
-def test_a_command_ended_amid_its_answer_may_be_given_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_command_ended_amid_its_answer_may_be_given_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out"
 
     def ended(*_: object, **__: object) -> None:
@@ -47,6 +49,10 @@ def test_a_command_ended_amid_its_answer_may_be_given_again(tmp_path: Path, monk
         assert simulated(out) == 130
     assert (out / "solution.json").exists()
     assert simulated(out, "--set", "gait.a=4") == 2
+    (out / "solution.json").unlink()  # killed earlier still
+    capsys.readouterr()
+    assert simulated(out, "--set", "gait.a=4") == 2
+    assert "what another `simulate` left that was ended before its answer was whole" in capsys.readouterr().err
     assert simulated(out) == 0
 
 
@@ -101,3 +107,9 @@ def test_an_export_does_not_take_the_place_of_another_gaits(tmp_path: Path, caps
     assert main([*words[1], "--force"]) == 0
     assert (out / "earlier-1" / "joint_table.csv").read_bytes() == first
     assert (out / "joint_table.csv").read_bytes() != first
+    file = tmp_path / "mine.csv"
+    assert main([*words[1][:-1], str(file)]) == 0
+    assert file.read_bytes() == (out / "joint_table.csv").read_bytes()
+    assert main(["export", str(gaits[0]), "--format", "csv", "--out", str(file)]) == 2  # it holds another gait's
+    assert main([*words[1][:2], "--format", "ros2", "--out", str(tmp_path / "mine.yaml")]) == 2
+    assert "writes into a folder" in capsys.readouterr().err

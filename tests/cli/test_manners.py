@@ -9,6 +9,8 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -148,6 +150,33 @@ def test_a_closed_pipe_is_no_error_message() -> None:
     command = f"{sys.executable} -m serpenoid schema | true"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_sigterm_alike_end_a_search_with_what_there_is(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = signal.getsignal(number)
+
+    def ended(_done: float, _text: str = "", **_: object) -> None:
+        os.kill(os.getpid(), number)
+
+    @contextmanager
+    def bar(*_: object) -> Iterator[object]:
+        yield ended
+
+    monkeypatch.setattr("serpenoid.cli.options.progress_bar", bar)
+    words = ["--set", "body.vertices=5", "--set", "task.steps=10", "--no-figures", "--out", str(tmp_path)]
+    assert main(["solve", str(PROBLEMS / "reach.toml"), "--starts", "3", *words]) == 130
+    assert "stopped after 1 of 3 starts" in capsys.readouterr().err
+    assert (tmp_path / "solution.json").exists()
+    assert signal.getsignal(number) is before
+
+
+def test_what_is_found_after_the_file_was_read_names_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["solve", str(PROBLEMS / "sidewinding.toml"), "--ladder", "--out", str(tmp_path)]
+    assert main(words) == 2
+    assert "sidewinding.toml: [lift]: --ladder" in capsys.readouterr().err
 
 
 def test_ctrl_c_keeps_solved_points_and_the_same_command_goes_on(tmp_path: Path) -> None:

@@ -93,6 +93,8 @@ def _held(folder: Path) -> Any:
 def _words(folder: Path, held: list[str]) -> str:
     request = _held(folder)
     verb = request.get("verb") if isinstance(request, dict) else None
+    if held == [REQUEST] and isinstance(verb, str):
+        return f"what another `{verb}` left that was ended before its answer was whole"
     return f"the answer of another `{verb}`" if isinstance(verb, str) else f"another answer ({held[0]})"
 
 

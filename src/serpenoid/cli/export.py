@@ -10,7 +10,8 @@ RESULTS is a results folder or a joint-table CSV. Formats:
   ros2 topic pub --once /joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory \\
       "$(cat DIR/joint_trajectory.yaml)"
 
-Formats for a particular robot are checked as `serpenoid robot check` does; nothing is written if a check refuses.
+--out gait.csv writes that one file (csv, ticks), any other --out is a folder. Formats for a particular robot are
+checked as `serpenoid robot check` does; nothing is written if a check refuses.
 """
 
 from __future__ import annotations
@@ -42,13 +43,14 @@ from serpenoid.robot.firmware import sketch
 from serpenoid.robot.plan import Plan, check_repetition, make_plan
 from serpenoid.robot.table import JointTable, read_table, write_table
 
+ENDINGS = (".csv", ".ino", ".mcap", ".yaml")  # of a file, where a folder may be meant
 Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     add_table(parser)
     parser.add_argument("--format", required=True, choices=list(EXPORTERS), help="see above")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files, or a file .csv")
     parser.add_argument("--force", action="store_true", help="move other files of their names aside")
     add_robot(parser, required=False)
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="openrb, ros2: cycles to play (default 1)")
@@ -62,12 +64,26 @@ def run(args: argparse.Namespace) -> int:
     if refusals:
         warn("refused, nothing was written:", *refusals)
         return 1
-    check_writable(args.out)
+    file = _file(args)
+    folder = args.out if file is None else args.out.parent
+    check_writable(folder)
     with tempfile.TemporaryDirectory() as made:
         EXPORTERS[args.format](args, table, robot, Path(made))
-        paths = place(args, Path(made), args.out)
+        if file is not None:
+            next(Path(made).iterdir()).rename(Path(made) / file)
+        paths = place(args, Path(made), folder)
     sys.stdout.writelines(f"{path}\n" for path in paths)
     return 0
+
+
+def _file(args: argparse.Namespace) -> str | None:
+    """The name of the one file that --out asks for; None: it is a folder."""
+    ending = args.out.suffix.lower()
+    if args.out.is_dir() or ending not in ENDINGS:
+        return None
+    if ending != ".csv" or args.format not in ("csv", "ticks"):
+        raise InputError(f"--out {args.out}: --format {args.format} writes into a folder: name one without `{ending}`.")
+    return str(args.out.name)
 
 
 def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refusal]]:

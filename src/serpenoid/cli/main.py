@@ -1,6 +1,7 @@
 """`serpenoid VERB ...`: finds the verb's module, and turns errors into one sentence and an exit code.
 
-Exit codes: 0 done; 1 it ran and did not succeed (no optimum, a refused check); 2 bad input or usage; 130 Ctrl-C.
+Exit codes: 0 done; 1 it ran and did not succeed (no optimum, a refused check); 2 bad input or usage; 130 Ctrl-C
+or SIGTERM.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         sys.stdout.flush()
         return code
     except InputError as error:
-        return _complain(str(error), 2)
+        return _complain(_located(str(error), args), 2)
     except (KeyboardInterrupt, StopRequested) as error:
         return stopped(error)
     except BrokenPipeError:
@@ -111,25 +112,38 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         return stopped()
 
 
+def _located(message: str, args: argparse.Namespace) -> str:
+    """What begins with a section of the problem file, found after it was read, names the file too."""
+    file = getattr(args, "problem", None)
+    return f"{file}: {message}" if message.startswith("[") and isinstance(file, str) else message
+
+
 @contextmanager
 def _noted_interrupts() -> Iterator[list[int]]:
-    """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception."""
-    interrupted = interrupts.noted
+    """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception.
+
+    SIGTERM, with which schedulers and shutdowns end programs, is heard like Ctrl-C; children of this process die of it.
+    """
+    interrupted, owner = interrupts.noted, os.getpid()
     interrupted.clear()
 
     def note(number: int, _frame: FrameType | None) -> None:
+        if number == signal.SIGTERM and os.getpid() != owner:
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
         interrupted.append(number)
         raise KeyboardInterrupt
 
-    previous = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or previous is signal.SIG_IGN:
+    if threading.current_thread() is not threading.main_thread():
         yield interrupted
         return
-    signal.signal(signal.SIGINT, note)
+    heard = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN]
+    previous = {number: signal.signal(number, note) for number in heard}
     try:
         yield interrupted
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)
 
 
 def _complain(message: str, code: int) -> int:

@@ -12,6 +12,7 @@ commanded against measured joint angles. Position jumps are reported, not smooth
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
@@ -57,8 +58,22 @@ def run(args: argparse.Namespace) -> int:
     if campaign.lengths_estimated:
         lines.append("edge lengths estimated from the recordings (medians)")
     lines += [line for trial in campaign.trials for line in trial_lines(trial)]
+    lines += made_up(args.campaign)
     options.report(args, record, [*lines, f"written to        {folder}"], folder)
     return 0
+
+
+def made_up(campaign: str | Path) -> list[str]:
+    """A line where the campaign still holds the trial that `new campaign` made up."""
+    from serpenoid.files.inputs import read_text
+    from serpenoid.scaffold.campaign import BEGIN, EXAMPLE
+
+    file = Path(campaign)
+    if BEGIN not in read_text(file / "campaign.toml" if file.is_dir() else file):
+        return []
+    return [
+        f"warning           trial `{EXAMPLE}` is made up; `serpenoid campaign add` takes it out with the first trial"
+    ]
 
 
 def trial_lines(trial: Trial) -> list[str]:

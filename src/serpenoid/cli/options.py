@@ -154,9 +154,11 @@ def progress_bar(
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
     with Progress(*columns, RemainingColumn(), TextColumn("{task.fields[note]}"), console=Console(stderr=True)) as bar:
         task = bar.add_task(title, total=total, note="", left=left)
+        bar.live.transient = True  # a bar of work that never began is no news
 
         def advance(done: float, text: str = "", total: float = total) -> None:
             _note(title, done, total, text)
+            bar.live.transient = False
             bar.update(task, completed=done, total=total, note=text)
 
         yield advance

@@ -67,7 +67,9 @@ def _taken_by(path: Path) -> str:
     return "" if kind is None else f" It is a {kind} file: {TAKEN_BY[kind]}."
 
 
-def _lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
+    if record["kind"] == "optimum in space":
+        return _as_said(folder, record)
     body, gait = record["body"], record["gait"]
     lines = [
         f"{record['kind']}: {record['status']}"
@@ -162,6 +164,7 @@ RECORDS: dict[str, Callable[[Path, dict[str, Any]], list[str]]] = {
     "compare.json": _as_said,
     "fit.json": _as_said,
     "campaign.json": _as_said,
+    "ladder.json": _as_said,
 }
 
 

@@ -25,8 +25,6 @@ class Shape(Demand):
 
     def require(self, of: Criteria) -> None:
         """One equation per joint, and with `still` another."""
-        if self.angles is not None and len(self.angles) != of.joints:
-            raise InputError(f"[[task.demands]] shape: `angles` needs {of.joints} numbers, got {len(self.angles)}.")
         row = of.row(self.at)
         of.subject_to(of.joint_angles[:, row] - ca.DM(self.angles or [0.0] * of.joints), 0.0, 0.0)
         if self.still:
@@ -41,5 +39,7 @@ class Shape(Demand):
 
     def asks(self, rows: Rows) -> list[Ask]:
         """Every joint angle of the row."""
+        if self.angles is not None and len(self.angles) != rows.joints:
+            raise InputError(f"[[task.demands]] shape: `angles` needs {rows.joints} numbers, got {len(self.angles)}.")
         row = rows.of(self.at)
         return [Ask(f"joint {j} at row {row}", v, v) for j, v in enumerate(self.angles or [0.0] * rows.joints, start=1)]

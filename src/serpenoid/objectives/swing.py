@@ -9,7 +9,7 @@ from pydantic import Field
 
 from serpenoid.errors import InputError
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand
+from serpenoid.objectives.term import Ask, Demand, Rows
 
 
 class Swing(Demand):
@@ -20,7 +20,11 @@ class Swing(Demand):
 
     def require(self, of: Criteria) -> None:
         """One inequality per step."""
-        if self.joint > of.joints:
-            raise InputError(f"[[task.demands]] swing: `joint` must be at most {of.joints}, got {self.joint}.")
         change, half = of.changes[self.joint - 1, :], of.steps // 2
         of.subject_to(ca.horzcat(change[:half], -change[half:]), 0.0, ca.inf)
+
+    def asks(self, rows: Rows) -> list[Ask]:
+        """Nothing that others ask, but the joint must be there."""
+        if self.joint > rows.joints:
+            raise InputError(f"[[task.demands]] swing: `joint` must be at most {rows.joints}, got {self.joint}.")
+        return []

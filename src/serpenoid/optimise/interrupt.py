@@ -5,6 +5,7 @@ IPOPT swallows KeyboardInterrupt and exceptions raised in callbacks; both are st
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -30,7 +31,8 @@ class StopFlag:
 def catch_interrupt() -> Iterator[StopFlag]:
     """Turn SIGINT into a flag inside the block (main thread only; elsewhere the flag never rises).
 
-    A second SIGINT goes to the handler from before: as a rule it raises KeyboardInterrupt.
+    SIGTERM too, where somebody handles it. A second one goes to the handler from before: as a rule it raises
+    KeyboardInterrupt.
     """
     flag = StopFlag()
     flag.stopped = bool(interrupts.noted)  # pressed before, and lost in a library
@@ -38,18 +40,23 @@ def catch_interrupt() -> Iterator[StopFlag]:
         yield flag
         return
 
-    previous = signal.getsignal(signal.SIGINT)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    previous = {n: h for n, h in handlers.items() if n == signal.SIGINT or callable(h)}
 
     def raise_flag(number: int, frame: FrameType | None) -> None:
-        if flag and callable(previous):
-            previous(number, frame)
+        before = previous[signal.Signals(number)]
+        if callable(before) and (flag or (number == signal.SIGTERM and os.getpid() != owner)):
+            before(number, frame)
         flag.stopped = True
 
-    signal.signal(signal.SIGINT, raise_flag)
+    owner = os.getpid()
+    for number in previous:
+        signal.signal(number, raise_flag)
     try:
         yield flag
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)
 
 
 class IterationCallback(ca.Callback):

@@ -38,6 +38,8 @@ def write(path: Path, answers: Answers) -> str:
 
 def _text(hint: str, name: str, answers: Answers, edges: list[float]) -> str:
     listed = ", ".join(f"{edge:.6g}" for edge in edges)
+    halves = zip([0.0, *edges], [*edges, 0.0], strict=True)
+    weights = ", ".join(f"{(before + after) / 2:.6g}" for before, after in halves)
     return f"""{hint}
 # {name}: a chain of {answers["joints"]} joints. `serpenoid schema problem` lists every key.
 #   serpenoid simulate {name}.toml             the gait below
@@ -50,7 +52,7 @@ question = "Which gait carries {name} farthest per cycle, at a given price of di
 [body]
 vertices = {answers["joints"] + 2}             # tail marker, joints, head marker
 edge_lengths = [{listed}]   # metres, tail to head
-# weights = []               # what each vertex carries, on any scale; without it, equal
+weights = [{weights}]   # what each vertex carries, on any scale: half of each of its links, or weigh them
 mass_kg = {answers["mass"]:g}
 joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
 joint_speed_limit_rpm = 57.0  # XL430-W250-T at 11.1 V
