@@ -41,3 +41,10 @@ def inverse(poses: Floats) -> Floats:
     """The frames that poses (..., 3) are given in, seen from those poses."""
     back = -np.einsum("...ji,...j->...i", rotation(poses[..., 2]), poses[..., :2])
     return np.concatenate([back, -poses[..., 2:]], -1)
+
+
+def relative(first: Floats, second: Floats) -> Floats:
+    """Poses `second` (..., 3) in the frames of poses `first` (..., 3)."""
+    d = second - first
+    c, s = np.cos(first[..., 2]), np.sin(first[..., 2])
+    return np.stack([c * d[..., 0] + s * d[..., 1], c * d[..., 1] - s * d[..., 0], d[..., 2]], -1)

@@ -22,6 +22,7 @@ from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Model, Structure
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.curve import Ends, simulate_curve
+from serpenoid.simulation.newton import implicit_derivative
 
 
 @dataclass(frozen=True)
@@ -57,9 +58,7 @@ def _momentum(structure: Structure, before: ca.SX, after: ca.SX, pose: ca.SX, pa
 
 def relative_poses(poses: Floats) -> Floats:
     """Each pose in the frame of the one before, shape (R, 3) -> (R - 1, 3)."""
-    step = np.diff(poses, axis=0)
-    c, s = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
-    return np.stack([c * step[:, 0] + s * step[:, 1], c * step[:, 1] - s * step[:, 0], step[:, 2]], axis=1)
+    return group.relative(poses[:-1], poses[1:])
 
 
 def linearise(model: Model, joint_angles: Floats, poses: Floats, ends: Ends = "not-a-knot") -> Linearised:
@@ -71,15 +70,17 @@ def linearise(model: Model, joint_angles: Floats, poses: Floats, ends: Ends = "n
     inputs = (joint_angles[:-1].T, joint_angles[1:].T, modelled.T, np.tile(model.parameters[:, None], steps))
     results = _mapped(model.structure, steps)(*inputs)
     by_pose, by_angles, by_after, by_parameters = (_stack(result, steps) for result in results)
-    solve = np.linalg.inv(by_pose)
+    widths = np.cumsum([by_angles.shape[2], by_after.shape[2]])
+    root_by = implicit_derivative(by_pose[None], np.concatenate([by_angles, by_after, by_parameters], axis=2))
+    before, after, parameters = np.split(root_by, widths, axis=2)
     pose_before, pose_after = _relative_derivatives(poses, relative)
     if model.body.is_animal:
         modelled = relative_poses(simulate_curve(model, motion.vertices, ends=ends).poses)
     return Linearised(
         relative - modelled,
-        np.concatenate([pose_before, solve @ by_angles], axis=2),
-        np.concatenate([pose_after, solve @ by_after], axis=2),
-        solve @ by_parameters,
+        np.concatenate([pose_before, -before], axis=2),
+        np.concatenate([pose_after, -after], axis=2),
+        -parameters,
     )
 
 

@@ -25,7 +25,7 @@ from serpenoid.optimise import joint_blocks
 from serpenoid.optimise.blocks import StepBlocks
 from serpenoid.optimise.growing_blocks import GrowingBlocks
 from serpenoid.optimise.joint_blocks import JointBlocks, step_functions, with_directions
-from serpenoid.simulation.chain import difference_weights
+from serpenoid.simulation import inertia
 from serpenoid.simulation.law import MediumNumbers, coordinates
 from serpenoid.simulation.servos import coordinates as servo_coordinates
 
@@ -64,9 +64,7 @@ def combination(model: Model, steps: int) -> ca.DM:
     """Residuals (3 T) from values (6 T): drag, and with inertia the momenta of this step and the two before it."""
     total = np.kron(np.eye(steps), np.eye(3, 6))
     if model.knows("history"):
-        rates = difference_weights(_times(model, steps)) * model.step_duration(steps)
-        for age in range(3):
-            total += np.kron(np.diag(rates[age:, age], -age), np.eye(3, 6, 3))
+        total += np.kron(inertia.matrix(inertia.coefficients(_times(model, steps))), np.eye(3, 6, 3))
     return ca.sparsify(ca.DM(total))
 
 

@@ -27,13 +27,14 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseBounds, EllipseGait
 from serpenoid.mechanics import energy, functions, kinematics
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.problem import Lift, Problem
+from serpenoid.simulation.newton import TOLERANCE, State, newton
 from serpenoid.status import Status
 
 NAMES = ("a", "xi", "phase", "bias")  # [per body length], [waves], [cycles], none
 SUPPORT = 100.0  # times the drag of a step of a body length: what stands tilts by thousandths of a radian
-NEWTON, ROOT = 30, 1e-12
 LIMITS = {"joint_limits"}  # constraints that gaits in space know
 
 
@@ -175,23 +176,22 @@ class LiftedBody:
         return ca.Function("lifted_step", [pose, q, t, u], outputs, functions.CSE)
 
     def play(self, gait: Floats, steps: int) -> SpatialMotion:
-        """All steps at once by Newton's method from rest, then the frames one after the other."""
+        """All steps side by side by Newton's method from rest, then the frames one after the other."""
         t = np.arange(steps) / steps
-        each, poses = self.step.map(steps), np.zeros((6, steps))
-        given = np.tile(gait[:, None], (1, steps)), t[None], t[None] + 1 / steps
-        for _ in range(NEWTON):
-            slope, value, curvature = (x.full() for x in each(poses, *given))
-            blocks = curvature.reshape(6, steps, 6).transpose(1, 0, 2)
-            if not np.isfinite(slope).all() or np.abs(slope).max() <= ROOT:
-                break
-            poses = poses - np.linalg.solve(blocks, slope.T[..., None])[..., 0].T
-        sound = np.abs(slope).max() <= ROOT and np.linalg.eigvalsh(blocks).min() > 0
+
+        def equations(poses: Floats, which: np.ndarray) -> State:
+            given = np.tile(gait, (len(which), 1)), t[which], t[which] + 1 / steps
+            slope, value, curvature = evaluate(_over(self.step, len(which)), poses, *given)
+            return State(slope.T, np.ascontiguousarray(curvature.T).reshape(1, -1, 6, 6), (value[0],))
+
+        poses, state = newton(equations, np.zeros((steps, 6)))
+        sound = bool((state.size <= TOLERANCE).all()) and np.linalg.eigvalsh(state.slopes[0]).min() > 0
         frames = np.zeros((steps + 1, 12))
         frames[0, [0, 4, 8]] = 1.0
         after = compose()
         for i in range(steps):
-            frames[i + 1] = after(frames[i], poses[:, i]).full()[:, 0]
-        return SpatialMotion(bool(sound), poses.T, frames, steps * float(value.sum()))
+            frames[i + 1] = after(frames[i], poses[i]).full()[:, 0]
+        return SpatialMotion(bool(sound), poses, frames, steps * float(state.more[0].sum()))
 
     def rows(self, gait: Floats, steps: int) -> tuple[Floats, Floats, Floats]:
         """Vertices (T + 1, N, 3), contact over the body's weights (T + 1, N), joints yaw and pitch (T, 2 m)."""
@@ -201,6 +201,11 @@ class LiftedBody:
         contact = np.array([f[1].full()[:, 0] for f in found]) / self.model.body.vertex_weights
         joints = np.array([np.concatenate([f[2].full()[:, 0], f[3].full()[:, 0]]) for f in found[:-1]])
         return vertices, contact, joints
+
+
+@lru_cache(maxsize=64)
+def _over(function: ca.Function, steps: int) -> ca.Function:
+    return function.map(steps)
 
 
 @lru_cache(maxsize=1)

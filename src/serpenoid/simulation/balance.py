@@ -1,7 +1,7 @@
-"""Steps with effects that do not depend on each other: Newton's method for all of them at once.
+"""Steps with effects that do not depend on each other: Newton's method for all of them, side by side.
 
-Each step starts from the baseline's root and has a damping of its own. Where that fails, the effects are switched on
-little by little. A root is sound if the residual vanishes and its derivative has the sign of a resisting medium.
+Each step starts from the baseline's root. Where that fails, the effects are switched on little by little. A root is
+sound if the residual vanishes and its derivative has the sign of a resisting medium.
 
 Legend: S steps, M elements.
 """
@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
 from serpenoid.simulation.law import MediumNumbers, evaluate
-from serpenoid.simulation.steps import TOLERANCE, Steps
+from serpenoid.simulation.newton import TOLERANCE, State, newton
+from serpenoid.simulation.steps import Steps
 
-ITERATIONS = 60
 STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
 
 
@@ -55,20 +56,20 @@ def solve_balance(
     that know history are left out.
     """
     coast = coast or at_rest(len(guess))
-    root = _newton(model, before, after, times, starts, compose(starts, guess), coast, 1.0)
+    root = _newton(model, before, after, times, starts, group.compose(starts, guess), coast, 1.0)
     for strength in STRENGTHS:
         bad = ~root.sound
         if not bad.any():
             break
         if strength == STRENGTHS[0]:
-            root.relative[bad] = compose(starts, guess)[bad]
+            root.relative[bad] = group.compose(starts, guess)[bad]
         again = _subset(before, after, bad)
         part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], coast.part(bad), strength)
         root.relative[bad] = part.relative
         if strength == STRENGTHS[-1]:
             root.sound[bad], root.residual[bad], root.energy[bad] = part.sound, part.residual, part.energy
             root.slopes[bad] = part.slopes
-    return replace(root, relative=relative(starts, root.relative))
+    return replace(root, relative=group.relative(starts, root.relative))
 
 
 def solve_near(
@@ -81,8 +82,8 @@ def solve_near(
     coast: Coast | None = None,
 ) -> Balance:
     """The same from relative poses `near` (S, 3) of a model much like this one; those that lead nowhere not sound."""
-    found = _newton(model, before, after, times, starts, compose(starts, near), coast or at_rest(len(near)), 1.0)
-    return replace(found, relative=relative(starts, found.relative))
+    found = _newton(model, before, after, times, starts, group.compose(starts, near), coast or at_rest(len(near)), 1.0)
+    return replace(found, relative=group.relative(starts, found.relative))
 
 
 def at_rest(count: int) -> Coast:
@@ -100,44 +101,23 @@ def _newton(
     coast: Coast,
     strength: float,
 ) -> Balance:
-    """Damped Newton for the second poses; `relative` of the answer holds poses on the floor."""
-    law = MediumNumbers.of(model, strength)
-    home, count = starts * [1, 1, 0], len(ends)
+    """The second poses by Newton's method; `relative` of the answer holds poses on the floor."""
+    law, home = MediumNumbers.of(model, strength), starts * [1, 1, 0]
     settings, carried = law.settings(times), about(coast.carried, home)
     settings[3:5] = home[:, :2].T
-    residual, energy = np.full(count, np.inf), np.full(count, np.nan)
-    slopes = np.zeros((count, 3, 3))
-    damping, step = np.ones(count), np.zeros((count, 3))
-    base, turned = ends - home, starts - home
-    elements = by_step(before, count), by_step(after, count)
-    todo = np.arange(count)
-    for _ in range(ITERATIONS):
-        trial = base[todo] + damping[todo, None] * step[todo]
-        first, last = (x[todo].reshape(-1, 4).T for x in elements)
-        poses = np.hstack([turned[todo], trial]).T
-        value, work, slope = evaluate("balance", law, first, last, poses, settings[:, todo])
-        rate = coast.rate[todo, None]
-        excess = value[:, :3] + rate * value[:, 3:] + carried[todo]
-        size = np.abs(excess).max(1)
-        size = np.where(np.isfinite(size), size, np.inf)
-        better = size < residual[todo]
-        won, lost = todo[better], todo[~better]
-        base[won], residual[won], energy[won] = trial[better], size[better], work[better]
-        slopes[won] = (slope[:, :3] + rate[..., None] * slope[:, 3:])[better]
-        step[won] = -_solve(slopes[won], excess[better])
-        damping[won], damping[lost] = np.minimum(1.0, 2 * damping[won]), damping[lost] / 3
-        todo = todo[(residual[todo] > TOLERANCE / 10) & (damping[todo] > 1e-8)]
-        if todo.size == 0:
-            break
-    sound = (residual <= TOLERANCE) & (np.linalg.det(slopes) > 0)
-    return Balance(base + home, energy, residual, sound, about(slopes, -home))
+    elements = by_step(before, len(ends)), by_step(after, len(ends))
 
+    def equations(trial: Floats, steps: np.ndarray) -> State:
+        first, last = (x[steps].reshape(-1, 4).T for x in elements)
+        poses = np.hstack([(starts - home)[steps], trial]).T
+        value, energy, slope = evaluate("balance", law, first, last, poses, settings[:, steps])
+        rate = coast.rate[steps, None]
+        residual = value[:, :3] + rate * value[:, 3:] + carried[steps]
+        return State(residual, (slope[:, :3] + rate[..., None] * slope[:, 3:])[None], (energy,))
 
-def _solve(matrix: Floats, right: Floats) -> Floats:
-    """Solutions of 3 x 3 systems; a singular one is met by a short step downhill."""
-    singular = ~(np.abs(np.linalg.det(matrix)) > 1e-300)
-    regular = np.where(singular[:, None, None], np.eye(3), matrix)
-    return np.asarray(np.linalg.solve(regular, right[..., None])[..., 0], np.float64)
+    moved, state = newton(equations, ends - home)
+    sound = (state.size <= TOLERANCE) & state.resisting
+    return Balance(moved + home, state.more[0], state.size, sound, about(state.slopes[0], -home))
 
 
 def by_step(elements: Floats, count: int) -> Floats:
@@ -157,18 +137,3 @@ def about(momenta: Floats, point: Floats) -> Floats:
     x, y = (point[..., i].reshape(-1, *[1] * (momenta.ndim - 2)) for i in range(2))
     moved[:, 2] -= x * momenta[:, 1] - y * momenta[:, 0]
     return moved
-
-
-def compose(starts: Floats, relative: Floats) -> Floats:
-    """Poses reached from `starts` (S, 3) by relative motions (S, 3)."""
-    c, s = np.cos(starts[:, 2]), np.sin(starts[:, 2])
-    x = starts[:, 0] + c * relative[:, 0] - s * relative[:, 1]
-    y = starts[:, 1] + s * relative[:, 0] + c * relative[:, 1]
-    return np.column_stack([x, y, starts[:, 2] + relative[:, 2]])
-
-
-def relative(starts: Floats, ends: Floats) -> Floats:
-    """Poses `ends` (S, 3) in the frames of `starts` (S, 3)."""
-    d = ends - starts
-    c, s = np.cos(starts[:, 2]), np.sin(starts[:, 2])
-    return np.column_stack([c * d[:, 0] + s * d[:, 1], c * d[:, 1] - s * d[:, 0], d[:, 2]])

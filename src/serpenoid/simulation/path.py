@@ -14,7 +14,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
-from serpenoid.simulation.chain import Chain, evaluate_window, solve_linear
+from serpenoid.simulation.chain import Chain, evaluate_window
+from serpenoid.simulation.newton import implicit_derivative
 from serpenoid.simulation.rollout import simulate_vertices
 from serpenoid.simulation.sensitivity import Column, MeasuredSteps, recorded
 from serpenoid.status import Status
@@ -54,14 +55,14 @@ def path_sensitivities(
     rows, count = len(motion.poses), len(columns)
     if motion.status is not Status.SOLVED:
         return PathSensitivities(motion, np.full((rows, 3, 3), np.nan), np.full((rows, 3, count), np.nan), columns)
-    chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.steps.rates)
+    chain = Chain(problem.law, *problem.elements_by_step, problem.settings, problem.steps.inertia)
     now = evaluate_window(chain, slice(0, rows - 1), motion.poses, np.zeros((2, 3)))
     given = 0 if start is None else len(np.atleast_2d(start)) - 1
-    right = np.zeros((rows - 1, 3, 3 + count))
+    residual_by = np.zeros((rows - 1, 3, 3 + count))
     for age in range(1, min(4, rows - given)):  # the pose begun with is in the residuals of three steps
-        right[given + age - 1, :, :3] = -now.slopes[age, given + age - 1]
-    right[:, :, 3:] = -problem.residual_derivatives(problem.measured, columns)
+        residual_by[given + age - 1, :, :3] = now.slopes[age, given + age - 1]
+    residual_by[:, :, 3:] = problem.residual_derivatives(problem.measured, columns)
     first = np.zeros((given + 1, 3, 3 + count))
     first[-1, :, :3] = np.eye(3)
-    by = np.concatenate([first, solve_linear(now.slopes[:, given:], right[given:])])
+    by = np.concatenate([first, implicit_derivative(now.slopes[:, given:], residual_by[given:])])
     return PathSensitivities(motion, by[..., :3], by[..., 3:], columns)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, MediumEffect
@@ -20,8 +21,9 @@ from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
 from serpenoid.model import Model
 from serpenoid.simulation import balance, servos
 from serpenoid.simulation.balance import Balance
-from serpenoid.simulation.chain import difference_weights
+from serpenoid.simulation.inertia import carried, coefficients
 from serpenoid.simulation.law import MediumNumbers, evaluate, sensitivities
+from serpenoid.simulation.newton import implicit_derivative
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.steps import elements_of_vertices, solve_steps
 
@@ -61,8 +63,7 @@ class MeasuredSteps:
     """Measured shapes and poses as steps, of one recording or of several, one after the other.
 
     before, after: elements (4, M S); spans (S, 2) [s]: when each step begins and ends; starts, ends (S, 3): measured
-    poses on the floor [body lengths, rad]; rates (S, 3): coefficients of momenta (see `chain.difference_weights`),
-    times the steps' durations.
+    poses on the floor [body lengths, rad]; inertia (S, 3): coefficients of momenta.
     """
 
     before: Floats
@@ -70,29 +71,27 @@ class MeasuredSteps:
     spans: Floats
     starts: Floats
     ends: Floats
-    rates: Floats
+    inertia: Floats
 
     @classmethod
     def of(cls, model: Model, vertices: Floats, times: Floats, floor: Floats) -> MeasuredSteps:
         """Of vertices (R, N, 2) [body lengths] at `times` (R,) with poses (R, 3)."""
         m = model.structure.elements
         elements = np.ascontiguousarray(elements_of_vertices(model, body_frame(model, vertices)).T).T  # step by step
-        rates = difference_weights(times) * np.diff(times)[:, None]
-        rates[0, 1:], rates[1:2, 2] = 0.0, 0.0  # nothing moved before
         spans = np.column_stack([times[:-1], times[1:]])
-        return cls(elements[:, :-m], elements[:, m:], spans, floor[:-1], floor[1:], rates)
+        return cls(elements[:, :-m], elements[:, m:], spans, floor[:-1], floor[1:], coefficients(times))
 
     @classmethod
     def joined(cls, parts: Sequence[MeasuredSteps]) -> MeasuredSteps:
         """Several recordings."""
         elements = (np.concatenate([getattr(p, name).T for p in parts]).T for name in ("before", "after"))
-        others = (np.concatenate([getattr(p, name) for p in parts]) for name in ("spans", "starts", "ends", "rates"))
+        others = (np.concatenate([getattr(p, name) for p in parts]) for name in ("spans", "starts", "ends", "inertia"))
         return cls(*elements, *others)
 
     def some(self, keep: np.ndarray) -> MeasuredSteps:
         """Those with the numbers `keep`."""
         elements = (balance.by_step(x, len(self))[keep].reshape(-1, 4).T for x in (self.before, self.after))
-        return MeasuredSteps(*elements, *(x[keep] for x in (self.spans, self.starts, self.ends, self.rates)))
+        return MeasuredSteps(*elements, *(x[keep] for x in (self.spans, self.starts, self.ends, self.inertia)))
 
     def __len__(self) -> int:
         return len(self.spans)
@@ -240,21 +239,21 @@ class Recorded:
         if not self.model.knows("history"):
             return None
         now = evaluate("balance", self.law, self.steps.before, self.steps.after, self.measured, self.settings)[0]
-        return balance.Coast(self.steps.rates[:, 0], self._carried(now[:, 3:]))
+        return balance.Coast(self.steps.inertia[:, 0], carried(self.steps.inertia, now[:, 3:]))
 
     def _slopes(self, relative: Floats) -> Floats:
         s = self.steps
-        poses = np.hstack([s.starts, balance.compose(s.starts, np.nan_to_num(relative))]).T
+        poses = np.hstack([s.starts, group.compose(s.starts, np.nan_to_num(relative))]).T
         slope = evaluate("balance", self.law, s.before, s.after, poses, self.settings)[2]
-        return slope[:, :3] + s.rates[:, :1, None] * slope[:, 3:]
+        return slope[:, :3] + s.inertia[:, :1, None] * slope[:, 3:]
 
     def differentiate(self, root: Balance, columns: Sequence[Column]) -> Floats:
         """Derivatives (S, 3, P) of the relative poses."""
         starts = self.steps.starts
-        ends = balance.compose(starts, np.nan_to_num(root.relative))
+        ends = group.compose(starts, np.nan_to_num(root.relative))
         by = self.residual_derivatives(np.hstack([starts, ends]).T, columns)
         slopes = np.where(root.sound[:, None, None], root.slopes, np.eye(3))
-        ends_by = -np.linalg.solve(slopes, by)
+        ends_by = implicit_derivative(slopes[None], by)
         c, s = np.cos(starts[:, 2])[:, None], np.sin(starts[:, 2])[:, None]
         x, y = ends_by[:, 0], ends_by[:, 1]
         return np.stack([c * x + s * y, c * y - s * x, ends_by[:, 2]], axis=1)
@@ -265,7 +264,8 @@ class Recorded:
         total = now[:, :3]
         if self.history:
             earlier = self._by_columns(self.measured, columns)[:, 3:]
-            total = total + self.steps.rates[:, 0, None, None] * now[:, 3:] + self._carried(earlier)
+            c = self.steps.inertia
+            total = total + c[:, 0, None, None] * now[:, 3:] + carried(c, earlier)
         return total
 
     def _by_columns(self, poses: Floats, columns: Sequence[Column]) -> Floats:
@@ -283,14 +283,6 @@ class Recorded:
             places, rows = np.array(at).T
             found[:, :, placed] = somewhere[:, :, places, rows]
         return found
-
-    def _carried(self, momenta: Floats) -> Floats:
-        """What earlier momenta (S, 3, ...) add to each step's residual."""
-        zero = np.zeros((2, *momenta.shape[1:]))
-        earlier = np.concatenate([zero, momenta])
-        rates = self.steps.rates
-        shape = (-1, *[1] * (momenta.ndim - 1))
-        return rates[:, 1].reshape(shape) * earlier[1:-1] + rates[:, 2].reshape(shape) * earlier[:-2]
 
 
 def _fields(found: Balance) -> tuple[Floats, ...]:

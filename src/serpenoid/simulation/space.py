@@ -4,6 +4,8 @@ The root sought is the minimum of the step energy nearest to the rigid alignment
 that alignment finds it where the chain is bent; a nearly straight chain leaves its roll all but undetermined, and there
 (or where the root is no minimum) the energy is descended first, by Newton steps whose curvature is made positive. The
 chain is moved to every new estimate, so that the rotation sought is small, whatever frames the shapes came in.
+
+Legend: R rows, S = R - 1 steps, N vertices, M elements.
 """
 
 from __future__ import annotations
@@ -17,11 +19,12 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
+from serpenoid.simulation.newton import TOLERANCE, State, newton
 from serpenoid.status import Status
 
 SPRING = 1e-9  # keeps Newton's matrix regular: as stiff as the roll of a chain that is straight to 1e-5 body lengths
-TOLERANCE = 1e-12
 DESCENT_STEPS = 200
 POLISHING_STEPS = 5
 LONGEST_TURN = 0.5  # rad, in one step of the descent
@@ -46,46 +49,80 @@ def simulate_in_space(model: Model, vertices: Floats) -> SpatialTrajectory:
     shapes = np.asarray(vertices, float)
     rows = shapes.shape[0]
     rotations, translations = np.tile(np.eye(3), (rows, 1, 1)), np.zeros((rows, 3))
-    energies, residuals = np.zeros(rows - 1), np.zeros(rows - 1)
     if not np.isfinite(shapes).all() or (np.linalg.norm(np.diff(shapes, axis=1), axis=2) <= 0).any():
-        lost = [np.full_like(x, np.nan) for x in (rotations, translations, shapes, energies)]
+        lost = [np.full_like(x, np.nan) for x in (rotations, translations, shapes, np.zeros(rows - 1))]
         return SpatialTrajectory(Status.BAD_SHAPE, lost[0], lost[1], lost[2], lost[3], np.inf)
+    if rows == 1:
+        return SpatialTrajectory(Status.SOLVED, rotations, translations, shapes, np.zeros(0), 0.0)
+    origins = shapes[:-1].mean(1)
+    placement = _Placement.of(model, shapes[:-1] - origins[:, None], shapes[1:])
+    energies, residuals = placement.solve()
     for t in range(rows - 1):
-        origin = shapes[t].mean(0)
-        step = _Step(model, shapes[t] - origin, shapes[t + 1])
-        energies[t], residuals[t] = step.solve()
-        translations[t + 1] = translations[t] + rotations[t] @ (step.shift + origin)
-        rotations[t + 1] = rotations[t] @ step.rotation
+        translations[t + 1] = translations[t] + rotations[t] @ (placement.shift[t] + origins[t])
+        rotations[t + 1] = rotations[t] @ placement.rotation[t]
     status = Status.SOLVED if (residuals <= TOLERANCE).all() else Status.STEP_UNSOLVED
     placed = np.einsum("rij,rnj->rni", rotations, shapes) + translations[:, None]
     return SpatialTrajectory(status, rotations, translations, placed, energies, float(residuals.max(initial=0.0)))
 
 
-class _Step:
-    """Chain `after` on its way to its place against `before`: x -> rotation x + shift."""
+@dataclass
+class _Placement:
+    """Chains `after` on their way to their places against `before`: x -> rotation x + shift, step by step.
 
-    def __init__(self, model: Model, before: Floats, after: Floats) -> None:
-        self.newton, self.energy, self.to_elements = _functions(model.structure)
-        self.after, self.parameters = after, model.parameters
-        self.before = self.to_elements(before.T)
-        self.rotation, self.shift = _alignment(before, after)
+    before: elements (S, M, 6); after (S, N, 3); rotation (S, 3, 3); shift (S, 3).
+    """
 
-    def solve(self) -> tuple[float, float]:
-        """Move to the minimum; returns energy and residual."""
-        start = self.rotation, self.shift
-        if not np.isfinite(self._expansion()[1]).all():  # a chain folded back on itself has no tangent at the fold
-            return np.nan, np.inf
+    model: Model
+    before: Floats
+    after: Floats
+    rotation: Floats
+    shift: Floats
+
+    @classmethod
+    def of(cls, model: Model, before: Floats, after: Floats) -> _Placement:
+        """Laid on each other."""
+        pairs = [_alignment(b, a) for b, a in zip(before, after, strict=True)]
+        rotation, shift = (np.array(found) for found in zip(*pairs, strict=True))
+        return cls(model, _elements(model.structure, before), after, rotation, shift)
+
+    def part(self, steps: np.ndarray) -> _Placement:
+        """Some of the steps."""
+        arrays = (a[steps] for a in (self.before, self.after, self.rotation, self.shift))
+        return _Placement(self.model, *arrays)
+
+    def put(self, steps: np.ndarray, other: _Placement) -> None:
+        """Take over the places of some steps."""
+        self.rotation[steps], self.shift[steps] = other.rotation, other.shift
+
+    def solve(self) -> tuple[Floats, Floats]:
+        """Move to the minima; energies and residuals (S,)."""
+        start = self.part(np.arange(len(self.after)))
         for _ in range(2):  # the second time takes the spring out
-            self._move(self.newton(0, self.before, self._elements(), self.parameters).full()[:, 0])
+            self._move(self._newton())
         value, slope, curvature = self._expansion()
-        sound = np.abs(slope).max() <= TOLERANCE and np.linalg.eigvalsh(curvature)[0] > -TOLERANCE
-        if not sound:
-            self.rotation, self.shift = start
-            value, slope = self._descend()
-        return value, float(np.abs(slope).max())
+        finite = np.asarray(np.isfinite(slope).all(1))  # a chain folded back on itself has no tangent at the fold
+        stiffness = np.linalg.eigvalsh(np.where(finite[:, None, None], curvature, 0.0))[:, 0]
+        residual = np.where(finite, np.abs(slope).max(1), np.inf)
+        for s in np.flatnonzero(finite & ~((residual <= TOLERANCE) & (stiffness > -TOLERANCE))):
+            one = start.part(np.array([s]))
+            value[s], residual[s] = one._descend()
+            self.put(np.array([s]), one)
+        value[~finite] = np.nan
+        return value, residual
 
-    def _descend(self) -> tuple[float, Floats]:
-        value, slope, curvature = self._expansion()
+    def _newton(self) -> Floats:
+        """Poses (S, 6) that lead to the minima, against a weak spring."""
+        after, spring = self._placed(), SPRING * np.array([0.0, 0, 0, 1, 1, 1])
+
+        def equations(pose: Floats, steps: np.ndarray) -> State:
+            _, slope, curvature = _expand(self.model, self.before[steps], after[steps], pose)
+            return State(slope + spring * pose, (curvature + np.diag(spring))[None])
+
+        return newton(equations, np.zeros((len(after), 6)), tolerance=TOLERANCE / 1000)[0]
+
+    def _descend(self) -> tuple[float, float]:
+        """Of one step: energy and residual where its energy is least."""
+        value, slope, curvature = self._here()
         for _ in range(DESCENT_STEPS):
             if np.abs(slope).max() <= TOLERANCE / 100:
                 break
@@ -94,8 +131,8 @@ class _Step:
             pose *= min(1.0, LONGEST_TURN / max(float(np.linalg.norm(pose[3:])), 1e-300))
             here = self.rotation, self.shift
             for _ in range(30):
-                self._move(pose)
-                there = self._expansion()
+                self._move(pose[None])
+                there = self._here()
                 if there[0] <= value:
                     break
                 (self.rotation, self.shift), pose = here, pose / 2
@@ -104,48 +141,66 @@ class _Step:
             value, slope, curvature = there
         return self._polished(value, slope, curvature)
 
-    def _polished(self, value: float, slope: Floats, curvature: Floats) -> tuple[float, Floats]:
+    def _polished(self, value: float, slope: Floats, curvature: Floats) -> tuple[float, float]:
         """Near the minimum the energy's last digits say nothing: Newton steps as long as they flatten the slope."""
         for _ in range(POLISHING_STEPS):
             here = self.rotation, self.shift
-            self._move(np.asarray(-np.linalg.lstsq(curvature, slope, rcond=1e-14)[0], dtype=float))
-            there = self._expansion()
+            self._move(np.asarray(-np.linalg.lstsq(curvature, slope, rcond=1e-14)[0], dtype=float)[None])
+            there = self._here()
             if np.abs(there[1]).max() >= np.abs(slope).max() or np.linalg.eigvalsh(there[2])[0] < -TOLERANCE:
                 self.rotation, self.shift = here
                 break
             value, slope, curvature = there
-        return value, slope
+        return value, float(np.abs(slope).max())
 
-    def _move(self, pose: Floats) -> None:
-        turn = _cayley(pose[3:])
-        self.rotation, self.shift = turn @ self.rotation, turn @ self.shift + pose[:3]
+    def _move(self, poses: Floats) -> None:
+        turns = np.array([_cayley(pose[3:]) for pose in poses])
+        self.shift = np.einsum("sij,sj->si", turns, self.shift) + poses[:, :3]
+        self.rotation = turns @ self.rotation
 
-    def _elements(self) -> ca.DM:
-        return self.to_elements((self.after @ self.rotation.T + self.shift).T)
+    def _placed(self) -> Floats:
+        """Elements (S, M, 6) of the chains where they are."""
+        chains = np.einsum("sij,snj->sni", self.rotation, self.after) + self.shift[:, None]
+        return _elements(self.model.structure, chains)
 
-    def _expansion(self) -> tuple[float, Floats, Floats]:
-        value, slope, curvature = self.energy(self.before, self._elements(), self.parameters)
-        return float(value), slope.full()[:, 0], curvature.full()
+    def _expansion(self) -> tuple[Floats, Floats, Floats]:
+        after = self._placed()
+        return _expand(self.model, self.before, after, np.zeros((len(after), 6)))
+
+    def _here(self) -> tuple[float, Floats, Floats]:
+        value, slope, curvature = self._expansion()
+        return float(value[0]), slope[0], curvature[0]
+
+
+def _elements(structure: Structure, chains: Floats) -> Floats:
+    """Elements (S, M, 6) of chains (S, N, 3)."""
+    function = _mapped(functions.shape_elements(structure, 3), len(chains))
+    (found,) = evaluate(function, chains)
+    return np.ascontiguousarray(found.T).reshape(len(chains), -1, 6)
+
+
+def _expand(model: Model, before: Floats, after: Floats, poses: Floats) -> tuple[Floats, Floats, Floats]:
+    """Energy (S,), its gradient (S, 6) and Hessian (S, 6, 6) by the poses (S, 6) of elements `after` (S, M, 6)."""
+    function = _mapped(_energy(model.structure), len(poses))
+    value, slope, curvature = evaluate(function, before, after, poses, model.parameters)
+    return value[0], slope.T, np.ascontiguousarray(curvature.T).reshape(-1, 6, 6)
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure) -> tuple[ca.Function, ca.Function, ca.Function]:
-    """Root finder (guess, before, after, parameters) -> pose; energy with slope and curvature; vertices to elements."""
+def _energy(structure: Structure) -> ca.Function:
     size = (6, structure.elements)
     pose, before, after = ca.SX.sym("pose", 6), ca.SX.sym("before", *size), ca.SX.sym("after", *size)
     parameters = ca.SX.sym("parameters", 2 * structure.vertices)
-    momentum = functions.step_momentum(structure, 3)(before, after, pose, parameters)
-    spring = ca.vertcat(SPRING * pose[3:], ca.SX.zeros(3))
-    equation = {"x": pose, "p": ca.vertcat(ca.vec(before), ca.vec(after), parameters), "g": momentum + spring}
-    newton = ca.rootfinder("place", "newton", equation, {"abstol": 1e-15, "max_iter": 30, "error_on_fail": False})
-    x, b, a = ca.MX.sym("x", 6), ca.MX.sym("b", *size), ca.MX.sym("a", *size)
-    p = ca.MX.sym("p", parameters.numel())
-    finder = ca.Function("step_in_space", [x, b, a, p], [newton(x, ca.vertcat(ca.vec(b), ca.vec(a), p))])
     value = functions.step_energy(structure, 3)(before, after, pose, parameters)
     curvature, slope = ca.hessian(value, pose)
-    here = [ca.substitute(expression, pose, ca.SX.zeros(6)) for expression in (value, slope, ca.densify(curvature))]
-    energy = ca.Function("energy_in_space", [before, after, parameters], here, functions.CSE)
-    return finder, energy, functions.shape_elements(structure, 3)
+    outputs = [value, slope, ca.densify(curvature)]
+    return ca.Function("energy_in_space", [before, after, pose, parameters], outputs, functions.CSE)
+
+
+@lru_cache(maxsize=128)
+def _mapped(function: ca.Function, count: int) -> ca.Function:
+    shared = [3] if function.n_in() == 4 else []
+    return function.map(f"map{count}_{function.name()}", "serial", count, shared, [])
 
 
 def _alignment(before: Floats, after: Floats) -> tuple[Floats, Floats]:

@@ -18,8 +18,8 @@ from scipy.optimize import brentq
 from serpenoid.body import Floats
 from serpenoid.mechanics import columns, functions
 from serpenoid.model import Model, Structure
+from serpenoid.simulation.newton import TOLERANCE
 
-TOLERANCE = 1e-12
 SUSPICIOUS_TURN = 0.35  # rad; a step of a resolved gait turns far less
 CHUNK = 1600  # rows whose elements stay in the second cache
 SAMPLES = 720  # half a degree: the energy has two harmonics, so its minima are far wider apart

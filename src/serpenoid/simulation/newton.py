@@ -1,0 +1,128 @@
+"""Newton's method for the equations of steps, side by side or in a chain, and the derivative of what it finds.
+
+    r_i(x_i, x_{i-1}, .., x_{i-K+1}; theta) = 0,   slopes[k, i] = d r_i / d x_{i-k}
+    dx = -A^{-1} r,   dx / dtheta = -A^{-1} dr / dtheta        (implicit function theorem: the same system)
+
+A is block-banded: of steps that do not know each other K is 1, each has a damping of its own and leaves when it is
+done; of a chain (place, momentum) all steps are damped together. Equations are the only difference.
+
+Legend: S steps, n some of them, d unknowns of a step (3 in the plane, 6 in space), P parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, solve_banded
+
+from serpenoid.body import Floats
+
+TOLERANCE = 1e-12  # of a root's residual
+ITERATIONS = 60
+LEAST_DAMPING = 1e-8
+
+
+@dataclass(frozen=True)
+class State:
+    """Residuals (n, d) and slopes (K, n, d, d) of n steps; more: what else is known of them, arrays (n, ...)."""
+
+    residual: Floats
+    slopes: Floats
+    more: tuple[Floats, ...] = ()
+
+    @property
+    def size(self) -> Floats:
+        """Largest residual of each step (n,)."""
+        return np.asarray(np.abs(self.residual).max(1))
+
+    @property
+    def resisting(self) -> np.ndarray:
+        """Whether each step's own slope has the sign of a resisting medium (n,)."""
+        return np.asarray(np.linalg.det(self.slopes[0]) > 0)
+
+    def put(self, steps: np.ndarray, other: State, which: np.ndarray) -> None:
+        """Take over steps of another state."""
+        self.residual[steps], self.slopes[:, steps] = other.residual[which], other.slopes[:, which]
+        for mine, theirs in zip(self.more, other.more, strict=True):
+            mine[steps] = theirs[which]
+
+
+Equations = Callable[[Floats, np.ndarray], State]  # unknowns (n, d), numbers of these steps (n,)
+
+
+def newton(
+    equations: Equations, guess: Floats, together: int = 1, tolerance: float = TOLERANCE / 10
+) -> tuple[Floats, State]:
+    """Unknowns (S, d) and the state there, from a guess; `together` successive steps share their damping.
+
+    Whether they are roots says the state: a step that finds none stays where its residual was least.
+    """
+    every = np.arange(len(guess))
+    x, kept = guess.copy(), equations(guess, every)
+    size, damping = _largest(kept, together), np.ones(len(guess) // together)
+    step = -solution(kept.slopes, kept.residual[..., None])[..., 0]
+    bad = ~np.isfinite(kept.residual).all(1)
+    kept.residual[bad], kept.slopes[:, bad] = np.inf, 0.0
+    todo = np.flatnonzero((size > tolerance) & (size < np.inf))
+    for _ in range(ITERATIONS):
+        if todo.size == 0:
+            break
+        steps = (todo[:, None] * together + np.arange(together)).ravel()
+        trial = x[steps] + np.repeat(damping[todo], together)[:, None] * step[steps]
+        found = equations(trial, steps)
+        now = _largest(found, together)
+        better = now < size[todo]
+        won, lost, which = todo[better], todo[~better], np.repeat(better, together)
+        x[steps[which]], size[won] = trial[which], now[better]
+        kept.put(steps[which], found, which)
+        step[steps[which]] = -solution(found.slopes[:, which], found.residual[which, :, None])[..., 0]
+        damping[won], damping[lost] = np.minimum(1.0, 2 * damping[won]), damping[lost] / 3
+        todo = todo[(size[todo] > tolerance) & (damping[todo] > LEAST_DAMPING)]
+    return x, kept
+
+
+def _largest(state: State, together: int) -> Floats:
+    """Largest residual of each group; infinite where one is not a number."""
+    size = state.size.reshape(-1, together).max(1)
+    return np.where(np.isfinite(size), size, np.inf)
+
+
+def implicit_derivative(slopes: Floats, by: Floats) -> Floats:
+    """Derivatives (S, d, P) of the roots, from slopes (K, S, d, d) and derivatives (S, d, P) of the residuals there."""
+    return -solution(slopes, by)
+
+
+def solution(slopes: Floats, right: Floats) -> Floats:
+    """Solutions (n, d, P) of the block-banded system with `right` (n, d, P).
+
+    Where it is singular: of a step alone `right` itself (a short step downhill), of a chain zero (a body that touches
+    nothing, a window that went astray).
+    """
+    return _alone(slopes[0], right) if len(slopes) == 1 else _banded(slopes, right)
+
+
+def _alone(matrix: Floats, right: Floats) -> Floats:
+    known = np.where(np.isfinite(matrix).all((1, 2), keepdims=True), matrix, 0.0)
+    singular = np.abs(np.linalg.det(known)) <= 1e-300
+    regular = np.where(singular[:, None, None], np.eye(matrix.shape[1]), known)
+    return np.asarray(np.linalg.solve(regular, right))
+
+
+def _banded(slopes: Floats, right: Floats) -> Floats:
+    k, count, d, _ = slopes.shape
+    lower, upper = d * k - 1, d - 1
+    bands = np.zeros((lower + upper + 1, d * count))
+    row, column = np.meshgrid(np.arange(d), np.arange(d), indexing="ij")
+    for below in range(k):
+        steps = np.arange(below, count)
+        i, j = d * steps[:, None, None] + row, d * (steps[:, None, None] - below) + column
+        bands[upper + i - j, j] = slopes[below, below:]
+    if not np.isfinite(bands).all():
+        return np.zeros_like(right)
+    try:
+        found = solve_banded((lower, upper), bands, right.reshape(d * count, -1))
+    except LinAlgError:
+        return np.zeros_like(right)
+    return np.asarray(found).reshape(right.shape)
