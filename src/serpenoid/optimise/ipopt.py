@@ -132,7 +132,7 @@ class Ipopt:
         x, p = nlp.variables, nlp.parameters
         seen = self._seen(nlp)
         problem = {"x": x, "p": p, "f": self.functions["f"](x, p), "g": seen["g"](x, p)}
-        given = {"jac_g": seen["jac_g"], "grad_f": self.functions["grad_f"]}
+        given = {"jac_g": seen["jac_g"], "grad_f": _alone(self.functions["grad_f"], x, p)}
         given |= {"hess_lag": seen["hess_lag"], "iteration_callback": self._callback}
         # a fresh barrier and a warm one are two configurations of the same problem
         self._arguments = {
@@ -189,17 +189,16 @@ class Ipopt:
         """The constraint Functions restricted to the kept rows."""
         total = sum(nlp.constraint_counts)
         names = {key: self.functions[key] for key in ("g", "jac_g", "hess_lag")}
-        if self._kept.size == total:
-            return names
         x, p, rows = nlp.variables, nlp.parameters, self._kept.tolist()
+        if self._kept.size == total:
+            return names | {"jac_g": _alone(names["jac_g"], x, p)}
         factor, multipliers = ca.MX.sym("factor"), ca.MX.sym("multipliers", self._kept.size)
-        g, jacobian = names["jac_g"](x, p)
         spread = ca.DM(ca.Sparsity.triplet(total, len(rows), rows, list(range(len(rows)))), 1.0)
         hessian = names["hess_lag"](x, p, factor, spread @ multipliers)
         lagrange = (["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"])
         return {
             "g": ca.Function("kept_g", [x, p], [names["g"](x, p)[rows]], ["x", "p"], ["g"]),
-            "jac_g": ca.Function("kept_jac_g", [x, p], [g[rows], jacobian[rows, :]], ["x", "p"], ["g", "jac_g_x"]),
+            "jac_g": _alone(names["jac_g"], x, p, rows),
             "hess_lag": ca.Function("kept_hess", [x, p, factor, multipliers], [hessian], *lagrange),
         }
 
@@ -211,6 +210,15 @@ class Ipopt:
     def _observe(self, objective: float) -> None:
         if self._watcher is not None:
             self._watcher(objective)
+
+
+def _alone(function: ca.Function, x: ca.MX, p: ca.MX, rows: list[int] | None = None) -> ca.Function:
+    """A derivative (of `rows`) without the value, which IPOPT asks for elsewhere: here it is not a number."""
+    value, slope = function.call([x, p], True, False)
+    if rows is not None:
+        value, slope = value[rows], slope[rows, :]
+    outputs = [ca.MX(ca.DM.nan(value.sparsity())), slope]
+    return ca.Function(f"{function.name()}_alone", [x, p], outputs, function.name_in(), function.name_out())
 
 
 def _complementarity(multiplier: Floats, value: Floats, lower: Floats, upper: Floats) -> float:
