@@ -10,7 +10,8 @@ the independent simulator, beside what a free gait of three harmonics needs for 
 sawtooth: the most efficient free gait of chains of growing length, the best of searches from serpenoid waves of several
 lengths. Its expected numbers follow from resistive-force theory (docs/theory.md).
 
-Solved starts are kept in results/published and not solved again by the same version of the package.
+Solved starts are kept in results/published, finished lines in results/benchmarks/published.json, and not made again by
+the same version of the package. Words of the command line choose lines ("box", "3 links", "40 edges").
 """
 
 from __future__ import annotations
@@ -19,10 +20,11 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from bench import REPORTS, report, table
-from free_gaits import package_hash
+from free_gaits import Kept, package_hash
 
 from oracle.chain import serpenoid_joint_table
 from oracle.integrator import Run
@@ -136,9 +138,7 @@ def searched(name: str, published: Published) -> list[str]:
     """All starts of a problem, and its line."""
     folder = KEPT / package_hash() / "-".join(published.words)
     result = solve(problem(*published.words), SEEDS, seed=0, folder=folder)
-    found = row(name, published, result)
-    sys.stderr.write(f"{found}\n")
-    return found
+    return row(name, published, result)
 
 
 def small_strokes(links: int) -> list[str]:
@@ -150,12 +150,10 @@ def small_strokes(links: int) -> list[str]:
     found = solve(problem("five-links", *changes), starts=1, seed=0).best
     dearness = found.trajectory.dissipation / found.trajectory.displacement
     lags = np.abs(cheapest.lags)
-    line = [
+    return [
         str(links), f"{cheapest.energy:.5f}", f"{dearness:.5f}", f"{100 * (dearness / cheapest.energy - 1):+.2f} %",
         f"{lags.min():.1f} to {lags.max():.1f}", found.status.name.lower(),
     ]  # fmt: skip
-    sys.stderr.write(f"{line}\n")
-    return line
 
 
 def sawtooth(edges: int) -> list[str]:
@@ -170,12 +168,10 @@ def sawtooth(edges: int) -> list[str]:
     angle, spread = tangent_angles(best.trajectory.vertices)
     laid = laid_out(best)
     reached = -EPS * best.cost
-    line = [
+    return [
         str(edges), f"{reached:.5f}", f"{reached / sawtooth_efficiency(EPS):.3f}", f"{np.rad2deg(angle):.1f}",
         f"{spread:.3f}", f"{abs(spent(best, laid) - best.cost):.0e}",
     ]  # fmt: skip
-    sys.stderr.write(f"{line}\n")
-    return line
 
 
 def commit() -> str:
@@ -188,12 +184,23 @@ def main() -> None:
     header = ["problem", "file", "source", "here", "objective", "reach it", "other optima", "certified", "otherwise",
               "simulators differ: poses", "objective"]  # fmt: skip
     chosen = sys.argv[1:]
-    named = {n: p for n, p in PROBLEMS.items() if not chosen or any(word in n for word in chosen)}
-    rows = [searched(name, published) for name, published in named.items()]
+    kept = Kept(REPORTS / "published.json")
+    makers: dict[str, Callable[[], list[str]]] = {
+        **{name: partial(searched, name, published) for name, published in PROBLEMS.items()},
+        **{f"{n} links": partial(small_strokes, n) for n in LINKS},
+        **{f"{n} edges": partial(sawtooth, n) for n in EDGES},
+    }
+    lines = {
+        name: kept.get(name, lambda make=make: {"line": make()})["line"]  # type: ignore[misc]
+        for name, make in makers.items()
+        if not chosen or any(word in name for word in chosen)
+    }
     if chosen:
         return
-    links = [small_strokes(n) for n in LINKS]
-    chains = [sawtooth(edges) for edges in EDGES]
+    rows, links, chains = (
+        [lines[name] for name in names]
+        for names in (PROBLEMS, (f"{n} links" for n in LINKS), (f"{n} edges" for n in EDGES))
+    )
     report(
         "published",
         "Published problems",

@@ -28,6 +28,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from serpenoid import interrupts
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 
@@ -266,4 +267,7 @@ def _climb(args: argparse.Namespace, problem: Problem) -> int:
         for r in rows
     ]
     options.report(args, rows, [*lines, f"written to {folder}"], folder)
+    if interrupts.noted:
+        options.complain(f"stopped after {len(steps)} of 4 families; they are in {folder}")
+        return 130
     return 0 if len(steps) == 4 and all(s.solution.status.ok for s in steps) else 1

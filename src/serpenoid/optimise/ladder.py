@@ -21,6 +21,7 @@ from serpenoid.objectives import Criteria
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem
+from serpenoid.status import Status
 
 ORDERS = (1, 2)
 Progress = Callable[[int, str], None]
@@ -36,6 +37,8 @@ class Step:
 
 def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress | None = None) -> tuple[Step, ...]:
     """The optimum of every family of the ladder; a step that fails is left out, the next starts from the last good one.
+
+    Ctrl-C ends the climb with the steps there are.
 
     `problem` asks for ellipses; its objective and limits hold on every step.
     """
@@ -59,6 +62,8 @@ def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress 
         if progress is not None:
             progress(number, name)
         found = solve_from(problem, begin(steps[-1].solution), no_more)
+        if found.status is Status.STOPPED:
+            break
         if found.status.ok:
             steps.append(Step(name, found))
     return tuple(steps)

@@ -29,6 +29,8 @@ def table_of(folders: Iterable[Path]) -> list[Row]:
     """Rows of all results in and below the folders, in the order of their paths."""
     rows: list[Row] = []
     for folder in folders:
+        if folder.is_file():
+            raise InputError(f"{folder}: is a file, no folder. Name the folder it is in, or one above.")
         if not folder.is_dir():
             raise InputError(f"{folder}: no such folder. Name one that holds results, or folders of them.")
         for path in sorted(folder.rglob("*")):
