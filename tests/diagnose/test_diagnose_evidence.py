@@ -73,3 +73,19 @@ def test_a_column_held_at_its_bound_is_not_shrunk(problem: tuple) -> None:
     shrunk = e.shrinking([2], np.zeros(1), np.array([-1.0]))
     assert shrunk.solve([0, 2], without=0)[0][1] == 0.0
     assert shrunk.held_out([0, 2]) == pytest.approx(e.held_out([0]))
+
+
+def test_where_every_gait_pulls_its_own_way_the_covariance_is_their_scatter() -> None:
+    rng, gaits, each = np.random.default_rng(5), 8, 200
+    own = rng.normal(scale=0.5, size=(300, gaits))  # each gait's slope, far more unlike than its noise tells
+    x, labels = rng.normal(size=(gaits * each, 1)), np.repeat(np.arange(gaits), each)
+    missed, said = [], []
+    for slopes in own:
+        r = (1.0 + slopes[labels]) * x[:, 0] + rng.normal(size=len(x))
+        value = Evidence.of(r, x, labels).solve([0])[0]
+        found = Evidence.of(r - x @ value, x, labels)
+        missed.append(value[0] - 1.0)
+        said.append(found.covariance([0])[0, 0])
+        assert said[-1] >= found.solve([0])[1][0, 0]
+    # 300 tries tell a variance to 8 %: two and a half of these
+    assert np.mean(said) == pytest.approx(np.var(missed), rel=0.2)

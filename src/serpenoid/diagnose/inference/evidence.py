@@ -71,6 +71,19 @@ class Evidence:
         inverse = np.linalg.inv(regular) / np.outer(scale, scale)
         return inverse @ vector, inverse
 
+    def covariance(self, chosen: Sequence[int], spread: float = 1.0) -> Floats:
+        """Of a fit's columns (C, C), at the fit: curvature times spread^2, and no less than what gaits disagree about.
+
+        Each gait pulls by its own score g; A^-1 sum(g g^T) A^-1 G / (G - 1) is what parameters scatter by if every gait
+        has an error of its own along their directions (Liang and Zeger, Biometrika 73, 13, 1986).
+        """
+        index, gaits = list(chosen), len(self.constant)
+        _, curvature = self.solve(index)
+        pulls = self.vector[:, index] @ curvature
+        scatter = (pulls**2).sum(axis=0) * gaits / max(gaits - 1, 1)
+        wider = np.sqrt(np.maximum(spread**2, scatter / np.diag(curvature)))
+        return np.asarray(curvature * np.outer(wider, wider))
+
     def shrinking(self, columns: Sequence[int], values: Floats, neutral: Floats) -> Evidence:
         """With what a fit without a gait takes the columns for: `neutral`, give or take their distance to `values`.
 

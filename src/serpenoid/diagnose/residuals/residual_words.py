@@ -14,9 +14,9 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import pairs, residuals
 from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.residuals.pushes import pushed
 
 RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
-TAIL = 6.0  # standard deviations: a push in one trial
 DIRECTIONS = ("forward or backward", "sideways", "in turning")
 SIGNS = (
     ("moves farther forward", "moves less far forward"),
@@ -68,9 +68,7 @@ def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
     return float(np.sqrt(max(0.0, 2 * float(np.nanmean(np.concatenate(squares))))))
 
 
-def pattern(
-    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, differences: Floats
-) -> tuple[str, ...]:
+def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, chance: float) -> tuple[str, ...]:
     """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause."""
     left = residuals(motion.tracks, predictions)
     ratio, by = repeatable(motion, left)
@@ -83,12 +81,8 @@ def pattern(
         words += _where(motion, left)
     if path > chance:
         words.append(f"paths stray from the measured ones by {path:.1f} times the noise")
-    if len(differences):
-        size = np.abs(differences) / np.sqrt((differences**2).mean(axis=0))
-        robust = np.abs(differences) / (1.4826 * np.median(np.abs(differences), axis=0))
-        startling = bool((np.abs(differences) > motion.unlike).any())
-        if startling and (size.max() > TAIL or (robust > 5).sum() >= 3):
-            words.append("repeats differ by pushes in single trials that no law of the floor explains")
+    if pushed(motion, left):
+        words.append("repeats differ by pushes in single trials that no law of the floor explains")
     return tuple(words)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import path_draws, path_error, residuals, window_noise
+from serpenoid.diagnose.data.noise import path_draws, path_error
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
@@ -143,18 +143,17 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
     motion, predictions = _fullest(found)
     after_m = path_error(motion, predictions, mend)
-    _, differences = window_noise(motion.tracks, residuals(motion.tracks, predictions))
     draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
     chance = float(np.exp(CERTAIN * np.hypot(draws.std(), NOISE_UNCERTAIN)))
-    return pattern(motion, predictions, after_m / found.noise_level_m, chance, differences)
+    return pattern(motion, predictions, after_m / found.noise_level_m, chance)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
     """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
     best = found.best
     columns = range(len(best.coordinates))
-    _, covariance = best.evidence.solve(columns)
     spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    covariance = best.evidence.covariance(columns, spread)
     at = 1
     for e in best.effects:
         if e is effect:
@@ -167,8 +166,8 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
             bound.append(p.name)  # how far it may be from there: the fit itself held it
             held, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
-            _, covariance = held.solve(columns)
-        half = QUANTILE * spread * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
+            covariance = held.covariance(columns, spread)
+        half = QUANTILE * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
@@ -182,8 +181,8 @@ def ratio_interval(found: Selection) -> tuple[float, float]:
     if ratio_at_bound(best.model):  # the fit itself held it
         evidence, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
     spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
-    eps, covariance = best.model.medium.anisotropy_ratio, evidence.solve(columns)[1]
-    half = QUANTILE * spread * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
+    eps, covariance = best.model.medium.anisotropy_ratio, evidence.covariance(columns, spread)
+    half = QUANTILE * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
     low, high = best.model.medium.limits(LEAST_EPS, MOST_EPS)
     return _clipped(eps - half, low, high), _clipped(eps + half, low, high)
 
