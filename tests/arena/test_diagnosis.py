@@ -15,6 +15,7 @@ from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
@@ -76,9 +77,9 @@ def test_a_wrong_zero_is_what_changed(then, folder):
 
 
 def test_the_habitual_error_is_the_mean_over_repeats(then):
-    known, found = reference_of(then), then.motion.selection
-    errors = residuals(found.motion.tracks, found.best.predictions)
-    first = [e for t, e in zip(found.motion.tracks, errors, strict=True) if t.recording.gait == "gait-1"]
+    known, motion, model = reference_of(then), then.motion.selection.motion, then.extension.model
+    errors = residuals(motion.tracks, linearised(motion, model, model.effects, None)[1])
+    first = [e for t, e in zip(motion.tracks, errors, strict=True) if t.recording.gait == "gait-1"]
     np.testing.assert_allclose(known.habits["gait-1", 5.0].error, np.nanmean(first, axis=0), atol=1e-12)
 
 

@@ -31,7 +31,7 @@ from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.table_file import read_table
 
-GRADIENT = Effect("friction_gradient", None, {"gradient_x": 0.5, "gradient_y": 0.3})
+GRADIENT = Effect("friction_gradient", None, {"gradient_x": 0.35, "gradient_y": 0.21})
 TOE = Effect("toe", None, {"angle": 0.05})
 SLOPE = Effect("slope", None, {"pull_x": 0.002, "pull_y": 0.0008})
 

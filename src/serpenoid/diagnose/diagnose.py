@@ -122,11 +122,10 @@ def concluded(
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(held_out(found.motion, found.null, leave_out))
     extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
-    _, fullest = found.fullest
-    if fullest is not found.best and any(stage.named for stage in stages):
-        unseen = tuple(held_out(found.motion, fullest, leave_out))
+    for wider in found.extensions if any(stage.named for stage in stages) else ():
+        unseen = tuple(held_out(found.motion, wider, leave_out))
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
-            extension, better = fullest, unseen
+            extension, better = wider, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
     return Diagnosis(
         verdict(stages), baseline, seen, stages, motion, extension, before, after, (predicted, better), ladder

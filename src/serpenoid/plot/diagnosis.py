@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import relative, travel
-from serpenoid.diagnose.inference.select import GAIN
+from serpenoid.diagnose.inference.rules import gained_by_chance
 from serpenoid.diagnose.residuals.maps import windows
 from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
@@ -108,17 +108,20 @@ def table_figure(table: Floats) -> Figure:
 
 def ranking_figure(d: Diagnosis) -> Figure:
     """The best candidates by first-order gain."""
-    best = [s for s in d.motion.selection.scores if s[2] > 0][:12]
+    scores = d.motion.selection.scores
+    best, needed = [s for s in scores if s[2] > 0][:12], gained_by_chance(len(scores))
     fig = figure(7.4, 0.9 + 0.24 * max(len(best), 3))
     ax = fig.add_subplot()
     chosen = {e.key for e in d.motion.selection.best.effects}
     colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
     ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()
-    dress(ax, "", "chi squared that a fit to the other gaits gains, to first order", "")
+    dress(ax, "", "chi squared gained to first order, less its parameters' price", "")
     ax.ticklabel_format(axis="x", style="plain")
-    ax.set_xlim(0, 1.05 * max([GAIN, *(s for *_, s in best)]))
-    ax.axvline(GAIN, color=INK, lw=1.0, ls="--", label=f"{GAIN:g}: what a name needs when fitted in full")
+    ax.set_xlim(0, 1.05 * max([needed, *(s for *_, s in best)]))
+    ax.axvline(
+        needed, color=INK, lw=1.0, ls="--", label=f"{needed:.0f}: what the best of {len(scores)} gains by chance"
+    )
     ax.plot([], [], "s", color=BLUE, label="chosen")
     ax.plot([], [], "s", color="#9CC3DB", label="not chosen: less in full, or another explains it")
     ax.legend(loc="lower right", fontsize=SMALL, frameon=False)

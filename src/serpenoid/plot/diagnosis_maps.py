@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.inference.select import GAIN
+from serpenoid.diagnose.inference.rules import gained_by_chance
 from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
 from serpenoid.plot.style import (
     BLUE,
@@ -114,7 +114,7 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
 
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
     """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
-    largest = GAIN
+    largest = gained_by_chance(len(scores))
     for name, colour, mark in (("load", GREEN, "s"), ("worn_wheel", PURPLE, "^")):
         mine = sorted((p, max(s, 0.0)) for n, p, s in scores if n == name and p is not None)
         if mine:
@@ -124,7 +124,7 @@ def vertex_scores(scores: Scores, ax: Axes) -> Axes:
             largest = max(largest, *gains)
     ax.set_ylim(0, 1.1 * largest)
     ax.legend(frameon=False, fontsize=SMALL)
-    return dress(ax, "Gain of an effect there", "vertex (0 = tail)", "chi squared on held-out gaits")
+    return dress(ax, "Gain of an effect there", "vertex (0 = tail)", "chi squared to first order")
 
 
 def floor_figure(w: Windows, extended: bool) -> Figure:

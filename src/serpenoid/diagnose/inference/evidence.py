@@ -108,6 +108,10 @@ class Evidence:
         values, _ = self.solve(index)
         return self._left(index, values, range(len(self.constant)))
 
+    def toll(self, columns: int) -> float:
+        """Chi squared that columns must gain to be worth having (Schwarz, Annals of Statistics 6, 461, 1978)."""
+        return columns * float(np.log(max(self.count.sum(), 2.0)))
+
     def held_out(self, chosen: Sequence[int]) -> float:
         """Chi squared of every gait predicted by a fit to the others, summed."""
         index = list(chosen)

@@ -16,7 +16,7 @@ from serpenoid.diagnose.inference.finding import Rival, excludable
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.diagnose.inference.patches import Ranked
 from serpenoid.diagnose.inference.ranking import score, shortlist
-from serpenoid.diagnose.inference.select import SCREENING, Selection, attempt, finished
+from serpenoid.diagnose.inference.select import SCREENING, TO_THE_END, Selection, attempt, finished
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
@@ -46,7 +46,7 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in close])
     tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, SCREENED * gained)]
     rivals: dict[tuple[str, int | None], Swap] = {}
-    for t in in_processes([(finished, (motion, base, t)) for t in tries]):
+    for t in in_processes([(finished, (motion, base, t, TO_THE_END)) for t in tries]):
         apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
         rival = Rival(t.fitted, effect, apart)
         key = t.added.key
@@ -58,6 +58,7 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
 
 
 def promising(ranked: Sequence[Ranked], chosen: set[tuple[str, int | None]], slack: float) -> list[Ranked]:
-    """Candidates other than the chosen whose first-order gain falls short of the largest by no more than the slack."""
+    """Candidates other than the chosen, of names whose best falls short of the largest gain by no more than `slack`."""
     most = max((gain for _, gain, _ in ranked), default=0.0)
-    return shortlist([r for r in ranked if r[0].key not in chosen and most - r[1] <= slack], AT_MOST)
+    near = {e.name for e, gain, _ in ranked if e.key not in chosen and most - gain <= slack}
+    return shortlist([r for r in ranked if r[0].key not in chosen and r[0].name in near], AT_MOST)

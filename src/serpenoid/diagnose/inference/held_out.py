@@ -9,13 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_error
 from serpenoid.diagnose.data.windows import Prediction
-from serpenoid.diagnose.inference.bounds import overstrained
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import Fit, fit, linearised, with_values
 from serpenoid.parallel import in_processes
@@ -77,32 +74,3 @@ def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> l
 def held_out_error(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> float:
     """Path RMS of these over all trials [m]."""
     return path_error(motion, held_out(motion, found, leave_out))
-
-
-@dataclass(frozen=True)
-class Rule:
-    """How effects are chosen: by which prediction of held-out gaits, and what each must be worth.
-
-    worth: share of what is left above chance that an effect must take away, however significant it is. strict: an
-    effect that ends at a bound of its own explains nothing.
-    """
-
-    leave_out: LeaveOut = first_order
-    worth: float = 0.0
-    strict: bool = False
-
-    def held_out(self, motion: Motion, found: Fit) -> float:
-        """Chi squared of every gait predicted by a fit to the others, summed; infinite where steps have no root."""
-        if self.strict and any(overstrained(found.model, e) for e in found.effects):
-            return np.inf
-        if self.leave_out is first_order:
-            return found.held_out
-        total = 0.0
-        for unseen in each_held_out(motion, found, self.leave_out):
-            whole = 3 * sum(int(motion.tracks[i].usable.sum()) for i in unseen.index)
-            total += float(unseen.evidence.constant.sum()) if unseen.evidence.count.sum() == whole else np.inf
-        return total
-
-    def needed(self, base: Fit, held_out: float, gain: float) -> float:
-        """Chi squared on held-out gaits that one more effect must take from `held_out`, `gain` at least."""
-        return max(gain, self.worth * (held_out - float(base.evidence.count.sum())))

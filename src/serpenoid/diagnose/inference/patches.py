@@ -34,22 +34,22 @@ def patch_grid(motion: Motion) -> list[ActiveEffect]:
     return found
 
 
-def score_patches(motion: Motion, base: Fit, before: float, own: list[int]) -> list[Ranked]:
-    """Each patch of the grid: gain on held-out gaits to first order, and where its full fit begins."""
+def score_patches(motion: Motion, base: Fit, own: list[int]) -> list[Ranked]:
+    """Each patch of the grid: gain to first order, and where its full fit begins."""
     grid = patch_grid(motion)
-    evidence = base.shrinking(_with_patches(motion, base, grid))
-    result = []
+    evidence = with_patches(motion, base, grid)
+    before, result = evidence.chi2(own), []
     for i, patch in enumerate(grid):
         index = [*own, len(own) + i]
         values, _ = evidence.solve(index)
         weak = float(np.clip(values[-1], -0.9, 3.0))
         x = np.concatenate([base.coordinates + values[:-1], [weak, *patch.coordinates[1:-1]]])
-        shrunk = evidence.shrinking(index[-1:], values[-1:], np.zeros(1))
-        result.append((patch, before - shrunk.held_out(index), x))
+        result.append((patch, before - evidence.chi2(index) - evidence.toll(len(patch.effect.parameters)), x))
     return result
 
 
-def _with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
+def with_patches(motion: Motion, base: Fit, grid: Sequence[ActiveEffect]) -> Evidence:
+    """Evidence about a fit: its own columns, then the strength of each patch."""
     rows, columns, labels = [], [], []
     found = zip(motion.tracks, motion.labels, base.predictions, patch_columns(motion, base, grid), strict=True)
     for track, label, p, joined in found:

@@ -1,7 +1,8 @@
 """Which effects of the medium: linear scores of all candidates, full fits of the best, forward selection with pruning.
 
-What decides is the prediction of held-out gaits; "nothing" always competes. An effect must gain more than the best of
-all tries would by chance, and its trace in the path must stand above the noise level.
+"Nothing" always competes. An effect must gain more than its parameters and the number of tries gain by chance, and in
+the end, beside all others, more than the best of all candidates would gain of what is left if none of them were a cause
+(null.py); its trace in the path must stand above the noise level.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_error, path_noise, residuals, strength, window_noise
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.held_out import Rule, held_out_error
 from serpenoid.diagnose.inference.medium import (
     STEPS,
     Fit,
@@ -26,26 +26,25 @@ from serpenoid.diagnose.inference.medium import (
     predicted_without,
 )
 from serpenoid.diagnose.inference.patches import Ranked
-from serpenoid.diagnose.inference.ranking import score, shortlist
+from serpenoid.diagnose.inference.ranking import needed, score, shortlist
+from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
-AT_MOST, MANY, WORTH = 7, 3, 0.15  # after the first three each must take a share of what is left above chance
+AT_MOST = 7
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
-GAIN = 25.0  # chi squared on held-out gaits: the best of 60 tries on nothing stays below 20
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
-PROMISING, SHARE = 0.5, 0.03  # of what is needed, of the best: what earns a full fit
+SHARE = 0.03  # of the best: what earns a full fit
+IDLE = 2  # effects in a row that gain no more than the null: more of the kind would not mend it
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
-MINOR = 0.1  # of the path's error: what takes away less while much is left is not the cause
 VISIBLE = 1.6  # times the noise level: a weaker trace is below detection, and does not stay below one
 MARKED = 1.3  # times the noise level, for what the windows show as clearly
 ASTRAY = 5.0  # times the noise level: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
 UNCLEAR = 2.0  # the same: with the right effects there is less
 
-FIRST_ORDER = Rule()
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
 
@@ -73,8 +72,18 @@ class Undetected:
 
 
 @dataclass(frozen=True)
+class Refused:
+    """An effect of the search that is no cause, the share of chi squared that it would take away, the fit with it."""
+
+    effect: ActiveEffect
+    share: float
+    fit: Fit
+
+
+@dataclass(frozen=True)
 class Selection:
-    """null: eps alone; best: what was chosen; bases: it without each of its effects; undetected: gains below noise."""
+    """null: eps alone; best: what was chosen; bases: it without each of its effects; undetected: gains below noise;
+    refused: what gains no more than the null does."""
 
     motion: Motion
     null: Fit
@@ -82,6 +91,7 @@ class Selection:
     bases: tuple[Fit, ...]
     noise_level_m: float
     undetected: tuple[Undetected, ...]
+    refused: tuple[Refused, ...]
     scores: tuple[tuple[str, int | None, float], ...]
 
     @property
@@ -89,6 +99,12 @@ class Selection:
         """The fit with all that is too weak to be named, and the tracks it was made on."""
         last = self.undetected[-1] if self.undetected else None
         return (self.motion, self.best) if last is None else (last.motion, last.attempt.fit)
+
+    @property
+    def extensions(self) -> tuple[Fit, ...]:
+        """Fits with more than is named, which may predict better: with what is too weak, with all that was found."""
+        wider = [*(u.attempt.fit for u in self.undetected[-1:]), *(r.fit for r in self.refused[:1])]
+        return tuple(wider)
 
 
 def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
@@ -98,7 +114,7 @@ def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
     return motion, fit_guided(motion, base, TO_THE_END)
 
 
-def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = FIRST_ORDER) -> Selection:
+def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = PENALISED) -> Selection:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, fit_eps(motion, model))
     best = null
@@ -106,30 +122,25 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
     noise_level: float | None = None
     rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
+    idle = 0
     for level in range(AT_MOST):
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
-        promising = [
-            r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(PROMISING * GAIN, SHARE * ranked[0][1])
-        ]
+        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(0.0, SHARE * ranked[0][1])]
         tries = attempts(motion, best, promising)
         if not level and all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
             tries += beside(motion, rival, FULL_FITS[level])
-        before = rule.held_out(motion, best)
-        least = GAIN if level < MANY else max(GAIN, WORTH * (before - float(best.evidence.count.sum())))
-        goal = before - rule.needed(best, before, least)
-        tries = [t for t in tries if t.fit.chi2 < goal]  # nothing is predicted better than what is fitted
-        if not tries:
+        chosen = rule.choose(motion, best, [t.fit for t in tries], len(ranked))
+        if chosen is None:
             break
-        predicted, first = min(((rule.held_out(motion, t.fit), t) for t in tries), key=lambda scored: scored[0])
-        if predicted >= goal:
-            break
+        first = tries[chosen]
         others = [t for t in tries if t.added.name != first.added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
+        idle = 0 if best.chi2 - first.fit.chi2 > needed(motion, first.fit) else idle + 1
         extended = replace(motion, tracks=retrack(first.fit.model))
         extended, better = calibrated(extended, fit_guided(extended, first.fit))
         # repeats differ by what is missing, too, until it is there
@@ -140,14 +151,31 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
             break
         motion, noise_level = extended, None
         null = fit_guided(motion, null, STEPS)
-        best = pruned(motion, better, rule)
-        if level and path_error(motion, best.predictions) > (1 - MINOR) * path_error(motion, null.predictions):
-            break  # two effects that leave the path as wrong as it was: more of the kind would not mend it
-        if not any(e.key == first.added.key for e in best.effects):
+        best = pruned(motion, better, rule, len(ranked))
+        if idle == IDLE or not any(e.key == first.added.key for e in best.effects):
             break
     noise_level = noise_level or path_noise(motion, best.predictions)
+    best, refused = earned(motion, null, best)
     best, bases, lost = visible(motion, null, best, noise_level)
-    return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), scores)
+    return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), refused, scores)
+
+
+def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
+    """Without effects that gain no more, beside the others, than the null of what is left; the least first.
+
+    What is left above chance when all together take away less than they leave is an error of another kind.
+    """
+    refused: list[Refused] = []
+    while best.effects:
+        bases = (null,) if len(best.effects) == 1 else each_without(motion, best)
+        gains = [b.chi2 - best.chi2 for b in bases]
+        least = int(np.argmin(gains))
+        outweighed = null.chi2 - best.chi2 < best.chi2 - best.evidence.count.sum()
+        if not outweighed and gains[least] > needed(motion, best):
+            break
+        refused.append(Refused(best.effects[least], gains[least] / bases[least].chi2, best))
+        best = fit_guided(motion, bases[least], TO_THE_END)
+    return best, tuple(refused)
 
 
 def visible(
@@ -159,10 +187,9 @@ def visible(
         effects = best.effects
         bases = (null,) if len(effects) == 1 else each_without(motion, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
-        hidden = [i for i, b in enumerate(bases) if traces[i] < noise_level_m and not needed(motion, best, b)]
-        if len(effects) < 2 or not hidden:
+        if len(effects) < 2 or min(traces) >= noise_level_m:
             return best, bases, tuple(lost[::-1])
-        weakest = min(hidden, key=lambda i: traces[i])
+        weakest = int(np.argmin(traces))
         lost.append(Undetected(Try(best, effects[weakest], traces[weakest]), motion))
         best = fit_guided(motion, bases[weakest], TO_THE_END)
 
@@ -172,18 +199,11 @@ def unclear(found: Fit) -> bool:
     return bool(found.chi2 > UNCLEAR * found.evidence.count.sum())
 
 
-def needed(motion: Motion, full: Fit, base: Fit) -> bool:
-    """Whether held-out paths are predicted better with an effect: where a model is far off, weak ones may do that."""
-    if not unclear(full) or motion.ratio is not None:
-        return False
-    return held_out_error(motion, full) < held_out_error(motion, base)
-
-
 def stands_out(motion: Motion, base: Fit, t: Try, noise_level_m: float) -> bool:
     """Whether a trace in the path is above the noise level; less will do, or paths that stray, if windows show it."""
     if t.strength_m >= VISIBLE * noise_level_m:
         return True
-    gained = (base.held_out - t.fit.held_out) / base.evidence.count.sum()
+    gained = (base.chi2 - t.fit.chi2) / base.evidence.count.sum()
     marked = t.strength_m >= MARKED * noise_level_m or path_error(motion, base.predictions) > ASTRAY * noise_level_m
     return bool(marked and gained > VISIBLE**2)
 
@@ -224,9 +244,9 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 
-def finished(motion: Motion, base: Fit, t: Try) -> Try:
-    """Fitted to the end."""
-    found = fit_guided(motion, t.fit, steps=STEPS)
+def finished(motion: Motion, base: Fit, t: Try, steps: int = STEPS) -> Try:
+    """Fitted on."""
+    found = fit_guided(motion, t.fit, steps)
     return Try(found, t.added, trace(motion, found, base, t.added))
 
 
@@ -251,13 +271,11 @@ def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:
     return tuple(in_processes([(fit_without, (motion, best, e)) for e in best.effects]))
 
 
-def pruned(motion: Motion, best: Fit, rule: Rule) -> Fit:
+def pruned(motion: Motion, best: Fit, rule: Rule, tries: int) -> Fit:
     """Without effects that no longer earn their place."""
     if len(best.effects) < 2:
         return best
-    score = rule.held_out(motion, best)
     for without in each_without(motion, best):
-        before = rule.held_out(motion, without)
-        if before - score < rule.needed(without, before, GAIN):
-            return pruned(motion, without, rule)
+        if rule.choose(motion, without, [best], tries) is None:
+            return pruned(motion, without, rule, tries)
     return best

@@ -17,9 +17,10 @@ from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
-from serpenoid.diagnose.inference.held_out import LeaveOut, Rule, first_order, held_out_error
+from serpenoid.diagnose.inference.held_out import LeaveOut, held_out_error
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
-from serpenoid.diagnose.inference.select import FIRST_ORDER, MINOR, VISIBLE, Selection, Try, select, trace
+from serpenoid.diagnose.inference.rules import PENALISED, Rule
+from serpenoid.diagnose.inference.select import VISIBLE, Refused, Selection, Try, select, trace
 from serpenoid.diagnose.residuals.residual_words import discrepancy, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.jumps import find_jumps
@@ -54,7 +55,7 @@ def choose_motion(
     def track(about: Model) -> tuple[Track, ...]:
         return baseline.corrected(make_tracks(recordings, seen, about))
 
-    return causes(choose_on_tracks(track, held_out_labels(recordings), baseline, say), MINOR)
+    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
 
 
 def choose_on_tracks(
@@ -63,7 +64,7 @@ def choose_on_tracks(
     baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
-    rule: Rule = FIRST_ORDER,
+    rule: Rule = PENALISED,
 ) -> MotionFinding:
     """The same on what `track` makes about a model; labels: what is held out together; rule: how to choose.
 
@@ -79,7 +80,7 @@ def choose_on_tracks(
     return replace(found, stage=replace(found.stage, untestable=barred))
 
 
-def causes(found: MotionFinding, least: float, leave_out: LeaveOut = first_order) -> MotionFinding:
+def causes(found: MotionFinding, least: float, leave_out: LeaveOut) -> MotionFinding:
     """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
     chosen = found.selection.best.effects
     if not chosen or found.stage.settled:
@@ -120,6 +121,8 @@ def finding(found: Selection) -> MotionFinding:
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
+    if words:
+        words = (*words, *(_refusal(r) for r in found.refused))
     if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
         named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
     if jumps is not None and jumps in named:
@@ -132,6 +135,14 @@ def finding(found: Selection) -> MotionFinding:
 def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
     motion, fit = found.fullest
     return motion, fit.predictions
+
+
+def _refusal(refused: Refused) -> str:
+    """Why an effect that the search tried is not named."""
+    return (
+        f"{refused.effect.name} would take away {refused.share:.0%} of what is left, no more than effects take away of "
+        "errors that they do not cause"
+    )
 
 
 def undetected_of(t: Try, noise_level_m: float) -> Named:

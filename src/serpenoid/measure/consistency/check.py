@@ -185,7 +185,10 @@ def _scored(
         found = match_at(grid, fault.course, contract.rate, prior)
         if found.evidence > contract.evidence - HOPELESS or fault.timed is not None:
             found = match(grid, fault.course, prior)
-        words, cure = (fault.words, fault.cure) if fault.timed is None else fault.timed(found.rate)
+        said = (fault.words, fault.cure) if fault.timed is None else fault.timed(found.rate)
+        if said is None:
+            continue
+        words, cure = said
         rivals.append(
             Rival(claim.trial, witness, fault.kind, f"{witness} {words}", cure,
                   found.evidence - contract.evidence, fault.log_share, fault.everywhere, found.explained)

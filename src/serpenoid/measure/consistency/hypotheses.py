@@ -37,7 +37,9 @@ class Fault:
     course: Course
     log_share: float
     everywhere: bool = False
-    timed: Callable[[float], tuple[str, str]] | None = None  # words and cure at a rate found more exactly
+    timed: Callable[[float], tuple[str, str] | None] | None = (
+        None  # words and cure at a rate found more exactly, if any
+    )
 
 
 @dataclass(frozen=True)
@@ -107,18 +109,20 @@ def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
             made.append(("pause", duration, period - duration))
     for kind, new_duration, new_pause in made:
         timed = replace(schedule, cycle_duration_s=new_duration, pause_s=new_pause)
-        off = max(abs(np.log(new_duration / duration)), abs(np.log(timed.period_s / schedule.period_s)))
-        if off > 0.05 and (
-            kind != "rate" or pause > 0
-        ):  # nearer than the clocks that `match` tries is no other hypothesis
-            said = partial(_time_words, kind, schedule, new_duration, new_pause)
+        said = partial(_time_words, kind, schedule, new_duration, new_pause)
+        at_once = said(1.0)
+        if at_once is not None and (kind != "rate" or pause > 0):
             share = -float(np.log(KINDS * len(made)))
-            found.append(Fault(kind, *said(1.0), course_of(timed), share, timed=said))
+            found.append(Fault(kind, *at_once, course_of(timed), share, timed=said))
     return found
 
 
-def _time_words(kind: str, schedule: Schedule, duration: float, pause: float, rate: float) -> tuple[str, str]:
+def _time_words(kind: str, schedule: Schedule, duration: float, pause: float, rate: float) -> tuple[str, str] | None:
+    """None where the schedule so timed is the promised one, but for a clock."""
     duration, pause = rate * duration, rate * pause
+    ratios = (duration / schedule.cycle_duration_s, (duration + pause) / schedule.period_s)
+    if np.abs(np.log(ratios)).max() < NEAR:
+        return None
     says = f"`cycle_duration_s` says {schedule.cycle_duration_s:.3g}"
     if kind == "duration":
         return f"show a cycle of {duration:.3g} s, and {says}", f"set `cycle_duration_s = {duration:.3g}`"
