@@ -122,7 +122,7 @@ def _banded(slopes: Floats, right: Floats) -> Floats:
     if not np.isfinite(bands).all():
         return np.zeros_like(right)
     try:
-        found = solve_banded((lower, upper), bands, right.reshape(d * count, -1))
+        found = solve_banded((lower, upper), bands, right.reshape(d * count, right.shape[2]))
     except LinAlgError:
         return np.zeros_like(right)
     return np.asarray(found).reshape(right.shape)

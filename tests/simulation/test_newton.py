@@ -1,0 +1,103 @@
+"""One Newton's method for all steps: alone, in chains, in space; what is faster beside it finds the same roots."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from serpenoid import group
+from serpenoid.body import Floats
+from serpenoid.model import Model
+from serpenoid.simulation.balance import solve_balance
+from serpenoid.simulation.chain import solve_chain
+from serpenoid.simulation.inertia import carried, coefficients, matrix
+from serpenoid.simulation.newton import State, implicit_derivative, newton, solution
+from serpenoid.simulation.steps import TOLERANCE, shape_rows, solve_steps
+from specimens import reference, serpenoid_table, uneven
+
+SAME = 1e-11  # roots of residuals below 1e-12, of steps whose smallest stiffness is a tenth of the largest
+
+
+@pytest.mark.parametrize("model", [reference(), uneven()], ids=["reference", "uneven"])
+def test_the_step_by_moments_is_the_root_of_the_forces_alone_and_in_a_chain(model: Model) -> None:
+    """The accelerator (18 moments of the step energy) beside the law of every element: two derivations, one motion."""
+    table = serpenoid_table(model, 20)
+    _, elements = shape_rows(model, np.concatenate([table, table[:1]]))
+    m, times = model.structure.elements, np.linspace(0, 1, 21)
+    before, after, rest = elements[:, :-m], elements[:, m:], np.zeros((20, 3))
+    by_moments = solve_steps(model, before, after)
+    spans = np.column_stack([times[:-1], times[1:]])
+    alone = solve_balance(model, before, after, spans, rest, rest)
+    chained = solve_chain(model, before, after, times, np.array([0.3, -0.2, 1.0]), rest)
+    for found in (alone, chained):
+        assert found.sound.all()
+        assert found.residual.max() <= TOLERANCE
+        np.testing.assert_allclose(found.relative, by_moments.relative, atol=SAME)
+        np.testing.assert_allclose(found.energy, by_moments.energy, rtol=1e-12)
+
+
+def pulled(loads: Floats, ages: int) -> tuple[Floats, State]:
+    """Roots of x_i + |x_i|^2 x_i - x_{i-1} / 2 = load_i (without the neighbour: one age), and the state there."""
+
+    def equations(x: Floats, steps: np.ndarray) -> State:
+        n, d = x.shape
+        own = (1 + (x**2).sum(1))[:, None, None] * np.eye(d) + 2 * x[:, :, None] * x[:, None]
+        slopes = np.zeros((ages, n, d, d))
+        slopes[0] = own
+        behind = np.vstack([np.zeros((1, d)), x[:-1]]) if ages > 1 else np.zeros_like(x)
+        if ages > 1:
+            slopes[1, 1:] = -np.eye(d) / 2
+        residual = (1 + (x**2).sum(1))[:, None] * x - behind / 2 - loads[steps]
+        return State(residual, slopes, (x.sum(1),))
+
+    return newton(equations, np.zeros_like(loads), together=len(loads) if ages > 1 else 1)
+
+
+@pytest.mark.parametrize("ages", [1, 2])
+@pytest.mark.parametrize("unknowns", [3, 6])
+def test_roots_and_their_derivatives_by_what_they_depend_on(ages: int, unknowns: int) -> None:
+    rng = np.random.default_rng(unknowns)
+    loads, way = rng.normal(size=(7, unknowns)), rng.normal(size=(7, unknowns))
+    x, state = pulled(10 * loads, ages)
+    assert state.size.max() <= TOLERANCE
+    np.testing.assert_allclose(state.more[0], x.sum(1))  # what comes along belongs to the root
+    assert state.resisting.all()
+    by = implicit_derivative(state.slopes, -way[..., None])[..., 0]
+    step = 1e-5
+    ends = [pulled(10 * loads + sign * step * way, ages)[0] for sign in (1, -1)]
+    np.testing.assert_allclose(by, (ends[0] - ends[1]) / (2 * step), atol=1e-8)  # third derivatives times step^2
+
+
+def test_a_step_that_has_no_root_does_not_spoil_its_neighbours() -> None:
+    def equations(x: Floats, steps: np.ndarray) -> State:
+        offset = np.where(steps == 1, 1.0, -1.0)[:, None]  # x^2 + 1 has no root
+        undefined = np.where(steps == 2, np.nan, 0.0)[:, None]
+        return State(x**2 + offset + undefined, (2 * x)[None, :, :, None])
+
+    x, state = newton(equations, np.full((4, 1), 3.0))
+    np.testing.assert_allclose(x[[0, 3], 0], 1.0)
+    assert state.size[0] <= TOLERANCE
+    assert 1.0 <= state.size[1] < 1.1
+    assert state.size[2] == np.inf
+
+
+def test_a_singular_system_is_a_short_step_alone_and_none_in_a_chain() -> None:
+    right = np.ones((2, 3, 1))
+    np.testing.assert_array_equal(solution(np.zeros((1, 2, 3, 3)), right), right)
+    np.testing.assert_array_equal(solution(np.zeros((2, 2, 3, 3)), right), 0.0)
+
+
+def test_impulses_are_the_matrix_of_the_nlp_and_sum_to_the_last_momentum() -> None:
+    """A constant momentum, once there, costs no impulse; all impulses add up to it, on uneven steps too."""
+    times = np.cumsum([0.0, 0.1, 0.1, 0.25, 0.1, 0.05, 0.2])
+    c, momenta = coefficients(times), np.random.default_rng(3).normal(size=(6, 3))
+    impulses = c[:, :1] * momenta + carried(c, momenta)
+    np.testing.assert_allclose(matrix(c) @ momenta, impulses, atol=1e-14)
+    steady = np.ones((6, 1))
+    np.testing.assert_allclose((matrix(c) @ steady)[2:], 0.0, atol=1e-14)
+    np.testing.assert_allclose((matrix(c) @ steady).sum(), 1.0, atol=1e-14)
+
+
+def test_poses_in_each_others_frames_compose_back() -> None:
+    first, second = np.random.default_rng(4).normal(size=(2, 9, 3))
+    np.testing.assert_allclose(group.compose(first, group.relative(first, second)), second, atol=1e-14)
