@@ -17,7 +17,10 @@ from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
-from specimens import nlp_of, phases_of_rows, uneven
+from serpenoid.optimise.blocks import Cycle
+from serpenoid.optimise.extended import extended_blocks, settings
+from serpenoid.optimise.joint_blocks import baseline_blocks
+from specimens import nlp_of, phases_of_rows, reference, uneven
 
 pytestmark = pytest.mark.usefixtures("virtual_machine")
 STEPS, ROWS = 5, 3
@@ -174,3 +177,23 @@ def test_the_momentum_constraints_vanish_exactly_on_simulated_motions() -> None:
         assert np.abs(g).max() < 20 * 1e-12  # T times the root finder's tolerance
         f = float(nlp.functions()["f"](x, np.concatenate([[0.5], model.parameters])))
         assert f == pytest.approx(-motion.displacement + 0.5 * motion.dissipation, abs=1e-12)
+
+
+@pytest.mark.parametrize("body", [reference().body, uneven().body], ids=["reference", "uneven"])
+def test_the_law_of_effects_without_any_is_the_slope_of_the_energy_written_out(body: Body) -> None:
+    """Forces of every element (`extended.wrench`) beside derivatives of the step energy (`plain_element`)."""
+    model, steps, rng = Model(body, reference().medium, (), 5.0), 4, np.random.default_rng(8)
+    poses = np.hstack([np.zeros((3, 1)), rng.normal(size=(3, steps))])
+    shapes = 0.4 * rng.normal(size=(len(model.structure.joints), steps))
+    found = []
+    for blocks, more in (
+        (baseline_blocks(model.structure), None),
+        (extended_blocks(model, steps), settings(model, steps)),
+    ):
+        values, energies = blocks.value(Cycle(ca.MX(poses), ca.MX(shapes), True, ca.MX(model.parameters), more))
+        found.append([ca.evalf(x).full() for x in (values, energies)])
+    (slopes, energies), (wrenches, same) = found
+    x, y = poses[:2, 1:]
+    about_origin = slopes[2] + x * slopes[1] - y * slopes[0]
+    np.testing.assert_allclose(wrenches[:3], [slopes[0], slopes[1], about_origin], atol=1e-13)
+    np.testing.assert_allclose(same, energies, atol=1e-13)
