@@ -7,13 +7,13 @@ import time
 import numpy as np
 from bench import clock, empty_cache, exponent, in_units, report, side_by_side, table
 
+from serpenoid.mechanics import columns
 from serpenoid.mechanics.tables import joint_tables
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch
-from serpenoid.simulation.steps import _compiled
 from specimens import problem
 
 STEPS, VERTICES, ROUNDS = (50, 200, 800, 1600), (12, 48, 192), 7
@@ -68,7 +68,7 @@ def free_iteration(vertices: int, steps: int) -> tuple[float, int]:
 def compile_seconds(asked: Problem) -> float:
     """First use of this body's functions, from an empty cache; wall time, since the compiler is another process."""
     begin = time.perf_counter()
-    _compiled(asked.model.structure)
+    columns.steps(asked.model.structure), columns.shapes(asked.model.structure)
     SerpenoidBlocks(asked.model.structure)
     return time.perf_counter() - begin
 

@@ -17,10 +17,13 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.optimise.between import Between, GapField, Moments
 
-NEAR = 0.3  # body lengths: less, and a body leaps between rows to where nothing is watched; more only costs time
+# NEAR, MARGIN, DEEP beside other values: results/benchmarks/approach.md (benchmarks/approach.py)
+NEAR = 0.3  # body lengths: with less, a body leaps between rows to where nothing is watched; with more nothing changes
 SHARES = PLACES = (0.0, 0.25, 0.5, 0.75)  # where it is looked: in every step, on every edge
-MARGIN = 1e-3  # body lengths kept at watched points, so that their neighbours keep clear: finer than a robot is placed
-DEEP = 5e-3  # less is mended by a wider margin, more by watching the point: half the depth of a disc between vertices
+# an edge of length l goes l^2 / (8 r) into a disc of radius r between vertices that keep clear of it: 2.5e-3 for ten
+# edges and r = 0.5
+MARGIN = 1e-3  # body lengths kept at watched points: a tenth takes twice the time, in exchanges; more costs objective
+DEEP = 5e-3  # twice that depth: what is nearer is mended by a wider margin, what is deeper by watching the point
 
 
 class Watched(NamedTuple):
