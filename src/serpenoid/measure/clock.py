@@ -27,6 +27,14 @@ def interpolate(time_s: Floats, values: Floats, at_s: Floats) -> Floats:
     return np.stack(columns, axis=1)
 
 
+def held(time_s: Floats, values: Floats, at_s: Floats) -> Floats:
+    """All columns of `values` (R, m) at other times, linear in between; the ends are held outside the record."""
+    right = np.clip(np.searchsorted(time_s, at_s), 1, len(time_s) - 1)
+    share = np.clip((at_s - time_s[right - 1]) / (time_s[right] - time_s[right - 1]), 0.0, 1.0)
+    before = values[right - 1]
+    return np.asarray(before + share[:, None] * (values[right] - before))
+
+
 def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: Floats) -> Offset | None:
     """Offset that minimises the mean square difference of two signals (R, m), their means taken off; None: no overlap.
 
@@ -43,7 +51,7 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     coarse = interpolate(t, signal, coarse_t)
     coarse -= coarse.mean(axis=0)
     shifts = np.arange(low, high + GRID_S, GRID_S)
-    best = shifts[int(np.argmin([_held_cost(shift, coarse_t, coarse, other_s, other) for shift in shifts]))]
+    best = shifts[int(np.argmin(_held_costs(len(shifts), low, coarse_t, coarse, other_s, other)))]
     found = minimize_scalar(
         _cost, bounds=(best - GRID_S, best + GRID_S), args=(t, signal, other_s, other), method="bounded",
         options={"xatol": 1e-6},
@@ -55,9 +63,15 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     return Offset(shift, correlation, float(np.sqrt(np.mean((a - b) ** 2))))
 
 
-def _held_cost(shift: float, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> float:
-    moved = np.stack([np.interp(t, other_s + shift, column) for column in other.T], axis=1)
-    return float(((signal - moved + moved.mean(axis=0)) ** 2).sum())
+def _held_costs(count: int, low: float, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> Floats:
+    """Of the shifts low, low + GRID_S, ..: one grid serves them all, for `t` has the same step."""
+    first = t[0] - low - GRID_S * (count - 1)
+    laid = held(other_s, other, first + GRID_S * np.arange(count - 1 + len(t)))
+    costs = np.empty(count)
+    for k in range(count):
+        moved = laid[count - 1 - k : count - 1 - k + len(t)]
+        costs[k] = ((signal - moved + moved.mean(axis=0)) ** 2).sum()
+    return costs
 
 
 def _common(shift: float, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> tuple[Floats, Floats]:

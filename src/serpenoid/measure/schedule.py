@@ -47,8 +47,10 @@ class Schedule:
         closed = np.concatenate([self.table, self.table[:1]])
         if self.held:
             return np.asarray(closed[np.floor(phase * len(self.table) + ON_TIME).astype(int)])
-        grid = np.linspace(0.0, 1.0, len(closed))
-        return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
+        at = phase * len(self.table)
+        row = np.minimum(at.astype(int), len(self.table) - 1)
+        before = closed[row]
+        return np.asarray(before + (at - row)[:, None] * (closed[row + 1] - before))
 
     def phase(self, time_s: Floats) -> Floats:
         """Cycles since the start of each cycle, 0..1, holding 1 in the pauses."""

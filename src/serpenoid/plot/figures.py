@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
@@ -35,12 +37,16 @@ ANIMATED_CYCLES = 2
 
 
 def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
-    """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names."""
+    """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names.
+
+    Each is drawn once: `Figure.savefig` draws twice for each, to measure text that the layout has measured already.
+    """
+    fig.dpi = PIXELS_PER_INCH
     with atomic(Path(folder) / f"{name}.png") as temporary:
-        fig.savefig(temporary, dpi=PIXELS_PER_INCH)
+        FigureCanvasAgg(fig).print_png(temporary)
     fig.set_layout_engine("none")  # the layout is found: once is enough
     with atomic(Path(folder) / f"{name}.svg") as temporary:
-        fig.savefig(temporary, metadata={"Date": None})
+        FigureCanvasSVG(fig).print_svg(temporary, metadata={"Date": None})
     return [f"{name}.png", f"{name}.svg"]
 
 

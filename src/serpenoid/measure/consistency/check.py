@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.clock import held
 from serpenoid.measure.consistency.hypotheses import KINDS, SAME_TABLE, Fault, schedule_faults, turned, wiring_faults
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
 from serpenoid.measure.consistency.signals import Sampled, Signal, moving_s, period_s, sample
@@ -169,7 +170,7 @@ def _logged(servos: Signal, period: float | None) -> Course:
     total = float(time[-1])
 
     def angles(at: Floats) -> Floats:
-        return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+        return held(time, values, at)
 
     return Course(angles, total, period or total)
 

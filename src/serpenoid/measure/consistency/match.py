@@ -115,8 +115,7 @@ def _match_one(signal: Sampled, course: Course, prior: Prior) -> Match:
     cov, variance, mean = _sliding(signal, commanded)
     gain = np.clip(cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
     left = np.maximum(signal.spread - 2 * gain * cov + gain**2 * variance, 0.0)  # (K, m)
-    measured = (signal.weight @ signal.values) / signal.weight.sum()
-    zero = measured - gain * mean
+    zero = signal.mean - gain * mean
     fit = log_student(left, signal, prior)
     belief = log_prior(zero, 0.0, prior.zero_sd, np.pi, prior.damage)
     best = int(np.argmax((fit + belief).sum(axis=1)))
@@ -150,17 +149,13 @@ def _commanded(signal: Sampled, course: Course) -> tuple[float, Floats]:
 
 def _sliding(signal: Sampled, commanded: Floats) -> tuple[Floats, Floats, Floats]:
     """Covariance with the signal, variance and mean of the commands under every start (K, m)."""
-    starts = len(commanded) - len(signal.values) + 1
-    size = next_fast_len(len(commanded) + len(signal.values))
-    weight, values = rfft(signal.weight, size)[:, None], rfft(signal.values, size, axis=0)
-    there, square = rfft(commanded, size, axis=0), rfft(commanded**2, size, axis=0)
-    count = signal.weight.sum()
-    mean, second, product = (
-        irfft(np.conj(a) * b, size, axis=0)[:starts] / count
-        for a, b in ((weight, there), (weight, square), (values, there))
-    )
-    own = (signal.weight @ signal.values) / count
-    return product - mean * own, second - mean**2, mean
+    starts, joints = len(commanded) - len(signal.values) + 1, commanded.shape[1]
+    size = next_fast_len(len(commanded) + len(signal.values), real=True)
+    known = signal.transforms(size)
+    there = rfft(np.concatenate([commanded, commanded**2], axis=1), size, axis=0)
+    both = np.concatenate([known[:, :1] * there, known[:, 1:] * there[:, :joints]], axis=1)
+    mean, second, product = np.split(irfft(both, size, axis=0)[:starts] / signal.weight.sum(), 3, axis=1)
+    return product - mean * signal.mean, second - mean**2, mean
 
 
 def log_student(left: Floats, signal: Sampled, prior: Prior) -> Floats:
@@ -196,7 +191,7 @@ def match_columns(signal: Sampled, contract: Match) -> tuple[Floats, Floats]:
     at = signal.start_s - contract.start_s + signal.step_s * np.arange(len(signal.values))
     commanded = contract.course.angles(at.astype(np.float64))
     count = signal.weight.sum()
-    mean, own = (signal.weight @ commanded) / count, (signal.weight @ signal.values) / count
+    mean, own = (signal.weight @ commanded) / count, signal.mean
     there, here = (commanded - mean) * signal.weight[:, None], signal.values - own * signal.weight[:, None]
     cov, variance = here.T @ there / count, np.asarray((there**2).sum(axis=0) / count)
     found, residuals = [], []

@@ -6,10 +6,13 @@ Legend: R rows as recorded, n grid points, m joints.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.fft import rfft
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.clock import held
 
 MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
@@ -53,12 +56,25 @@ class Sampled:
     def span_s(self) -> float:
         return self.step_s * (len(self.values) - 1)
 
-    @property
+    @cached_property
+    def mean(self) -> Floats:
+        """Of every joint over the known rows (m,)."""
+        return np.asarray((self.weight @ self.values) / self.weight.sum())
+
+    @cached_property
     def spread(self) -> Floats:
         """Variance of every joint over the known rows (m,)."""
-        count = self.weight.sum()
-        mean = (self.weight @ self.values) / count
-        return np.asarray(self.weight @ (self.values - mean) ** 2 / count)
+        return np.asarray(self.weight @ (self.values - self.mean) ** 2 / self.weight.sum())
+
+    def transforms(self, size: int) -> Floats:
+        """Conjugate Fourier transforms of the weight and of the values (size / 2 + 1, 1 + m), zeros after them."""
+        if size not in self._transforms:
+            self._transforms[size] = np.conj(rfft(np.column_stack([self.weight, self.values]), size, axis=0))
+        return self._transforms[size]
+
+    @cached_property
+    def _transforms(self) -> dict[int, Floats]:
+        return {}
 
 
 def sample(signal: Signal, step_s: float, begin_s: float | None = None, end_s: float | None = None) -> Sampled:
@@ -71,7 +87,7 @@ def sample(signal: Signal, step_s: float, begin_s: float | None = None, end_s: f
     right = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
     longest = max(2 * step, 3 * float(np.median(np.diff(signal.time_s))))
     weight = (time[right] - time[right - 1] <= longest).astype(float)
-    grid = np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+    grid = held(time, values, at)
     return Sampled(float(begin), float(step), grid * weight[:, None], weight, signal.noise_variance)
 
 
