@@ -42,13 +42,14 @@ def path_sensitivities(
     times: Floats,
     start: Floats | None = None,
     candidates: Sequence[ActiveEffect] = (),
+    near: Floats | None = None,
 ) -> PathSensitivities:
     """Simulate shapes (R, N, 2) [body lengths] from pose `start`, with exact derivatives of every pose.
 
     Arguments as for `simulate_vertices` and `step_sensitivities`; `start` (K + 1, 3): first poses of a body that is
-    moving already, which no parameter changes.
+    moving already, which no parameter changes. `near`: see `solve_extended`.
     """
-    motion = simulate_vertices(model, vertices, start, times)
+    motion = simulate_vertices(model, vertices, start, times, near)
     problem, columns = recorded(
         model, MeasuredSteps.of(model, vertices, np.asarray(times, float), motion.poses), candidates
     )

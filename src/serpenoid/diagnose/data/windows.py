@@ -92,7 +92,7 @@ def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) 
 @dataclass(frozen=True)
 class Prediction:
     """displacement (B - 1, 3) of each window [m, m, rad], jacobian (B - 1, 3, P) by the columns; steps (S, 3): relative
-    poses of all steps [body lengths, rad], None where the body ran free."""
+    poses of all steps [body lengths, rad], where a search for those of a model much like this one may begin."""
 
     displacement: Floats
     jacobian: Floats
@@ -111,7 +111,8 @@ def predictions(
     near: what a model much like this one makes of them: where the search for roots begins.
     """
     if model.knows("history"):
-        return [coasting(model, t, candidates) for t in tracks]
+        begin = [None] * len(tracks) if near is None else [p.steps for p in near]
+        return [coasting(model, t, candidates, steps) for t, steps in zip(tracks, begin, strict=True)]
     return balanced(model, tracks, candidates, near)
 
 
@@ -149,12 +150,15 @@ def by_track(
         yield track, own, found.relative[first:end]
 
 
-def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()) -> Prediction:
-    """The same for a model whose earlier steps matter: the whole trial, free running."""
+def coasting(
+    model: Model, track: Track, candidates: Sequence[ActiveEffect] = (), near: Floats | None = None
+) -> Prediction:
+    """The same for a model whose earlier steps matter: the whole trial, free running; near: its steps, roughly."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
     if track.lead is None:
-        found = path_sensitivities(model, track.vertices / length, track.time, track.poses[0] / scale, candidates)
+        vertices, start = track.vertices / length, track.poses[0] / scale
+        found = path_sensitivities(model, vertices, track.time, start, candidates, near)
     else:
         found = free_run(model, track.lead.run, tuple(candidates))
     at = track.boundaries + (track.lead.rows if track.lead else 0)
@@ -170,7 +174,8 @@ def coasting(model: Model, track: Track, candidates: Sequence[ActiveEffect] = ()
         ],
         axis=1,
     )
-    return Prediction(moved + track.offset, jacobian, found.columns)
+    poses = found.trajectory.poses[: len(track.steps) + 1]
+    return Prediction(moved + track.offset, jacobian, found.columns, relative(poses[:-1], poses[1:]))
 
 
 def windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ...]) -> Prediction:
