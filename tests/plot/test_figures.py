@@ -125,7 +125,7 @@ def test_animation_has_a_frame_per_row_in_real_time(tmp_path, trajectory, cycles
 
 def test_a_failed_save_leaves_nothing_behind(tmp_path, problem, table, monkeypatch):
     fig = figures.joints_figure(table, problem)
-    monkeypatch.setattr(fig, "savefig", lambda *a, **k: (_ for _ in ()).throw(OSError("disk full")))
+    monkeypatch.setattr(fig, "draw", lambda *a, **k: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(OSError, match="disk full"):
         figures.save(fig, tmp_path, "joints")
     assert not list(tmp_path.iterdir())
