@@ -26,6 +26,7 @@ from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
 from serpenoid.objectives.contradictions import contradiction
+from serpenoid.objectives.efficiency import Efficiency
 from serpenoid.objectives.shape import Shape
 from serpenoid.objectives.term import Ask, Rows
 
@@ -198,6 +199,10 @@ class Problem(Record):
             limit = math.radians(self.joint_limit_deg)
             joints = {ask.quantity for d in task.demands if isinstance(d, Shape) for ask in d.asks(rows)}
             others += [("[body] joint_limit_deg", Ask(joint, -limit, limit)) for joint in sorted(joints)]
+        if self.medium.law != "viscous" and any(isinstance(term, Efficiency) for term in task.objectives):
+            raise ValueError(
+                "[[task.objectives]] efficiency: is one of viscous drag; with dry friction ask for transport"
+            )
         fault = contradiction(task.demands, rows, others)
         if fault is not None:
             raise ValueError(fault)

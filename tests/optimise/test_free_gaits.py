@@ -27,7 +27,8 @@ from specimens import nlp_of, oracle_run, phases_of_rows, problem, uneven
 
 STEPS = 6
 Q = np.array([0.6, 0.5, -0.8, 0.3, 4.0, 1.1])
-REACHED = 0.0041234  # problems/reach.toml: all of 20 seeds
+# problems/reach.toml, w = 10 and w = 100: all of 20 seeds (results/benchmarks/published.md)
+REACHED, REACHED_DEARLY = 0.0041234, 0.0408990
 
 EFFORT = Task.model_validate({"c": 0.6, "objectives": [{"kind": "position", "target": (0.3, 0.1), "weight": 2.0}]})
 BENDING = Task.model_validate({"objectives": [{"kind": "bending"}, {"kind": "displacement"}, {"kind": "effort"}]})
@@ -199,15 +200,18 @@ def reduced_gradient(nlp: GaitNLP, x: Floats, p: Floats) -> Floats:
     return slope[n:] - jacobian[:, n:].T @ np.linalg.solve(jacobian[:, :n].T, slope[:n])
 
 
-def test_the_reach_problem_is_solved_certified_and_confirmed_by_the_oracle() -> None:
-    result = solve(problem("reach"), starts=2, seed=3)
+@pytest.mark.parametrize(("c", "reached", "starts"), [(0.125, REACHED, 2), (1.25, REACHED_DEARLY, 1)])
+def test_the_reach_problem_is_solved_certified_and_confirmed_by_the_oracle(
+    c: float, reached: float, starts: int
+) -> None:
+    result = solve(problem("reach", f"task.c={c}"), starts, seed=3)
     best = result.best
     assert not result.failures
     assert len(result.optima) == 1
     assert best.status is Status.SOLVED
-    assert best.cost == pytest.approx(REACHED, abs=5e-8)
+    assert best.cost == pytest.approx(reached, abs=5e-8)
     run = oracle_run(best.problem.model, best.table)
-    goal = 5 * np.sum((run.poses[-1, :2] - [1, 0]) ** 2) + 0.125 * run.dissipation
+    goal = 5 * np.sum((run.poses[-1, :2] - [1, 0]) ** 2) + c * run.dissipation
     assert goal == pytest.approx(best.cost, abs=1e-9)
     assert np.abs(best.table).max() <= np.deg2rad(63) + 1e-9
 

@@ -16,6 +16,7 @@ from serpenoid.simulation import simulate_batch
 from serpenoid.status import Status
 from specimens import problem
 
+EFFICIENT = ('task.objectives=[{kind="efficiency"}]',)
 SMALL = "body.vertices=5", "task.steps=16"
 
 
@@ -89,12 +90,16 @@ def test_what_is_met_is_missed_by_nothing() -> None:
             'task.demands=[{kind="box",half_widths=[0.5,0.5],inside=true},{kind="reach",target=[0.8,0.0]}]',
             r"\(box\) forbids the place of \S+ 2 \(reach\), by 0\.3 body lengths",
         ),
+        (
+            'medium={law="coulomb",anisotropy_ratio=0.2,dissipation="edge"}',
+            r"efficiency: is one of viscous drag; with dry friction ask for transport",
+        ),
         ('task.demands=[{kind="half_plane",point=[0.1,0.0],normal=[1.0,0.0]}]', r"\(half_plane\) forbids .* by 0\.1 "),
     ],
 )
 def test_demands_that_contradict_each_other_are_refused_before_the_work(change: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        problem("reach", *SMALL, change)
+        problem("reach", *SMALL, *EFFICIENT if change.startswith("medium") else (), change)
 
 
 @pytest.mark.parametrize(

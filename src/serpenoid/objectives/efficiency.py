@@ -15,7 +15,10 @@ from serpenoid.objectives.term import Term
 
 
 class Efficiency(Term):
-    """-displacement^2 / (2 T E): minus Lighthill's efficiency over eps; set the task's `c` to 0 beside it."""
+    """-displacement^2 / (2 T E): minus Lighthill's efficiency over eps; set the task's `c` to 0 beside it.
+
+    Cases of a robust gait with other eps are compared as they stand here, without their eps.
+    """
 
     kind: Literal["efficiency"] = "efficiency"
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from serpenoid.plot.style import RED, figure
+from serpenoid.plot.style import CHAIN_MAP, RED, dress, figure
 from serpenoid.plot.world import targets
 
 if TYPE_CHECKING:
@@ -20,20 +19,18 @@ def cases_figure(solution: Solution) -> Figure:
     fig = figure(8.6, 3.6)
     paths, bars = fig.subplots(1, 2, width_ratios=[3, 2])
     cases = solution.cases
-    colours = colormaps["viridis"](np.linspace(0, 0.85, len(cases)))
+    colours = CHAIN_MAP(np.linspace(0, 1, len(cases)))
     for case, colour in zip(cases, colours, strict=True):
         paths.plot(*case.trajectory.poses[:, :2].T, color=colour, label=case.name)
         paths.plot(*case.trajectory.poses[-1, :2], "s", color=colour, markersize=5)
     targets(solution.problem, paths)
     paths.set_aspect("equal", adjustable="datalim")
-    paths.set_xlabel("x [body lengths]")
-    paths.set_ylabel("y [body lengths]")
-    paths.set_title("The centre's path in every case", loc="left")
-    bars.barh(range(len(cases)), [case.value for case in cases], color=colours)
+    dress(paths, "The centre's path in every case", "x [body lengths]", "y [body lengths]")
+    bars.barh(range(len(cases)), [case.value for case in cases], color=colours, height=0.55)
     bars.axvline(solution.cost, color=RED, linewidth=1.0)
     bars.set_yticks(range(len(cases)), [case.name for case in cases])
     bars.invert_yaxis()
-    bars.set_xlabel("objective")
     robust = solution.problem.task.robust
-    bars.set_title(f"{'Mean' if robust and robust.over == 'mean' else 'Worst'} {solution.cost:.4f}", loc="left")
+    words = f"{'Mean' if robust and robust.over == 'mean' else 'Worst'} {solution.cost:.4f}".replace("-", "−")
+    dress(bars, words, "objective", "")
     return fig
