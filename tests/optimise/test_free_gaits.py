@@ -234,3 +234,17 @@ def test_one_joint_goes_nowhere_with_a_free_gait_on_a_fine_mesh() -> None:
     rng, phase = np.random.default_rng(2), 2 * np.pi * np.arange(400)[:, None] / 400
     table = sum(0.2 * rng.normal() * np.cos(k * phase + rng.uniform(0, 6)) for k in (1, 2, 3))
     assert simulate_joint_angles(model, table).displacement < 1e-4  # second order in the step: 1e-2 at 40 steps
+
+
+def test_a_cycle_whose_joints_leap_between_rows_is_spread_over_rows_and_a_resolved_wave_is_left_alone() -> None:
+    phase = 2 * np.pi * np.arange(40)[:, None] / 40
+    wave = np.cos(phase + np.array([0.0, 1.0, 2.0]))
+    leap = np.sign(wave)  # from limit to limit in one step
+    for table, same in ((wave, True), (leap, False)):
+        family = TableGait.from_angles(table).of(3, 40)
+        found = family.resolved(table.ravel()).reshape(40, 3)
+        assert np.array_equal(found, table) is same
+        # a moving mean keeps the mean and stays within the angles it is of
+        assert found.mean(0) == pytest.approx(table.mean(0), abs=1e-12)
+        assert np.abs(found).max() <= 1.0
+    assert np.abs(np.roll(found, -1, axis=0) - found).max() < 1.0

@@ -156,6 +156,10 @@ class GaitFamily:
         """A gait near p that moves, for a search that ended at one that does not."""
         return p
 
+    def resolved(self, p: Floats) -> Floats:
+        """A gait near p whose rows follow its motion; p itself where they do."""
+        return p
+
     @property
     def modes(self) -> int:
         """How many triples (w1, w2, xi) the coordinates of a `serpenoid` family are."""

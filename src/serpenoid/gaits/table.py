@@ -124,6 +124,18 @@ class TableFamily(GaitFamily):
         """Not where all rows are the same."""
         return bool(np.ptp(p.reshape(self.rows, self.joints), axis=0).any())
 
+    def resolved(self, p: Floats) -> Floats:
+        """A cycle that leaps is averaged over an eighth of it.
+
+        A leap is a change between two rows of more than half the range of all angles: a wave that does so has fewer
+        than 2 pi rows a period, and what it moves is the mesh's doing.
+        """
+        table, reach = p.reshape(self.rows, self.joints), self.rows // 16
+        steps = np.roll(table, -1, axis=0) - table
+        if not self.closed or not reach or np.abs(steps).max() <= np.ptp(table, axis=0).max() / 2:
+            return p
+        return np.mean([np.roll(table, k, axis=0) for k in range(-reach, reach + 1)], axis=0).ravel()
+
     def scaled(self, p: Floats, factor: float) -> Floats:
         return p * factor
 

@@ -93,6 +93,8 @@ class GaitSolver(PreparedNLPs):
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
             q = outcome.point.x[-self.family.size :]
             again = self._recovery(outcome, gait_bounds)
+            if again is None and recoveries and outcome.status.ok:
+                again = self._spread(q, gait_bounds)
             if again is not None and recoveries:
                 recoveries, current = recoveries - 1, again
                 continue
@@ -154,6 +156,13 @@ class GaitSolver(PreparedNLPs):
         if clear is None or clear.proven >= 0:
             return carried, clear
         return replace(carried, watch=watch, margin=carried.margin - clear.proven + RESOLUTION), clear
+
+    def _spread(self, q: Floats, gait_bounds: GaitBounds | None) -> Floats | None:
+        """A new start where joints leap between rows, which only coarse steps reward: the motion spread over rows."""
+        resolved = self.family.resolved(q)
+        if np.array_equal(resolved, q):
+            return None
+        return self.start(np.clip(resolved, *(gait_bounds or self.gait_bounds())))
 
     def _recovery(self, outcome: Outcome, gait_bounds: GaitBounds | None) -> Floats | None:
         """A new start where IPOPT went astray, else None.
