@@ -60,6 +60,14 @@ def test_narrow_registers_give_the_numbers_of_wide_ones(monkeypatch: pytest.Monk
     np.testing.assert_array_equal(wide, narrow)
 
 
+@needs_compiler
+def test_functions_too_long_for_one_loop_are_casadis_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    x = np.linspace(-3, 3, 9)[:, None]
+    short = over_columns(waves())(x, np.array([1.7]))
+    monkeypatch.setattr(columns, "LONG", 1)
+    np.testing.assert_allclose(over_columns(waves())(x, np.array([1.7])), short, atol=ROUNDING)
+
+
 def test_a_library_that_cannot_be_loaded_leaves_the_virtual_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(path: str) -> None:
         raise OSError(f"{path}: built for another machine")

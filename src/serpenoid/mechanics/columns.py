@@ -15,11 +15,12 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.mechanics import functions, planar
-from serpenoid.mechanics.compile import loaded
+from serpenoid.mechanics.compile import compiled, loaded
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
 from serpenoid.model import Structure
 
+LONG = 2000  # instructions (70 vertices): compilers take more than 5 s for the loop of a longer Function
 OverColumns = Callable[..., list[Floats]]
 
 GATHER = f"""
@@ -62,9 +63,13 @@ def over_columns(function: ca.Function) -> OverColumns:
     """A dense SX Function of (column, shared numbers), over C columns: (columns (k, C), shared) -> outputs."""
     outputs = [function.size_out(i) for i in range(function.n_out())]
     sizes = [rows * columns for rows, columns in outputs]
-    run = loaded(f"{function.name()}_columns", _columns_source(function, sizes), _entry(function.name()), flags())
+    if function.n_instructions() > LONG:
+        run, plain = None, compiled([function])[0]
+    else:
+        source, plain = _columns_source(function, sizes), function
+        run = loaded(f"{function.name()}_columns", source, _entry(function.name()), flags())
     if run is None:
-        return lambda columns, shared: evaluate(_mapped(function, len(columns)), columns, shared)
+        return lambda columns, shared: evaluate(_mapped(plain, len(columns)), columns, shared)
 
     def over(columns: Floats, shared: Floats) -> list[Floats]:
         count = len(columns)
