@@ -182,3 +182,21 @@ def test_schedule_holds_row_zero_in_pauses():
         schedule.commanded(np.array([9.0, 10.0, 12.0, 12.9, 13.0, 16.5, 40.0])), np.tile(table[0], (7, 1))
     )
     np.testing.assert_allclose(schedule.commanded(np.array([10.5]))[0], table[5])
+
+
+@pytest.mark.parametrize("seed", [1, 20, 24, 54])
+def test_holes_in_the_record_do_not_move_a_clock_by_most_of_a_cycle(seed: int) -> None:
+    rng, cycle_s = np.random.default_rng(seed), 1.55
+
+    def motion(time: np.ndarray) -> np.ndarray:
+        phase = np.clip(time, 0.0, 2 * cycle_s) / cycle_s
+        shift = 0.3 * np.arange(4)
+        return np.sin(2 * np.pi * (phase[:, None] + shift)) - np.sin(2 * np.pi * shift)
+
+    camera, log = np.arange(-0.7, 5.4, 1 / 30), np.arange(-1.1, 4.9, 0.09)
+    holes = rng.uniform(-0.7, 5.4, 6)
+    camera = camera[np.abs(camera[:, None] - holes).min(axis=1) > 0.3]
+    seen = motion(camera) + rng.normal(scale=0.01, size=(len(camera), 4))
+    found = find_offset(camera + 3.0, seen, log, motion(log))
+    assert found is not None
+    assert found.offset_s == pytest.approx(3.0, abs=0.02)  # straight lines between the log's rows, 0.09 s apart

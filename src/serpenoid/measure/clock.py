@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from serpenoid.measure.cells import Floats
 
 GRID_S = 0.04  # search grid: far finer than a gait cycle; the best shift is refined afterwards
+HOLE = 3.0  # typical frames: a longer gap is not bridged
 
 
 @dataclass(frozen=True)
@@ -49,9 +51,8 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     low, high = t[0] - other_s[-1] + half, t[-1] - other_s[0] - half
     coarse_t = np.arange(t[0], t[-1], GRID_S)
     coarse = interpolate(t, signal, coarse_t)
-    coarse -= coarse.mean(axis=0)
     shifts = np.arange(low, high + GRID_S, GRID_S)
-    best = shifts[int(np.argmin(_held_costs(len(shifts), low, coarse_t, coarse, other_s, other)))]
+    best = shifts[int(np.argmin(_held_costs(len(shifts), low, coarse_t, coarse, _seen(t, coarse_t), other_s, other)))]
     found = minimize_scalar(
         _cost, bounds=(best - GRID_S, best + GRID_S), args=(t, signal, other_s, other), method="bounded",
         options={"xatol": 1e-6},
@@ -63,15 +64,24 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     return Offset(shift, correlation, float(np.sqrt(np.mean((a - b) ** 2))))
 
 
-def _held_costs(count: int, low: float, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> Floats:
+def _held_costs(
+    count: int, low: float, t: Floats, signal: Floats, seen: NDArray[np.bool_], other_s: Floats, other: Floats
+) -> Floats:
     """Of the shifts low, low + GRID_S, ..: one grid serves them all, for `t` has the same step."""
     first = t[0] - low - GRID_S * (count - 1)
     laid = held(other_s, other, first + GRID_S * np.arange(count - 1 + len(t)))
     costs = np.empty(count)
     for k in range(count):
-        moved = laid[count - 1 - k : count - 1 - k + len(t)]
-        costs[k] = ((signal - moved + moved.mean(axis=0)) ** 2).sum()
+        apart = (signal - laid[count - 1 - k : count - 1 - k + len(t)])[seen]
+        costs[k] = ((apart - apart.mean(axis=0)) ** 2).sum()
     return costs
+
+
+def _seen(t: Floats, grid: Floats) -> NDArray[np.bool_]:
+    """Which of a grid lie in no hole of the record: a straight line across half a cycle is like no motion."""
+    gaps = np.diff(t)
+    around = gaps[np.clip(np.searchsorted(t, grid) - 1, 0, len(gaps) - 1)]
+    return np.asarray(around <= max(GRID_S, HOLE * float(np.median(gaps))))
 
 
 def _common(shift: float, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> tuple[Floats, Floats]:
