@@ -28,7 +28,11 @@ def accumulate(relative: Floats, start: Floats | None = None) -> Floats:
 
 def place(poses: Floats, points: Floats) -> Floats:
     """Body-frame points (..., N, 2) in the world: shape (..., N, 2)."""
-    return np.einsum("...ij,...nj->...ni", rotation(poses[..., 2]), points) + poses[..., None, :2]
+    c, s = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
+    x, y = points[..., 0], points[..., 1]
+    placed = np.empty(np.broadcast_shapes((*poses.shape[:-1], 1, 2), points.shape))
+    placed[..., 0], placed[..., 1] = c * x - s * y + poses[..., 0, None], s * x + c * y + poses[..., 1, None]
+    return placed
 
 
 def compose(first: Floats, second: Floats) -> Floats:
