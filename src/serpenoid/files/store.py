@@ -29,6 +29,7 @@ from serpenoid.files.schema import Record
 from serpenoid.files.writing import atomic
 
 MOST_BYTES = 1_000_000_000
+LOOK = 0.01  # part of it that a process writes between two looks at what there is
 DIGEST = hashlib.sha256().digest_size
 PACKAGE = __name__.split(".", maxsplit=1)[0]
 Array = np.ndarray
@@ -117,11 +118,19 @@ def _write(path: Path, tree: bytes, arrays: list[Array]) -> None:
     with suppress(OSError):
         with atomic(path) as temporary:
             temporary.write_bytes(hashlib.sha256(body).digest() + body)
-        _bound(path.parent)
+        _bound(path.parent, len(body))
 
 
-def _bound(place: Path) -> None:
-    """The longest unused entries leave; another process may be doing the same."""
+_unseen = math.inf  # bytes that this process has written since it last looked at the whole folder
+
+
+def _bound(place: Path, written: int) -> None:
+    """The longest unused entries leave; another process may be doing the same. To look takes as long as to write."""
+    global _unseen
+    _unseen += written
+    if _unseen < LOOK * MOST_BYTES:
+        return
+    _unseen = 0.0
     entries = []
     with os.scandir(place) as found:
         for entry in found:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import hilbert
 
 from serpenoid.measure.consistency.signals import Signal, period_s
 from serpenoid.measure.trial import Motion
@@ -40,6 +39,8 @@ def edges_per_wave(motion: Motion) -> float:
 
     phase = arg sum_t z_{j+1} conj(z_j),     z: analytic signals of the joint angles in the longest stretch
     """
+    from scipy.signal import hilbert  # as long to import as all the rest, and robots need it not
+
     run = max(motion.runs, key=lambda r: r.stop - r.start)
     angles = motion.smooth_angles[run]
     bends: NDArray[np.complex128] = hilbert(angles - angles.mean(axis=0), axis=0)

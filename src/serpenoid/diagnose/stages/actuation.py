@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import Recording
@@ -147,9 +146,20 @@ def _scatter(readings: Floats, pooled: bool) -> Floats:
     """RMS about local parabolas [rad], corrected for what they swallow: of each joint (m,), or pooled: the median's."""
     if len(readings) < SMOOTHED_ROWS:
         return np.asarray(TICK if pooled else np.full(readings.shape[1], TICK))
-    left = readings - savgol_filter(readings, SMOOTHED_ROWS, 2, axis=0)
+    left = readings - local_parabolas(readings, SMOOTHED_ROWS)
     squares = (left**2).mean(axis=0) / (1 - 2.25 / SMOOTHED_ROWS)
     return np.asarray(np.sqrt(np.median(squares) if pooled else squares))
+
+
+def local_parabolas(values: Floats, rows: int) -> Floats:
+    """Each of `values` (R, m) by the parabola through the `rows` about it (Savitzky and Golay, 1964), R >= rows.
+
+    SciPy's, without its package for signals, whose import takes as long as all others together.
+    """
+    powers, middle = np.vander(np.arange(rows) - rows // 2, 3), rows // 2
+    smoother = powers @ np.linalg.pinv(powers)
+    inside = np.lib.stride_tricks.sliding_window_view(values, rows, axis=0) @ smoother[middle]
+    return np.concatenate([smoother[:middle] @ values[:rows], inside, smoother[middle + 1 :] @ values[-rows:]])
 
 
 @dataclass(frozen=True)
