@@ -62,7 +62,7 @@ def path_sensitivities(
     residual_by = np.zeros((rows - 1, 3, 3 + count))
     for age in range(1, min(4, rows - given)):  # the pose begun with is in the residuals of three steps
         residual_by[given + age - 1, :, :3] = now.slopes[age, given + age - 1]
-    residual_by[:, :, 3:] = problem.residual_derivatives(problem.measured, columns)
+    residual_by[:, :, 3:] = problem.residual_derivatives(columns)
     first = np.zeros((given + 1, 3, 3 + count))
     first[-1, :, :3] = np.eye(3)
     by = np.concatenate([first, implicit_derivative(now.slopes[:, given:], residual_by[given:])])

@@ -251,19 +251,20 @@ class Recorded:
         """Derivatives (S, 3, P) of the relative poses."""
         starts = self.steps.starts
         ends = group.compose(starts, np.nan_to_num(root.relative))
-        by = self.residual_derivatives(np.hstack([starts, ends]).T, columns)
+        by = self.residual_derivatives(columns, np.hstack([starts, ends]).T)
         slopes = np.where(root.sound[:, None, None], root.slopes, np.eye(3))
         ends_by = implicit_derivative(slopes[None], by)
         c, s = np.cos(starts[:, 2])[:, None], np.sin(starts[:, 2])[:, None]
         x, y = ends_by[:, 0], ends_by[:, 1]
         return np.stack([c * x + s * y, c * y - s * x, ends_by[:, 2]], axis=1)
 
-    def residual_derivatives(self, poses: Floats, columns: Sequence[Column]) -> Floats:
-        """Derivatives of the residual by the columns (S, 3, P), momenta of earlier steps included."""
-        now = self._by_columns(poses, columns)
+    def residual_derivatives(self, columns: Sequence[Column], poses: Floats | None = None) -> Floats:
+        """Derivatives of the residual by the columns (S, 3, P), momenta of earlier steps included; poses (6, S), by
+        default the measured ones."""
+        now = self._by_columns(self.measured if poses is None else poses, columns)
         total = now[:, :3]
         if self.history:
-            earlier = self._by_columns(self.measured, columns)[:, 3:]
+            earlier = (now if poses is None else self._by_columns(self.measured, columns))[:, 3:]
             c = self.steps.inertia
             total = total + c[:, 0, None, None] * now[:, 3:] + carried(c, earlier)
         return total
