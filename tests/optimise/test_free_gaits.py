@@ -46,7 +46,6 @@ WORLD = Task.model_validate(
             {"kind": "disc", "centre": (0.9, 0.4), "radius": 0.2},
             {"kind": "box", "half_widths": (2.0, 1.5), "inside": True, "angle_rad": 0.3},
             {"kind": "half_plane", "point": (0.0, -1.0), "normal": (0.1, 2.0)},
-            {"kind": "corridor", "line": ((-2.0, 0.1), (2.0, -0.2)), "half_width": 1.5},
         ]
     }
 )
@@ -71,6 +70,9 @@ RATES = Task.model_validate(
     }
 )
 NEAR = Near(share=0.3, step=2, vertex=0, edge=4), Near(share=0.8, step=5, vertex=7, edge=2)
+CORRIDOR = Task.model_validate(
+    {"demands": [{"kind": "corridor", "line": ((-2.0, 0.1), (1.0, -0.2), (2.0, 0.3)), "half_width": 1.5}]}
+)
 TASKS = {
     "rates": RATES,
     "ways": WAYS,
@@ -122,9 +124,21 @@ def differences(nlp: GaitNLP, x: Floats, p: Floats, seed: int) -> None:
 @pytest.mark.parametrize("gait", GAITS)
 @pytest.mark.parametrize("task", TASKS)
 def test_derivatives_are_differences_for_every_family_and_criterion(task: str, gait: str, dissipation: str) -> None:
+    check(task, gait, dissipation)
+
+
+@pytest.mark.usefixtures("virtual_machine")
+def test_derivatives_are_differences_in_a_corridor_with_a_bend() -> None:
+    check("corridor", "table", "edge")
+
+
+def check(task: str, gait: str, dissipation: str) -> None:
+    """Derivatives of the NLP of a task and a family at a random point."""
     model = uneven(dissipation)
     rows = 2 if gait in ("ellipse", "fourier") else 0
-    nlp = nlp_of(model, STEPS, rows, GAITS[gait], own if task == "rates" else None, TASKS[task])
+    nlp = nlp_of(
+        model, STEPS, rows, GAITS[gait], own if task == "rates" else None, (TASKS | {"corridor": CORRIDOR})[task]
+    )
     rng = np.random.default_rng(5)
     parameters = (
         nlp.family.start() + 0.3 * rng.normal(size=nlp.family.size)
@@ -139,7 +153,7 @@ def test_derivatives_are_differences_for_every_family_and_criterion(task: str, g
 
 
 def test_no_objective_or_demand_is_left_out() -> None:
-    parts = [part for task in TASKS.values() for part in (*task.objectives, *task.demands)]
+    parts = [part for task in (*TASKS.values(), CORRIDOR) for part in (*task.objectives, *task.demands)]
     assert {part.kind for part in parts} == {kind.model_fields["kind"].default for kind in (*terms(), *demands())}
 
 
