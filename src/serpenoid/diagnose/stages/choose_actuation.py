@@ -42,8 +42,12 @@ def choose_actuation(data: Plays) -> Stage:
     words: tuple[str, ...] = ()
     if left[worst] > SETTLED:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
-    named = tuple(_named(data, chosen, e) for e in chosen)
-    return Stage("actuation", named, tuple(_rivals(data, chosen, singles)), undetected, float(left[worst]), words)
+    every = [_named(data, chosen, e) for e in chosen]
+    named = tuple(n for n in every if n.strength >= VISIBLE)
+    undetected = (*(n for n in every if n.strength < VISIBLE), *undetected)
+    visible = {n.effect.key for n in named}
+    rivals = tuple(r for r in _rivals(data, chosen, singles) if r.instead_of.key in visible)
+    return Stage("actuation", named, rivals, undetected, float(left[worst]), words)
 
 
 def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:
