@@ -82,6 +82,12 @@ def test_demands_that_do_not_fit_the_body_are_refused(demand: str) -> None:
         problem("reach", *SMALL, f"task.demands=[{demand}]")
 
 
+def test_a_drawing_is_no_line_to_follow() -> None:
+    corners = ",".join(f"[{i / 100},0.0]" for i in range(1001))
+    with pytest.raises(InputError, match=r"line: takes 1000 entries at most, got 1001\."):
+        problem("reach", *SMALL, f'task.demands=[{{kind="corridor",line=[{corners}],half_width=0.3}}]')
+
+
 def test_points_of_a_body_whose_servos_do_something_else_are_not_promised() -> None:
     line = 'task.objectives=[{kind="path",line=[[0.0,0.0],[1.0,0.0]],point="head"}]'
     wanted = problem("reach", *SMALL, line, 'effects=[{name="stuck_joint",place=2,angle=0.3}]')

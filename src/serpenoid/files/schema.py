@@ -187,6 +187,8 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     if fault["type"] == "too_short":
         least = fault["ctx"]["min_length"]
         return f"{place}: needs {least} {'entry' if least == 1 else 'entries'} or more{shown}."
+    if fault["type"] == "too_long":
+        return f"{place}: takes {fault['ctx']['max_length']} entries at most, got {len(fault['input'])}."
     message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
     if not place:
         return f"{message}."

@@ -17,7 +17,11 @@ from serpenoid.objectives.obstacles import TINY, Obstacle
 from serpenoid.objectives.term import Played, Term, after
 
 Point = tuple[float, float]
-Line = Annotated[tuple[Point, ...], Field(min_length=2, description="corners x, y [body lengths], frame of row 0")]
+CORNERS = 1000  # every piece is a symbolic distance of every point and row: more are a drawing, not a line to follow
+Line = Annotated[
+    tuple[Point, ...],
+    Field(min_length=2, max_length=CORNERS, description="corners x, y [body lengths], frame of row 0"),
+]
 
 
 class Path(Term):
