@@ -15,7 +15,7 @@ HEAD = """# Hidden changes of the arena's robot
 
 `python -m arena.study --out results/blind/arena`: six gaits twice, diagnosed with a healthy campaign as reference.
 *Change*: path RMS between changed and healthy trials (healthy repeats: {repeats:.0f} mm), which is what there is to be
-explained. *Left*: floors, on the stage of motion. One campaign each.
+explained. *Left*: noise levels, on the stage of motion. One campaign each.
 
 | hidden | change [mm] | said | also | verdict | left | outcome |
 | --- | --- | --- | --- | --- | --- | --- |
@@ -23,7 +23,7 @@ explained. *Left*: floors, on the stage of motion. One campaign each.
 
 NOTES = """
 The method was developed on the same kinds of changes played with other seeds; there, lifted wheel, smooth tyre, patch
-and battery sag were weaker and stayed below the floor or nearly so, and were made stronger for this table. Once there,
+and battery sag were weaker and stayed below detection or nearly so, and were made stronger for this table. Once there,
 it served to develop, too. At first 9 of 15 were right; with `rolling_resistance`, `track_width`, `wheel_mount` in the
 catalogue and a seized wheel's force limited by the grip 11; what was missed then led to `loose_joint`, to eps that is
 known from the reference, and to effects that leave again when others take their place.
@@ -32,7 +32,6 @@ What is missed, and what is likely to be behind it:
 
 * Lifted wheel: the head tilts, and its markers do stand 0.2 mm off. The wheel's load goes to its neighbour, where it is
   found; `load` at the lifted vertex explains nothing by itself (both, fitted by hand, are -0.15 and +0.24).
-* Slippery patch: named, and beside it wear at one vertex, with a trace of two floors.
 """
 
 
