@@ -31,7 +31,7 @@ def in_processes(tasks: Sequence[Task]) -> list[Any]:
     global _tasks
     _tasks = list(tasks)
     with _interrupts_later() as hear:
-        pool = multiprocessing.get_context("fork").Pool(cores, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        pool = multiprocessing.get_context("fork").Pool(cores, _worker)
         with pool:
             hear()
             return pool.map(_run, range(len(tasks)), chunksize=1)
@@ -66,6 +66,12 @@ def _interrupts_later() -> Iterator[Callable[[], None]]:
         yield hear
     finally:
         signal.signal(signal.SIGINT, usual)
+
+
+def _worker() -> None:
+    """SIGTERM, by which a pool ends its workers, ends them at once: waiting for a lock they may never run a handler."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _run(index: int) -> Any:
