@@ -29,8 +29,15 @@ LEAST_SHARE = 1 / 3  # of these frames that must be seen
 GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
 
 
+class NoPath(ArithmeticError):
+    """A model that has no path along a trial's shapes cannot guide its averages."""
+
+
 def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model) -> tuple[Track, ...]:
-    """Tracks with the observation model's corrections applied; the model only guides averages over a few frames."""
+    """Tracks with the observation model's corrections applied; the model only guides averages over a few frames.
+
+    Raises NoPath.
+    """
     return tuple(in_processes([(_track, (r, seen, model)) for r in recordings]))
 
 
@@ -68,6 +75,8 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     plan = _mapped_poses(r, seen, frame_angles, frame_poses)
     known = np.flatnonzero(np.isfinite(plan[:, 0]))
     guess = predicted_path(model, vertices, time, _start(r, plan, known))
+    if not np.isfinite(guess).all():
+        raise NoPath(f"trial `{r.name}`: steps of this model have no root")
     at_frames = _spline(r, time, guess)
     miss = plan - at_frames
     around, counts = _averaged(r, time[bounds], miss)

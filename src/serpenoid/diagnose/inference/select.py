@@ -14,6 +14,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_error, path_noise, residuals, strength, window_noise
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.medium import (
     STEPS,
@@ -141,7 +142,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         others = [t for t in tries if t.added.name != first.added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
         idle = 0 if best.chi2 - first.fit.chi2 > needed(motion, first.fit) else idle + 1
-        extended = replace(motion, tracks=retrack(first.fit.model))
+        extended = retracked(motion, retrack, first.fit.model)
         extended, better = calibrated(extended, fit_guided(extended, first.fit))
         # repeats differ by what is missing, too, until it is there
         noise_level = path_noise(extended, better.predictions)
@@ -158,6 +159,14 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
     best, refused = earned(motion, null, best)
     best, bases, lost = visible(motion, null, best, noise_level)
     return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), refused, scores)
+
+
+def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
+    """On tracks about a model, whose mesh is finer than that of the fits; on the present ones if it has no path there."""
+    try:
+        return replace(motion, tracks=retrack(model))
+    except NoPath:
+        return motion
 
 
 def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
