@@ -162,7 +162,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
 
 
 def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
-    """On tracks about a model, whose mesh is finer than that of the fits; on the present ones if it has no path there."""
+    """On tracks about a model, whose mesh is finer than that of the fits; as it is if the model has no path there."""
     try:
         return replace(motion, tracks=retrack(model))
     except NoPath:
