@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.geometry import register, relative, shapes, travel, turn
+from serpenoid.diagnose.data.geometry import register, shapes, turn
+from serpenoid.group import accumulate, relative
 from serpenoid.measure.chain import marker_angles
 
 BODY = Body(vertices=12, edge_lengths=(0.04, *[0.08] * 9, 0.04), weights=tuple(range(1, 13)))
@@ -37,4 +38,4 @@ def test_registration_finds_the_pose_with_markers_hidden(angles: np.ndarray) -> 
 
 def test_travel_undoes_relative() -> None:
     poses = np.random.default_rng(2).uniform(-1, 1, (9, 3))
-    assert travel(relative(poses[:-1], poses[1:]), poses[0]) == pytest.approx(poses, abs=1e-12)
+    assert accumulate(relative(poses[:-1], poses[1:]), poses[0]) == pytest.approx(poses, abs=1e-12)

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import relative, travel
 from serpenoid.diagnose.inference.rules import gained_by_chance
 from serpenoid.diagnose.residuals.maps import windows
+from serpenoid.group import accumulate, relative
 from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.figures import save
@@ -80,7 +80,7 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
             continue
         for name, predictions in drawn:
             if name == "baseline" or d.extension.effects:
-                _draw(ax, travel(np.nan_to_num(predictions[i].displacement), np.zeros(3)), LABELS[name], 1.8)
+                _draw(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), LABELS[name], 1.8)
         _draw(ax, relative(track.poses[0], track.poses), INK, 0.8)
     dress(ax, "", "x [mm]", "y [mm]")
     ax.set_title(

@@ -1,4 +1,4 @@
-"""Chains of rigid links in numbers: vertices of joint angles, rigid registration, planar motions.
+"""Chains of rigid links in numbers: vertices of joint angles, rigid registration.
 
 Pose: weighted centroid and mean edge angle. Legend: F rows, N vertices, m joints.
 """
@@ -61,20 +61,6 @@ def turn(angle: Floats, vectors: Floats) -> Floats:
     c, s = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
-
-
-def relative(first: Floats, second: Floats) -> Floats:
-    """Poses `second` (..., 3) in the frames of `first` (..., 3)."""
-    place = turn(-first[..., 2], second[..., :2] - first[..., :2])
-    return np.concatenate([place, (second[..., 2] - first[..., 2])[..., None]], axis=-1)
-
-
-def travel(steps: Floats, start: Floats) -> Floats:
-    """Poses (S + 1, 3) reached from `start` (3,) by relative motions (S, 3)."""
-    heading = start[2] + np.concatenate([[0.0], np.cumsum(steps[:, 2])])
-    moved = turn(heading[:-1], steps[:, :2])
-    place = start[:2] + np.concatenate([np.zeros((1, 2)), np.cumsum(moved, axis=0)])
-    return np.column_stack([place, heading])
 
 
 def filled(values: NDArray[np.float64]) -> Floats:

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import GYRATION, relative, travel, turn
+from serpenoid.diagnose.data.geometry import GYRATION, turn
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.group import accumulate, relative
 
 CREEP_TICKS = 0.1  # shapes settle in pauses by less than a servo's tick, alike in repeats
 TICK = 2 * np.pi / 4096
@@ -112,10 +113,10 @@ def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
             chance[~track.playing] = np.broadcast_to(track.least, chance.shape)[~track.playing]
         window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
-        true = travel(steps, np.zeros(3))[:, :2]
+        true = accumulate(steps, np.zeros(3))[:, :2]
         for n in range(DRAWS):
             doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
-            path = travel(steps + rng.normal(size=chance.shape) * chance + doubted, np.zeros(3))[:, :2]
+            path = accumulate(steps + rng.normal(size=chance.shape) * chance + doubted, np.zeros(3))[:, :2]
             squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
     return np.asarray(np.sqrt(squares.mean(axis=0)))
 
@@ -130,7 +131,7 @@ def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
 
     mend: what the model does not account for across gaps of all markers is taken out first.
     """
-    path = travel(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
+    path = accumulate(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
     measured = track.measured[:, :2].copy()
     if mend:
         for first, last, step in gap_steps(track, predicted):
@@ -160,7 +161,7 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
         while b < last and (not known[b] or track.gap_windows[b]):
             b += 1
         if known[a] and known[b]:
-            said = travel(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
+            said = accumulate(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
             found.append((a, b, relative(track.measured[a], track.measured[b]) - said))
         i = b
     return found
@@ -175,7 +176,7 @@ def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Predi
     """Path RMS [m] between two models' paths on the same shapes, start poses fitted."""
     squares = []
     for track, a, b in zip(motion.tracks, full, without, strict=True):
-        one, other = (travel(np.nan_to_num(p.displacement), np.zeros(3)) for p in (a, b))
+        one, other = (accumulate(np.nan_to_num(p.displacement), np.zeros(3)) for p in (a, b))
         gyration = GYRATION * track.recording.body.total_length_m
         squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one, gyration)) ** 2).sum(axis=1)))
     return float(np.sqrt(np.mean(squares)))

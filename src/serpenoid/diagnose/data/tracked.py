@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.geometry import relative
 from serpenoid.diagnose.data.lead import Lead, Run
 from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
 from serpenoid.diagnose.data.windows import Track, predictions
 from serpenoid.errors import InputError
+from serpenoid.group import relative
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import SHORTEST_RUN, Trial

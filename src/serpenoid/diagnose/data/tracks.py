@@ -12,10 +12,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import GYRATION, filled, register, relative, shapes
+from serpenoid.diagnose.data.geometry import GYRATION, filled, register, shapes
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.windows import Track, predicted_path
+from serpenoid.group import relative
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 

@@ -15,9 +15,9 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import relative, travel
 from serpenoid.diagnose.data.lead import Lead, Recorded, free_run, led
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.group import accumulate, relative
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
@@ -86,7 +86,7 @@ def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) 
     chains = body_frame(model, vertices / model.body.total_length_m)
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
     known = np.atleast_2d(start)
-    return travel(steps.relative[len(known) - 1 :] * scale, known[-1])
+    return accumulate(steps.relative[len(known) - 1 :] * scale, known[-1])
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import relative, shapes, turn
+from serpenoid.diagnose.data.geometry import shapes, turn
 from serpenoid.diagnose.data.motion import Noise
 from serpenoid.diagnose.data.windows import predicted_path
 from serpenoid.diagnose.inference.medium import Fit, with_values
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
+from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule
 from serpenoid.model import Model
 

@@ -39,7 +39,6 @@ class Fit:
     evidence: Evidence
     predictions: tuple[Prediction, ...]
     chi2: float
-    held_out: float
     held: int = 0
 
     @property
@@ -172,9 +171,8 @@ def fit(
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    found = Fit(model, drift, evidence, predicted, best, np.inf, held)
-    evidence = found.shrinking(evidence)
-    return replace(found, evidence=evidence, held_out=evidence.held_out(range(len(x))))
+    found = Fit(model, drift, evidence, predicted, best, held)
+    return replace(found, evidence=found.shrinking(evidence))
 
 
 def _resting(p: Parameter) -> float:

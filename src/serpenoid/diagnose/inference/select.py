@@ -176,7 +176,7 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
     """
     refused: list[Refused] = []
     while best.effects:
-        bases = (null,) if len(best.effects) == 1 else each_without(motion, best)
+        bases = bases_of(motion, null, best)
         gains = [b.chi2 - best.chi2 for b in bases]
         least = int(np.argmin(gains))
         outweighed = null.chi2 - best.chi2 < best.chi2 - best.evidence.count.sum()
@@ -194,7 +194,7 @@ def visible(
     lost: list[Undetected] = []
     while True:
         effects = best.effects
-        bases = (null,) if len(effects) == 1 else each_without(motion, best)
+        bases = bases_of(motion, null, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
         if len(effects) < 2 or min(traces) >= noise_level_m:
             return best, bases, tuple(lost[::-1])
@@ -278,6 +278,11 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
 def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:
     """Fits without each of the effects."""
     return tuple(in_processes([(fit_without, (motion, best, e)) for e in best.effects]))
+
+
+def bases_of(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, ...]:
+    """The same; without an only effect that is eps alone."""
+    return (null,) if len(best.effects) == 1 else each_without(motion, best)
 
 
 def pruned(motion: Motion, best: Fit, rule: Rule, tries: int) -> Fit:

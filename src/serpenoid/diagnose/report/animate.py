@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import relative, travel, turn
+from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.group import accumulate, relative
 from serpenoid.report.animated import Animated, Layer
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def predicted(track: Track, prediction: Prediction) -> Floats:
     bounds = track.boundaries
     there = relative(track.poses[bounds[:-1]], track.poses[bounds[1:]])
     steps = np.where(np.isfinite(prediction.displacement), prediction.displacement, there)
-    at_bounds = travel(steps, track.poses[bounds[0]])
+    at_bounds = accumulate(steps, track.poses[bounds[0]])
     apart = at_bounds - track.poses[bounds]
     between = [np.interp(track.time, track.time[bounds], c) for c in apart.T]
     return np.asarray(track.poses + np.stack(between, axis=1))

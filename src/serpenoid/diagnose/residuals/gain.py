@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import travel
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_rms, residuals
 from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.group import accumulate
 
 DRAWS = 400
 
@@ -32,7 +32,7 @@ def scores(motion: Motion, predictions: Sequence[Prediction], mend: bool = False
     """Per trial."""
     rows = []
     for track, p, left in zip(motion.tracks, predictions, residuals(motion.tracks, predictions), strict=True):
-        path = travel(np.nan_to_num(p.displacement), track.poses[0])
+        path = accumulate(np.nan_to_num(p.displacement), track.poses[0])
         true = track.poses[track.boundaries]
         moved, said = (np.hypot(*(x[-1] - x[0])[:2]) for x in (true, path))
         noise = motion.noise.of(track)

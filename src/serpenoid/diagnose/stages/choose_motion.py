@@ -17,7 +17,6 @@ from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
-from serpenoid.diagnose.inference.held_out import LeaveOut, held_out_error
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.diagnose.inference.select import VISIBLE, Refused, Selection, Try, select, trace
@@ -80,27 +79,6 @@ def choose_on_tracks(
     return replace(found, stage=replace(found.stage, untestable=barred))
 
 
-def causes(found: MotionFinding, least: float, leave_out: LeaveOut) -> MotionFinding:
-    """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
-    chosen = found.selection.best.effects
-    if not chosen or found.stage.settled:
-        return found
-    share = explained_share(found.selection, leave_out)
-    if share >= least:
-        return found
-    bare = finding(replace(found.selection, best=found.selection.null, bases=(), undetected=()))
-    names = " and ".join(e.name for e in chosen)
-    would = f"would take away {share:.0%} of" if share > 0 else "would add to"
-    words = (*bare.stage.words, f"{names} {would} the path's error: too little to be the cause")
-    return replace(bare, stage=replace(bare.stage, words=words, untestable=found.stage.untestable))
-
-
-def explained_share(found: Selection, leave_out: LeaveOut) -> float:
-    """Of the path RMS that eps alone leaves on held-out parts, how much the chosen effects take away."""
-    before, after = (held_out_error(found.motion, f, leave_out) for f in (found.null, found.best))
-    return 1 - after / before
-
-
 def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
     """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
     kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
@@ -146,7 +124,7 @@ def _refusal(refused: Refused) -> str:
 
 
 def undetected_of(t: Try, noise_level_m: float) -> Named:
-    """What held-out gaits are better predicted with, though its trace in the path is too weak to name it."""
+    """What windows show, though its trace in the path is too weak to name it."""
     return Named(t.fitted, {}, t.strength_m / noise_level_m)
 
 

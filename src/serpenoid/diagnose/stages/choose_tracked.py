@@ -8,13 +8,15 @@ left above chance, and all of them together half of the path's error, unless cha
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from serpenoid.diagnose.data.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.data.untestable import fixed_to_the_room
-from serpenoid.diagnose.inference.held_out import fitted_again
+from serpenoid.diagnose.inference.held_out import LeaveOut, fitted_again, held_out_error
 from serpenoid.diagnose.inference.rules import Unseen
+from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, causes, choose_on_tracks
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_on_tracks, finding
 
 RULE = Unseen(fitted_again, worth=0.2)
 MAJOR = 0.5  # of the error of the path: all of them together
@@ -29,3 +31,24 @@ def choose_tracked(
     labels = tuple(range(len(tracks)))
     found = choose_on_tracks(track, labels, baseline, say, fixed_to_the_room(tracks), RULE)
     return causes(found, MAJOR, RULE.leave_out)
+
+
+def causes(found: MotionFinding, least: float, leave_out: LeaveOut) -> MotionFinding:
+    """The finding; where much is left, and effects take less than a share `least` of the path's error: without them."""
+    chosen = found.selection.best.effects
+    if not chosen or found.stage.settled:
+        return found
+    share = explained_share(found.selection, leave_out)
+    if share >= least:
+        return found
+    bare = finding(replace(found.selection, best=found.selection.null, bases=(), undetected=()))
+    names = " and ".join(e.name for e in chosen)
+    would = f"would take away {share:.0%} of" if share > 0 else "would add to"
+    words = (*bare.stage.words, f"{names} {would} the path's error: too little to be the cause")
+    return replace(bare, stage=replace(bare.stage, words=words, untestable=found.stage.untestable))
+
+
+def explained_share(found: Selection, leave_out: LeaveOut) -> float:
+    """Of the path RMS that eps alone leaves on held-out parts, how much the chosen effects take away."""
+    before, after = (held_out_error(found.motion, f, leave_out) for f in (found.null, found.best))
+    return 1 - after / before

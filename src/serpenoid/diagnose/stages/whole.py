@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import relative, shapes
+from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.diagnose.data.noise import path_rms, total
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
@@ -16,6 +16,7 @@ from serpenoid.diagnose.data.windows import Prediction, Track, predicted_path
 from serpenoid.diagnose.inference.medium import drift_columns
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.effects.active import ActiveEffect, joined
+from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise
