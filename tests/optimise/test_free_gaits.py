@@ -145,8 +145,8 @@ def check(task: str, gait: str, dissipation: str) -> None:
         if rows
         else 0.4 + 0.3 * rng.normal(size=nlp.family.size)
     )
-    lifted = [0.4] if nlp.lifted else []
-    x = np.concatenate([0.2 * rng.normal(size=3 * STEPS), lifted, parameters])
+    priced = [0.4] if nlp.priced else []
+    x = np.concatenate([0.2 * rng.normal(size=3 * STEPS), priced, parameters])
     if task == "rates":
         x[3 * STEPS - 3] = 0.8  # away from rest: what is divided by the way is steep there
     differences(nlp, x, np.concatenate([[0.7], phases_of_rows([0.1, 0.4][:rows], STEPS), model.parameters]), seed=6)

@@ -22,7 +22,7 @@ from pydantic import Field, model_validator
 from serpenoid.body import Floats
 from serpenoid.files.schema import Record
 
-Coordinates = Literal["serpenoid", "joints"]
+Coordinates = Literal["serpenoid", "joints", "lifted"]
 
 
 class GaitBounds(Record):
@@ -77,7 +77,8 @@ class GaitFamily:
     """A family of gaits for one body and one table. Hashable: compiled functions are kept per family.
 
     bounds: the file's. closed: whether the row after the last is the first again. coordinates: `serpenoid` (w1, w2, xi)
-    or `joints` (m angles [rad]). linear: whether the coordinates are linear in the parameters.
+    or `joints` (m angles [rad]), or `lifted` (bending and lifting). linear: whether the coordinates are linear in the
+    parameters. dimension: of the motion, 2 in the plane, 3 in space.
     """
 
     like: Gait
@@ -88,6 +89,7 @@ class GaitFamily:
 
     coordinates: ClassVar[Coordinates] = "joints"
     linear: ClassVar[bool] = True
+    dimension: ClassVar[int] = 2
 
     @property
     @abstractmethod
@@ -169,6 +171,11 @@ class GaitFamily:
     def size(self) -> int:
         """n."""
         return len(self.names)
+
+    @property
+    def pose_size(self) -> int:
+        """Numbers of a pose: (x, y, heading), in space with (z, pitch, roll) after them."""
+        return 3 * (self.dimension - 1)
 
     @property
     def sparse(self) -> bool:

@@ -3,7 +3,7 @@
 Local variables of step t are (g_t, g_{t+1}, a_t, a_{t+1}); those of the cycle are the poses (g_1, ..., g_T) and the
 shapes (a_0, ..., a_{R-1}). g_0 is fixed at the origin and has no column.
 
-Legend: T steps, R rows, s coordinates of a row, o = 6 + 2 s, v values per step.
+Legend: T steps, R rows, d numbers of a pose, s coordinates of a row, o = 2 d + 2 s, v values per step.
 """
 
 from __future__ import annotations
@@ -103,17 +103,18 @@ class Places:
     rows: int
     coordinates: int
     closed: bool
+    pose: int = 3
 
     @property
     def outer(self) -> int:
-        """o = 6 + 2 s."""
-        return 6 + 2 * self.coordinates
+        """o = 2 d + 2 s."""
+        return 2 * (self.pose + self.coordinates)
 
     @cached_property
     def poses(self) -> np.ndarray:
         """Pose columns; g_0 has none."""
-        t = np.arange(self.steps)[:, None]
-        before, after = 3 * (t - 1) + np.arange(3), 3 * t + np.arange(3)
+        t, d = np.arange(self.steps)[:, None], np.arange(self.pose)
+        before, after = self.pose * (t - 1) + d, self.pose * t + d
         before[0] = -1
         return np.hstack([before, after, np.full((self.steps, 2 * self.coordinates), -1)])
 
@@ -122,12 +123,12 @@ class Places:
         """Shape columns."""
         t, s = np.arange(self.steps)[:, None], self.coordinates
         after = (t + 1) % self.rows if self.closed else t + 1
-        return np.hstack([np.full((self.steps, 6), -1), s * t + np.arange(s), s * after + np.arange(s)])
+        return np.hstack([np.full((self.steps, 2 * self.pose), -1), s * t + np.arange(s), s * after + np.arange(s)])
 
     def jacobian(self, values: int) -> tuple[Scatter, Scatter]:
-        """Blocks (v, o T) to (v T, 3 T) by the poses and (v T, s R) by the shapes."""
+        """Blocks (v, o T) to (v T, d T) by the poses and (v T, s R) by the shapes."""
         t, j, i = np.meshgrid(np.arange(self.steps), np.arange(self.outer), np.arange(values), indexing="ij")
-        shapes = (values * self.steps, 3 * self.steps), (values * self.steps, self.coordinates * self.rows)
+        shapes = (values * self.steps, self.pose * self.steps), (values * self.steps, self.coordinates * self.rows)
         pair = []
         for columns, shape in zip((self.poses, self.shapes), shapes, strict=True):
             where = columns[t, j]
@@ -135,15 +136,15 @@ class Places:
         return pair[0], pair[1]
 
     def gradient(self) -> tuple[Scatter, Scatter]:
-        """Blocks (o, T) or (1, o T) to columns (3 T) and (s R)."""
+        """Blocks (o, T) or (1, o T) to columns (d T) and (s R)."""
         zero = np.zeros_like(self.poses)
-        sizes = 3 * self.steps, self.coordinates * self.rows
+        sizes = self.pose * self.steps, self.coordinates * self.rows
         pair = [scatter(c, zero, c >= 0, (n, 1)) for c, n in zip((self.poses, self.shapes), sizes, strict=True)]
         return pair[0], pair[1]
 
     def hessian(self) -> Scatters:
         """Blocks (o, o T) to: poses by poses (upper triangle), poses by shapes, shapes by shapes (both triangles)."""
-        g, a = 3 * self.steps, self.coordinates * self.rows
+        g, a = self.pose * self.steps, self.coordinates * self.rows
         t, j, i = np.meshgrid(*(np.arange(n) for n in (self.steps, self.outer, self.outer)), indexing="ij")
         pose_i, pose_j, shape_i, shape_j = self.poses[t, i], self.poses[t, j], self.shapes[t, i], self.shapes[t, j]
         return (

@@ -1,10 +1,10 @@
 """One step of the gait NLP with exact first and second derivatives: what all kinds of shape coordinates offer.
 
-    outer variables of step t:  g_t (3), g_{t+1} (3), a_t (s), a_{t+1} (s)        o = 6 + 2 s
+    outer variables of step t:  g_t (d), g_{t+1} (d), a_t (s), a_{t+1} (s)        o = 2 d + 2 s
 
-Two kinds: coordinates (w1, w2, xi) of a serpenoid (`serpenoid_blocks`, cheap for any number of joints), and joint
-angles (`joint_blocks`, with or without effects). Each maps its compiled step over the cycle. Legend: T steps, R rows,
-v values per step.
+Three kinds: coordinates (w1, w2, xi) of a serpenoid (`serpenoid_blocks`, cheap for any number of joints), joint angles
+(`joint_blocks`, with or without effects), and both waves of a lifted body in space (`lifted_blocks`). Each maps its
+compiled step over the cycle. Legend: T steps, R rows, d numbers of a pose, v values per step.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import casadi as ca
 
 @dataclass(frozen=True)
 class Cycle:
-    """What the blocks are evaluated at: poses (3, T + 1), shape coordinates (s, R), settings of the steps, parameters.
+    """What the blocks are evaluated at: poses (d, T + 1), shape coordinates (s, R), settings of the steps, parameters.
 
     `closed`: the row after the last is the first. settings (6, T) are for models with effects only.
     """

@@ -43,8 +43,8 @@ def certify(
 ) -> Certificate:
     """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's)."""
     table = solver.table(answer.q)
-    trajectory = solver.simulate(table)
-    error = solver.pose_error(answer.outcome.point, table, trajectory)
+    trajectory = solver.simulate(answer.q)
+    error = solver.pose_error(answer.outcome.point, trajectory)
     gain: float | None = None
     status = answer.outcome.status
     if status.ok and (not trajectory.status.ok or not error <= POSE_TOLERANCE):

@@ -82,7 +82,7 @@ def _clearance(solver: GaitSolver, q: Floats) -> Clearance | None:
     if not solver.obstacles.gaps:
         return None
     table = solver.table(q)
-    return solver.obstacles.clearance(solver.simulate(table).poses, table)
+    return solver.obstacles.clearance(solver.simulate(q).poses, table)
 
 
 def _whole(stored: bytes) -> bytes:

@@ -18,7 +18,7 @@ class CriteriaRows:
 
     def __init__(self, layout: Layout, dissipation: ca.MX, penalised: bool) -> None:
         self.layout, self.criteria, self.dissipation = layout, layout.criteria, dissipation
-        self.needs_energy = layout.lifted or (penalised and self.criteria.needs(self.criteria.dissipation))
+        self.needs_energy = layout.priced or (penalised and self.criteria.needs(self.criteria.dissipation))
 
     @cached_property
     def value(self) -> tuple[ca.MX, ca.MX]:
@@ -46,18 +46,18 @@ class CriteriaRows:
 
     def of_energy(self, gradient: ca.MX) -> ca.MX:
         """What the dissipation weighs in the objective, where it is no variable."""
-        return gradient[3 * self.layout.steps] if self.needs_energy else ca.MX(0)
+        return gradient[self.layout.moved] if self.needs_energy else ca.MX(0)
 
     def curvature(self, hessian: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
         """The Lagrangian's (u by u, u by q, q by q), u = (poses, [dissipation])."""
         poses, dissipation, by_q = self._columns(hessian)
-        left = ca.horzcat(poses, dissipation) if self.layout.lifted else poses
+        left = ca.horzcat(poses, dissipation) if self.layout.priced else poses
         start = self.layout.start
         return left[:start, :], by_q[:start, :], self._columns(by_q.T)[2]
 
     def on_table(self, by_z: ca.MX) -> ca.MX:
         """The joint table's part (m, R) of a gradient by z."""
-        start = 3 * self.layout.steps + 1
+        start = self.layout.moved + 1
         return ca.reshape(by_z[start : start + self.criteria.angles.numel()], self.criteria.joints, -1)
 
     @cached_property
@@ -68,7 +68,7 @@ class CriteriaRows:
             angles = ca.vec(layout.table.value(*layout.at))
         else:
             angles = layout.gait if c.needs(c.angles) else ca.MX.zeros(c.angles.numel())
-        own = layout.dissipation if layout.lifted else self.dissipation if self.needs_energy else ca.MX(0)
+        own = layout.dissipation if layout.priced else self.dissipation if self.needs_energy else ca.MX(0)
         return [layout.poses, angles, own, layout.gait, layout.parameters[0]]
 
     @cached_property
@@ -83,7 +83,7 @@ class CriteriaRows:
 
     def _columns(self, matrix: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
         """A derivative by z split into those by poses, dissipation and q (shapes first: none)."""
-        layout, n, m = self.layout, 3 * self.layout.steps, self.criteria.angles.numel()
+        layout, n, m = self.layout, self.layout.moved, self.criteria.angles.numel()
         poses, dissipation, angles, gait = ca.horzsplit(matrix, [0, n, n + 1, n + 1 + m, matrix.size2()])
         none, law = ca.MX(matrix.size1(), layout.groups[0]), layout.law
         if law.shapes is None:

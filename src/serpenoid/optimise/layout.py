@@ -1,11 +1,14 @@
 """What stands where among the variables of the gait NLP, and what all its parts are evaluated at.
 
-    x = (poses g_1 .. g_T (3 T), [dissipation], [servos' states], gait parameters)
+    x = (poses g_1 .. g_T (d T), [dissipation], [servos' states], gait parameters)
 
 Parts are derived by the poses and by q = (shapes, joint table, parameters) as far as these are not the same; Psi =
 dq/dp carries q to the parameters p by the chain rule, and for free tables there is nothing to carry.
 
-Legend: T steps, R rows, n parameters, d data of a row, K path rows.
+A pose has d = 3 numbers in the plane, (x, y, heading), and 6 in space, (z, pitch, roll) after them: what is asked of
+the plane is asked of both.
+
+Legend: T steps, R rows, n parameters, K path rows.
 """
 
 from __future__ import annotations
@@ -26,22 +29,23 @@ class Layout:
     def __init__(self, law: MotionLaw, criteria: Criteria, path_rows: int, portable: bool) -> None:
         self.law, self.family, self.criteria, self.portable = law, law.family, criteria, portable
         self.steps, self.structure, self.path_rows = law.steps, law.structure, path_rows
-        self.lifted = not criteria.separable
+        self.priced = not criteria.separable
         self.size = law.states + self.family.size
-        self.start = 3 * self.steps + self.lifted
+        self.moved = self.family.pose_size * self.steps
+        self.start = self.moved + self.priced
         d = self.family.data.shape[1]
         self.variables = ca.MX.sym("variables", self.start + self.size)
         self.parameters = ca.MX.sym("parameters", 1 + 2 * d * path_rows + 2 * self.structure.vertices)
 
     @property
     def poses(self) -> ca.MX:
-        """Poses (3 T)."""
-        return self.variables[: 3 * self.steps]
+        """Poses (d T)."""
+        return self.variables[: self.moved]
 
     @property
     def dissipation(self) -> ca.MX:
         """The dissipation as a variable of its own."""
-        return self.variables[3 * self.steps]
+        return self.variables[self.moved]
 
     @property
     def free(self) -> ca.MX:
@@ -76,7 +80,8 @@ class Layout:
     @cached_property
     def cycle(self) -> Cycle:
         """What the step blocks are evaluated at."""
-        poses = ca.horzcat(ca.MX.zeros(3, 1), ca.reshape(self.poses, 3, self.steps))
+        size = self.family.pose_size
+        poses = ca.horzcat(ca.MX.zeros(size, 1), ca.reshape(self.poses, size, self.steps))
         layer = self.law.shapes
         shapes = ca.reshape(self.gait, self.law.coordinates, -1) if layer is None else layer.value(*self.at)
         return Cycle(poses, shapes, self.family.closed, self.model_parameters, self.law.settings)
@@ -127,7 +132,7 @@ class Layout:
 
     def row(self, by_poses: ca.MX, by_dissipation: ca.MX, by_q: ca.MX) -> ca.MX:
         """Rows of the Jacobian."""
-        u = [by_poses, by_dissipation] if self.lifted else [by_poses]
+        u = [by_poses, by_dissipation] if self.priced else [by_poses]
         return ca.horzcat(*u, self.to_parameters(by_q))
 
     def row_of_free(self, by_free: ca.MX) -> ca.MX:

@@ -22,7 +22,7 @@ from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.played import Played
 from serpenoid.optimise.solution import CaseOutcome, SelfClear
 from serpenoid.problem import Problem
-from serpenoid.simulation import simulate_batch, simulate_joint_angles
+from serpenoid.simulation.gaits import simulate_gait, simulate_gaits
 from serpenoid.simulation.problem import gait_parameters
 from serpenoid.simulation.rollout import Batch
 from serpenoid.trajectory import Trajectory
@@ -72,21 +72,19 @@ class GaitMotions:
         """Joint tables (B, R, m) of gaits (B, n)."""
         return family_tables(self.model, self.family, gaits)
 
-    def finer(self, q: Floats, factor: int) -> Floats:
-        """Joint table of gait q with `factor` times as many steps."""
-        return family_tables(self.model, self.family.refined(factor), self.family.on_finer_rows(q, factor)[None])[0]
+    def simulate(self, q: Floats, factor: int = 1) -> Trajectory:
+        """The motion of gait q, with `factor` times as many steps."""
+        if factor == 1:
+            return simulate_gait(self.model, self.family, q)
+        return simulate_gait(self.model, self.family.refined(factor), self.family.on_finer_rows(q, factor))
 
-    def simulate(self, table: Floats) -> Trajectory:
-        """The motion of one table."""
-        return simulate_joint_angles(self.model, table, closed=self.family.closed)
-
-    def batch(self, tables: Floats) -> Batch:
-        """The motions of tables (B, R, m)."""
-        return simulate_batch(self.model, tables, self.family.closed)
+    def batch(self, gaits: Floats, tables: Floats) -> Batch:
+        """The motions of gaits (B, n) with these tables (B, R, m)."""
+        return simulate_gaits(self.model, self.family, gaits, tables)
 
     def costs(self, tables: Floats, gaits: Floats, c: float) -> Costs:
         """Objective, violations of what is asked, and soundness of gaits (B, n) with these tables, simulated."""
-        batch = self.batch(tables)
+        batch = self.batch(gaits, tables)
         value, outside = self.asked.evaluate(batch, tables, gaits, c)
         target = self.heading_target()
         if target is not None:
@@ -99,14 +97,14 @@ class GaitMotions:
         batch = Batch(poses, dissipation, np.array([trajectory.residual]), np.array([trajectory.status.ok]))
         return float(self.asked.evaluate(batch, table[None], q[None], c)[0][0])
 
-    def pose_error(self, point: Point, table: Floats, trajectory: Trajectory) -> float:
+    def pose_error(self, point: Point, trajectory: Trajectory) -> float:
         """Largest difference between the poses of the NLP and those of the simulation."""
-        poses = point.x[: 3 * self.steps].reshape(-1, 3)
+        poses = point.x[: self.family.pose_size * self.steps].reshape(self.steps, -1)
         return float(np.max(np.abs(trajectory.poses[1:] - poses)))
 
     def meshes(self, q: Floats) -> list[MeshStudy]:
         """How the motion depends on the number of steps."""
-        return [study_mesh(lambda factor: self.simulate(self.finer(q, factor)), self.steps)]
+        return [study_mesh(lambda factor: self.simulate(q, factor), self.steps)]
 
     def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
         """What gait q does in every case that it must serve; of one model: nothing more to say."""
@@ -122,16 +120,21 @@ class GaitMotions:
 
     def start(self, q: Floats) -> Floats:
         """A start that satisfies all momentum equations: the simulated poses of gait q."""
-        trajectory = self.simulate(self.table(q))
+        trajectory = self.simulate(q)
         poses = np.nan_to_num(trajectory.poses[1:] - trajectory.poses[0])
-        lifted = [] if self.asked.criteria.separable else [trajectory.dissipation]
+        priced = [] if self.asked.criteria.separable else [trajectory.dissipation]
         states = np.zeros(0) if self._played is None else self._played.start(self.table(q))
-        return np.concatenate([poses.ravel(), np.nan_to_num(lifted), states, q])
+        return np.concatenate([poses.ravel(), np.nan_to_num(priced), states, q])
 
     @property
     def states(self) -> int:
         """Numbers of the servos' memories in the NLP."""
         return 0 if self._played is None else self._played.states
+
+    @property
+    def own(self) -> int:
+        """Numbers of the NLP's variables before the gait's parameters."""
+        return self.family.pose_size * self.steps + (not self.asked.criteria.separable) + self.states
 
     @cached_property
     def _played(self) -> Played | None:

@@ -61,7 +61,7 @@ def softened(customise: Customise | None) -> Customise:
 def _of(solver: GaitSolver, failed: Solution, q: np.ndarray) -> Solution:
     """The failed solution with another gait and its motion."""
     table = solver.table(q)
-    motion, c = solver.simulate(table), solver.problem.task.c
+    motion, c = solver.simulate(q), solver.problem.task.c
     return replace(
         failed, gait=solver.family.gait(q), q=q, table=table, trajectory=motion, mesh=solver.meshes(q)[0],
         cost=solver.value(q, table, motion, c),

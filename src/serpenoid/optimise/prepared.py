@@ -92,12 +92,12 @@ class PreparedNLPs(GaitMotions):
     def bounds(self, carried: Carried, gait_bounds: GaitBounds | None = None) -> Bounds:
         """Bounds of all variables and constraints."""
         lower, upper = gait_bounds or self.gait_bounds()
-        n, size = 3 * self.steps, (self.model.structure.vertices, self.obstacles.columns)
-        own = n + (not self.asked.criteria.separable) + self.states
+        own, size = self.own, (self.model.structure.vertices, self.obstacles.columns)
         lbx, ubx = np.concatenate([np.full(own, -np.inf), lower]), np.concatenate([np.full(own, np.inf), upper])
         turn = self.heading_target()
         if turn is not None:
-            lbx[n - 1] = ubx[n - 1] = turn
+            last = self.family.pose_size * (self.steps - 1) + 2  # the heading of the last pose
+            lbx[last] = ubx[last] = turn
         path, zero = np.tile(self.limits.upper, len(carried.rows)), np.zeros(own)
         least, most = self.asked.bounds
         gaps = np.full(carried.watch.count(*size), -np.inf)

@@ -33,7 +33,7 @@ from serpenoid.optimise.solution import CaseOutcome
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
-from serpenoid.simulation import simulate_batch
+from serpenoid.simulation.gaits import simulate_gaits
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -161,7 +161,8 @@ class RobustSolver(GaitSolver):
             zero = np.zeros(part.constraint_counts[0])
             low, high = [*low, zero, -path, least], [*high, zero, path, most]
             if turn is not None:
-                lbx[begin + 3 * self.steps - 1] = ubx[begin + 3 * self.steps - 1] = turn
+                last = begin + self.family.pose_size * (self.steps - 1) + 2  # the heading of the last pose
+                lbx[last] = ubx[last] = turn
         epigraph = np.zeros(nlp.constraint_counts[-1])
         return Bounds(lbx, ubx, np.concatenate([*low, epigraph - np.inf]), np.concatenate([*high, epigraph]))
 
@@ -171,13 +172,14 @@ class RobustSolver(GaitSolver):
         outside, sound = sum(f.outside for f in found), np.all([f.sound for f in found], axis=0)
         return Costs(self._together(np.array([f.value for f in found])), np.asarray(outside), sound)
 
-    def pose_error(self, point: Point, table: Floats, trajectory: Trajectory) -> float:
+    def pose_error(self, point: Point, trajectory: Trajectory) -> float:
         """Of the case that fares worst."""
-        sizes = [3 * self.steps + (not self.asked.criteria.separable) + solver.states for solver in self.each]
+        sizes = [solver.own for solver in self.each]
         begins = np.cumsum([0, *sizes])
         whole = begins[1:] <= point.x.size - self.family.size  # cases may have been added since
         parts = [Point(point.x[begin:], point.lam_x, point.lam_g) for begin in begins[:-1][whole]]
-        return max(s.pose_error(p, table, s.simulate(table)) for s, p in zip(self.each, parts, strict=False))
+        q = point.x[-self.family.size :]
+        return max(s.pose_error(p, s.simulate(q)) for s, p in zip(self.each, parts, strict=False))
 
     def value(self, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
         """Over all cases."""
@@ -189,9 +191,9 @@ class RobustSolver(GaitSolver):
 
     def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
         """What gait q does in every case, re-simulated."""
-        table, values = self.table(q), self._values(q, c)
+        values = self._values(q, c)
         found = [
-            CaseOutcome(case.name, case.weight, value, solver.simulate(table))
+            CaseOutcome(case.name, case.weight, value, solver.simulate(q))
             for case, solver, value in zip(self.cases, self.each, values, strict=True)
         ]
         ratios = [solver.model.medium.anisotropy_ratio for solver in self.each]
@@ -215,7 +217,7 @@ class RobustSolver(GaitSolver):
         def at(ratio: float) -> Floats:
             """Objective and violations there."""
             model = at_ratio(self.problem, ratio).problem.model
-            batch = simulate_batch(model, table, self.family.closed)
+            batch = simulate_gaits(model, self.family, q[None], table)
             return np.array(self.asked.evaluate(batch, table, q[None], c))[:, 0]
 
         ratio, outside = _highest(lambda r: float(at(r)[1]), *self.interval)

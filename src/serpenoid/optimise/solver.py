@@ -127,7 +127,7 @@ class GaitSolver(PreparedNLPs):
         if self._rough or not carried.watch.points:
             return carried
         table = self.table(start)
-        return replace(carried, watch=self.obstacles.near(self.simulate(table).poses, table))
+        return replace(carried, watch=self.obstacles.near(self.simulate(start).poses, table))
 
     def _moved(self, point: Point, before: Carried, after: Carried) -> Point:
         """The point with multipliers for the next NLP, whose watched points are others."""
@@ -148,7 +148,7 @@ class GaitSolver(PreparedNLPs):
             return replace(carried, rows=tuple(rows), staying=staying), None
         if not self.obstacles.gaps:
             return carried, None
-        poses = self.simulate(table).poses
+        poses = self.simulate(q).poses
         watch = self.obstacles.after(carried.watch, poses, table)
         if set(watch.points) - set(carried.watch.points):
             return replace(carried, watch=watch), None

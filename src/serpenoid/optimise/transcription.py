@@ -2,7 +2,7 @@
 
     variables    poses g_1 .. g_T of the body frame (g_0 = origin), [dissipation], [servos' states], gait parameters p
     minimise     the criteria's objective
-    subject to   T (step values combined) = 0 for every step    (3 T equations: the geometric momentum vanishes)
+    subject to   T (step values combined) = 0 for every step    (d T equations: the geometric momentum vanishes)
                  [dissipation = T * E]                          (a variable where the criteria are not linear in it)
                  [servos with memory do what they do]           (see played.py)
                  joint angles and their changes in limits       (at K rows of the table; see limits.py)
@@ -12,7 +12,7 @@ Direct transcription after Even et al., Sec. III-A, with the paper's simulation 
 the variables (poses, shapes) of the steps; `Layer`s carry it to the gait's parameters by the chain rule, and for free
 tables there is nothing to carry.
 
-Legend: T steps, R rows, s coordinates of a shape, m joints, n parameters, d data of a row, K path rows.
+Legend: T steps, R rows, d numbers of a pose (`layout`), s coordinates of a shape, m joints, n parameters, K path rows.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ Names = tuple[list[str], list[str]]
 class GaitNLP:
     """The whole-cycle NLP of one model, family and criteria; take its Functions.
 
-    variables: MX (3 T + [1] + n); parameters: MX (1 + 2 d K + 2 N): c, the data of the K path rows and of those
-    after them, model parameters. `penalised=False` leaves the dissipation out of the derivatives (faster where its
+    variables: MX (d T + [1] + n); parameters: MX: c, the data of the K path rows and of those after them, model
+    parameters (2 N). `penalised=False` leaves the dissipation out of the derivatives (faster where its
     weight is zero). `watch`: what is kept clear of obstacles, and when. `portable` Functions are self-contained: they
     can be saved, loaded elsewhere and generated as C; the others call libraries compiled on this machine, and are
     faster.
@@ -62,7 +62,7 @@ class GaitNLP:
         self.structure, self.watch = law.structure, watch or Watch()
         self._layout = Layout(law, criteria, path_rows, portable)
         self.variables, self.parameters = self._layout.variables, self._layout.parameters
-        self.lifted, self.size = self._layout.lifted, self._layout.size
+        self.priced, self.size = self._layout.priced, self._layout.size
         self.gait, self.model_parameters = self._layout.gait, self._layout.model_parameters
 
     @cached_property
@@ -90,8 +90,8 @@ class GaitNLP:
         return self._layout.start + self.law.states, path, added
 
     def split(self, x: Floats) -> tuple[Floats, Floats]:
-        """Poses (T, 3) and gait parameters (n,) of a point."""
-        return x[: 3 * self.steps].reshape(-1, 3), x[self._layout.start + self.law.states :]
+        """Poses (T, d) and gait parameters (n,) of a point."""
+        return x[: self._layout.moved].reshape(self.steps, -1), x[self._layout.start + self.law.states :]
 
     def functions(self) -> dict[str, ca.Function]:
         """The NLP as named Functions, as `casadi.nlpsol` takes them.
@@ -123,7 +123,7 @@ class GaitNLP:
 
     @cached_property
     def _places(self) -> Places:
-        return Places(self.steps, self.family.rows, self.law.coordinates, self.family.closed)
+        return Places(self.steps, self.family.rows, self.law.coordinates, self.family.closed, self.family.pose_size)
 
     @cached_property
     def _asked(self) -> CriteriaRows:
@@ -154,10 +154,10 @@ class GaitNLP:
     def _constraints(self) -> ca.MX:
         values, energy = self._values
         flat = ca.vec(values) if self.law.combine is None else self.law.combine @ ca.vec(values)
-        lifted = [energy - self._layout.dissipation] if self.lifted else []
+        priced = [energy - self._layout.dissipation] if self.priced else []
         rows = [ca.vec(layer.value(*at)) for layer, at in self._layers]
         gaps = [self._along.value(self._layout.cycle)] if self._along else []
-        return ca.vertcat(flat * self.steps, *lifted, *rows, self._asked.value[1], *gaps)
+        return ca.vertcat(flat * self.steps, *priced, *rows, self._asked.value[1], *gaps)
 
     def _energy_slope(self) -> tuple[ca.MX, ca.MX]:
         """Derivatives of the dissipation by poses and q, rows."""
@@ -167,7 +167,7 @@ class GaitNLP:
 
     def _gradient(self) -> ca.MX:
         poses, dissipation, by_q = self._asked.slope()
-        if not self.lifted and self._asked.needs_energy:
+        if not self.priced and self._asked.needs_energy:
             by_poses, by_shapes = self._energy_slope()
             poses, by_q = poses + dissipation * by_poses, by_q + dissipation * by_shapes
         return ca.densify(self._layout.row(poses, dissipation, by_q).T)
@@ -179,7 +179,7 @@ class GaitNLP:
         if self.law.combine is not None:
             by_poses, by_shapes = self.law.combine @ by_poses, self.law.combine @ by_shapes
         rows = [layout.row(by_poses, ca.MX(by_poses.size1(), 1), layout.beside(by_shapes))]
-        if self.lifted:
+        if self.priced:
             by_poses, by_q = self._energy_slope()
             rows.append(layout.row(by_poses, ca.MX(-1), by_q))
         rows += [layout.row_of_free(layer.slope(*at)) for layer, at in self._layers]
@@ -192,11 +192,11 @@ class GaitNLP:
 
     def _hessian(self, factor: ca.MX, multipliers: ca.MX) -> ca.MX:
         layout, start = self._layout, self._layout.start
-        counts = [3 * self.steps, int(self.lifted), *(int(v.numel()) for v in self._layer_values), self._asked.count]
+        counts = [layout.moved, int(self.priced), *(int(v.numel()) for v in self._layer_values), self._asked.count]
         ends = np.cumsum([0, *counts, multipliers.numel() - sum(counts)]).tolist()
-        on_steps, on_lift, *on_layers, on_asked, on_gaps = ca.vertsplit(multipliers, ends)
+        on_steps, on_price, *on_layers, on_asked, on_gaps = ca.vertsplit(multipliers, ends)
         gradient, jacobian, hessian = self._asked.derived(factor, on_asked)
-        on_energy = on_lift if self.lifted else factor * self._asked.of_energy(gradient)
+        on_energy = on_price if self.priced else factor * self._asked.of_energy(gradient)
         weights, energy = self._step_weights(on_steps, on_energy)
         slope, blocks = self.law.blocks.hessian(layout.cycle, weights, energy)
         force, placed = ca.densify(self._places.gradient()[1](slope)), [(self._places.hessian(), blocks)]
@@ -211,7 +211,7 @@ class GaitNLP:
         total.matrix(corner)
         if layout.psi is not None:
             sums = [sum(same[1:], same[0]) for same in zip(*([p(v) for p in ps[1:]] for ps, v in placed), strict=True)]
-            uq = ca.vertcat(layout.beside(sums[0]), ca.MX(int(self.lifted), sum(layout.groups)))
+            uq = ca.vertcat(layout.beside(sums[0]), ca.MX(int(self.priced), sum(layout.groups)))
             mixed = (uq + mixed) @ layout.psi
             square = layout.psi.T @ ((layout.square(sums[1]) + square) @ layout.psi)
             square = square + self._curvature(force, ca.densify(factor * gradient + jacobian.T @ on_asked))

@@ -1,0 +1,23 @@
+"""What gaits of any family do: in the plane by their joint tables, in space (`[lift]`) by both of their waves.
+
+Legend: B gaits, R rows, m joints, n parameters of a gait.
+"""
+
+from __future__ import annotations
+
+from serpenoid.body import Floats
+from serpenoid.gaits import GaitFamily
+from serpenoid.mechanics.tables import family_tables
+from serpenoid.model import Model
+from serpenoid.simulation.rollout import Batch, simulate_batch, simulate_joint_angles
+from serpenoid.trajectory import Trajectory
+
+
+def simulate_gait(model: Model, family: GaitFamily, q: Floats) -> Trajectory:
+    """The motion of gait q (n,)."""
+    return simulate_joint_angles(model, family_tables(model, family, q[None])[0], closed=family.closed)
+
+
+def simulate_gaits(model: Model, family: GaitFamily, gaits: Floats, tables: Floats) -> Batch:
+    """The motions of gaits (B, n), whose joint tables (B, R, m) are known."""
+    return simulate_batch(model, tables, family.closed)
