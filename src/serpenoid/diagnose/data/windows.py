@@ -180,21 +180,32 @@ def coasting(
 
 def windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ...]) -> Prediction:
     """String the steps of each window together: poses and their derivatives at its end, seen from its beginning."""
+    displacement, turned = at_ends(track, steps, by)
+    return Prediction(displacement, np.add.reduceat(turned, track.boundaries[:-1], axis=0), columns)
+
+
+def at_ends(track: Track, steps: Floats, by: Floats) -> tuple[Floats, Floats]:
+    """Displacement of each window (B - 1, 3), and what each step's derivatives (S, 3, P) add to its window's own."""
     heading = np.cumsum(np.concatenate([[0.0], steps[:, 2]]))
-    c, s = np.cos(heading[:-1])[:, None], np.sin(heading[:-1])[:, None]
-    x = c[:, 0] * steps[:, 0] - s[:, 0] * steps[:, 1]
-    y = s[:, 0] * steps[:, 0] + c[:, 0] * steps[:, 1]
+    c, s = np.cos(heading[:-1]), np.sin(heading[:-1])
+    x = c * steps[:, 0] - s * steps[:, 1]
+    y = s * steps[:, 0] + c * steps[:, 1]
     place = np.concatenate([np.zeros((1, 2)), np.cumsum(np.column_stack([x, y]), axis=0)])
     path = np.column_stack([place, heading])
-    turned = np.stack([c * by[:, 0] - s * by[:, 1], s * by[:, 0] + c * by[:, 1], by[:, 2]], axis=1)
     first, last = track.boundaries[:-1], track.boundaries[1:]
-    end = np.repeat(place[last], last - first, axis=0)  # where each step's window ends
-    lever = end - place[first[0] + 1 : last[-1] + 1]
-    turned[:, 0] -= lever[:, 1, None] * by[:, 2]
-    turned[:, 1] += lever[:, 0, None] * by[:, 2]
-    summed = np.add.reduceat(turned, first, axis=0)
-    c, s = np.cos(heading[first])[:, None], np.sin(heading[first])[:, None]
-    jacobian = np.stack(
-        [c * summed[:, 0] + s * summed[:, 1], c * summed[:, 1] - s * summed[:, 0], summed[:, 2]], axis=1
+    long = last - first
+    lever = np.repeat(place[last], long, axis=0) - place[first[0] + 1 : last[-1] + 1]
+    away = heading[:-1] - np.repeat(heading[first], long)  # seen from the window's beginning
+    c, s = np.cos(away)[:, None], np.sin(away)[:, None]
+    start = np.repeat(heading[first], long)
+    right = np.cos(start) * lever[:, 0] + np.sin(start) * lever[:, 1]
+    up = np.cos(start) * lever[:, 1] - np.sin(start) * lever[:, 0]
+    turned = np.stack(
+        [
+            c * by[:, 0] - s * by[:, 1] - up[:, None] * by[:, 2],
+            s * by[:, 0] + c * by[:, 1] + right[:, None] * by[:, 2],
+            by[:, 2],
+        ],
+        axis=1,
     )
-    return Prediction(relative(path[first], path[last]), jacobian, columns)
+    return relative(path[first], path[last]), turned

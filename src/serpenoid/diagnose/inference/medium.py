@@ -51,6 +51,11 @@ class Fit:
         """eps and the coordinates of all fitted effects."""
         return _coordinates(self.model, self.effects)
 
+    @property
+    def converged(self) -> bool:
+        """Whether another step would gain next to nothing."""
+        return _at_the_end(self.evidence)
+
     def shrinking(self, evidence: Evidence) -> Evidence:
         """Evidence about this fit, whose first columns are its own, for fits without a gait."""
         rest = np.array([np.nan, *(_resting(p) for e in self.effects for p in e.effect.parameters)])
@@ -154,6 +159,8 @@ def fit(
     x = _values(model.effects[held:], model, drift)
     best, damping = float(evidence.constant.sum()), 1e-4
     for _ in range(steps):
+        if _at_the_end(evidence):
+            break
         matrix, vector = evidence.matrix.sum(axis=0), evidence.vector.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
         regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
@@ -173,6 +180,12 @@ def fit(
                 break
     found = Fit(model, drift, evidence, predicted, best, held)
     return replace(found, evidence=found.shrinking(evidence))
+
+
+def _at_the_end(evidence: Evidence) -> bool:
+    """Whether, to first order, no more can be gained than is worth a step."""
+    left = float(evidence.constant.sum())
+    return left - evidence.chi2(range(evidence.matrix.shape[1])) < CONVERGED * max(1.0, 1e-5 * left)
 
 
 def _resting(p: Parameter) -> float:

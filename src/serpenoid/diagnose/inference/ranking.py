@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, linearised
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
-from serpenoid.diagnose.inference.patches import Ranked, patch_grid, score_patches, with_patches
+from serpenoid.diagnose.inference.patches import Ranked, score_patches, with_patches
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
@@ -37,16 +37,13 @@ def score(motion: Motion, base: Fit) -> list[Ranked]:
 def needed(motion: Motion, found: Fit) -> float:
     """Chi squared that an effect of a fit must take away: the best of all candidates takes as much by chance."""
     singles, scored = _singles(motion, found)
-    remembers = [
-        "history" in getattr(c.effect, "knows", ()) for c in singles
-    ]  # to first order these explain all pauses
+    remembers = ["history" in getattr(c.effect, "knows", ()) for c in singles]
     # to first order what remembers explains all pauses
     instant = tuple(g for g, r in zip(scored.groups, remembers, strict=True) if not r)
     every = [Scored(scored.evidence, scored.own, instant)]
     if _patches_on_offer(motion, found):
-        grid = patch_grid(motion)
-        own = scored.own
-        every.append(Scored(with_patches(motion, found, grid), own, tuple((own + i,) for i in range(len(grid)))))
+        evidence, patches = with_patches(motion, found)
+        every.append(Scored(evidence, scored.own, tuple((scored.own + i,) for i in range(len(patches)))))
     return largest_by_chance(every)
 
 

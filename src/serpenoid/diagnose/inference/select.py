@@ -28,7 +28,7 @@ from serpenoid.diagnose.inference.medium import (
 )
 from serpenoid.diagnose.inference.patches import Ranked
 from serpenoid.diagnose.inference.ranking import needed, score, shortlist
-from serpenoid.diagnose.inference.rules import PENALISED, Rule
+from serpenoid.diagnose.inference.rules import PENALISED, Rule, gained_by_chance
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
@@ -37,6 +37,7 @@ AT_MOST = 7
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
 TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
+HOPELESS = 0.5  # of the price of so many tries: what gains less to first order is not fitted in full
 SHARE = 0.03  # of the best: what earns a full fit
 IDLE = 3  # effects in a row that gain no more than the null: two may come before the one that makes them tell
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
@@ -128,7 +129,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
-        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > max(0.0, SHARE * ranked[0][1])]
+        least = max(HOPELESS * gained_by_chance(len(ranked)), SHARE * ranked[0][1])
+        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > least]
         tries = attempts(motion, best, promising)
         if not level and all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
@@ -254,8 +256,8 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
 
 
 def finished(motion: Motion, base: Fit, t: Try, steps: int = STEPS) -> Try:
-    """Fitted on."""
-    found = fit_guided(motion, t.fit, steps)
+    """Fitted on, if more can be gained."""
+    found = t.fit if t.fit.converged else fit_guided(motion, t.fit, steps)
     return Try(found, t.added, trace(motion, found, base, t.added))
 
 
