@@ -31,7 +31,7 @@ def forget_functions() -> None:
         columns.shapes,
         columns.steps,
         columns._mapped,
-        serpenoid_blocks._compiled,
+        serpenoid_blocks._functions,
         joint_blocks.baseline_blocks,
         tables._compiled,
         tables._mapped,

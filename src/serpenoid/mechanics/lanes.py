@@ -38,8 +38,32 @@ def _series(first: int) -> str:
     return "".join(f"{c} + r2 * (" for c in lower) + highest + ")" * len(lower)
 
 
-# |r| <= pi / 2: what the polynomials leave out is below 2e-18. pi in three parts, the first two of 33 bits, so that
-# k pi is exact for angles up to a million. Adding and taking away 1.5 * 2^52 rounds to an integer.
+def polynomial_sine(number: str) -> str:
+    """C of `lane_sin` and `lane_cos` of a type of numbers: double, or a vector of them.
+
+    |r| <= pi / 2: what the polynomials leave out is below 2e-18. pi in three parts, the first two of 33 bits, so that
+    k pi is exact for angles up to a million. Adding and taking away 1.5 * 2^52 rounds to an integer.
+    """
+    return f"""#define INLINE static inline __attribute__((always_inline)) {number}
+INLINE rounded({number} x) {{ return (x + 6755399441055744.0) - 6755399441055744.0; }}
+INLINE reduced({number} x, {number} *sign) {{
+  const {number} k = rounded(x * {1 / math.pi!r}), odd = k - 2.0 * rounded(0.5 * k);
+  *sign = 1.0 - 2.0 * odd * odd;
+  return ((x - k * 3.1415926534682512) - k * 1.2154201012607932e-10) - k * 4.044532497591901e-21;
+}}
+INLINE lane_sin({number} x) {{
+  {number} sign;
+  const {number} r = reduced(x, &sign), r2 = r * r;
+  return sign * r * ({_series(1)});
+}}
+INLINE lane_cos({number} x) {{
+  {number} sign;
+  const {number} r = reduced(x, &sign), r2 = r * r;
+  return sign * ({_series(0)});
+}}
+"""
+
+
 PRELUDE = f"""#include <math.h>
 #ifdef __clang__
 #define INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
@@ -47,24 +71,7 @@ PRELUDE = f"""#include <math.h>
 #define INDEPENDENT _Pragma("GCC ivdep")
 #endif
 #define KERNEL static __attribute__((noinline)) void
-#define INLINE static inline __attribute__((always_inline)) double
-INLINE rounded(double x) {{ return (x + 6755399441055744.0) - 6755399441055744.0; }}
-INLINE reduced(double x, double *sign) {{
-  const double k = rounded(x * {1 / math.pi!r}), odd = k - 2.0 * rounded(0.5 * k);
-  *sign = 1.0 - 2.0 * odd * odd;
-  return ((x - k * 3.1415926534682512) - k * 1.2154201012607932e-10) - k * 4.044532497591901e-21;
-}}
-INLINE lane_sin(double x) {{
-  double sign;
-  const double r = reduced(x, &sign), r2 = r * r;
-  return sign * r * ({_series(1)});
-}}
-INLINE lane_cos(double x) {{
-  double sign;
-  const double r = reduced(x, &sign), r2 = r * r;
-  return sign * ({_series(0)});
-}}
-"""
+{polynomial_sine("double")}"""
 
 
 @cache

@@ -15,15 +15,15 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.mechanics import energy, kinematics
-from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, split_parameters
+from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.model import Structure
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.optimise.assembly import Scatter, Scatters, scatter
-from serpenoid.optimise.blocks import Cycle, over
+from serpenoid.optimise.blocks import Cycle
 from serpenoid.optimise.watch import Watch
 
-Functions = tuple[ca.Function, ca.Function, ca.Function]
+Functions = tuple[Columns, Columns, Columns]
 
 
 @lru_cache(maxsize=16)
@@ -67,7 +67,7 @@ class GapFunctions:
             ca.Function("along_jacobian", inputs, [ca.densify(ca.jacobian(value, z))], CSE),
             ca.Function("along_hessian", [*inputs, multipliers], [ca.densify(gradient), ca.densify(hessian)], CSE),
         ]
-        first, second, third = made if self.portable else compiled(made)
+        first, second, third = over_columns(made, shared=3, portable=self.portable)
         return first, second, third
 
     def _value(self, g: ca.SX, a: ca.SX, when: ca.SX, parameters: ca.SX) -> ca.SX:
@@ -101,19 +101,19 @@ class _Group:
     @property
     def count(self) -> int:
         """c."""
-        return int(self.functions[0].size1_out(0))
+        return int(self.functions[0].function.size1_out(0))
 
     @property
     def total(self) -> int:
         """Gaps of all instants."""
         return self.count * len(self.instants)
 
-    def over(self, function: ca.Function, cycle: Cycle, *more: ca.MX) -> ca.MX:
+    def over(self, function: Columns, cycle: Cycle, *more: ca.MX) -> ca.MX:
         """`function` at all instants."""
         poses = ca.vertcat(*(cycle.poses[:, (self._at + end).tolist()] for end in range(self.ends)))
         shapes = ca.vertcat(*(cycle.shapes[:, ((self._at + end) % self.rows).tolist()] for end in range(self.ends)))
         when = ca.DM([[share, place] for share, _, place in self.instants]).T
-        return over(function, len(self.instants), [3], poses, shapes, when, cycle.parameters, *more)
+        return function(len(self.instants), poses, shapes, ca.MX(when), cycle.parameters, *more)
 
     @cached_property
     def _at(self) -> np.ndarray:

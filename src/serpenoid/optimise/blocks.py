@@ -14,6 +14,8 @@ from typing import Protocol
 
 import casadi as ca
 
+from serpenoid.mechanics.wide import Columns
+
 
 @dataclass(frozen=True)
 class Cycle:
@@ -33,10 +35,17 @@ class Cycle:
         """T."""
         return int(self.poses.size2()) - 1
 
-    def ends(self, rows: ca.MX, width: int = 1) -> tuple[ca.MX, ca.MX]:
-        """Blocks of `width` columns per row, before and after each step."""
-        following = ca.horzcat(rows[:, width:], rows[:, :width]) if self.closed else rows[:, width:]
-        return (rows if self.closed else rows[:, : width * self.steps]), following
+    @property
+    def ends(self) -> tuple[ca.MX, ca.MX]:
+        """Shapes before and after each step."""
+        rows = self.shapes
+        following = ca.horzcat(rows[:, 1:], rows[:, 0]) if self.closed else rows[:, 1:]
+        return (rows if self.closed else rows[:, : self.steps]), following
+
+    def over(self, function: Columns, *more: ca.MX) -> ca.MX | tuple[ca.MX, ...]:
+        """A function of (pose, pose after, shape, shape after, more .., parameters) of every step."""
+        poses = self.poses[:, :-1], self.poses[:, 1:]
+        return function(self.steps, *poses, *self.ends, *more, self.parameters)
 
 
 class StepBlocks(Protocol):
@@ -58,8 +67,3 @@ class StepBlocks(Protocol):
 
     def hessian(self, cycle: Cycle, multipliers: ca.MX, factors: ca.MX) -> tuple[ca.MX, ca.MX]:
         """Gradient (o, T) and Hessian (o, o T) of multipliers (v, T) . values + factors (1, T) energy."""
-
-
-def over(function: ca.Function, count: int, shared: list[int], *inputs: ca.MX) -> ca.MX | tuple[ca.MX, ...]:
-    """`function` mapped over `count` columns; inputs at `shared` are the same for all."""
-    return function.map(f"over_{function.name()}", "serial", count, shared, [])(*inputs)

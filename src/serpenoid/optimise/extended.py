@@ -20,6 +20,7 @@ from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import kinematics
 from serpenoid.mechanics.extended import SETTING, wrench
 from serpenoid.mechanics.functions import element_parameters
+from serpenoid.mechanics.wide import over_columns
 from serpenoid.model import Model
 from serpenoid.optimise import joint_blocks
 from serpenoid.optimise.blocks import StepBlocks
@@ -49,7 +50,7 @@ def extended_blocks(model: Model, steps: int, portable: bool = False) -> StepBlo
     law = joint_blocks.ElementShare(frame, before, after, more, shared, share[:6], energy)
     structure = model.structure
     functions = step_functions(structure, law, element_parameters(structure), ca.DM(numbers))
-    blocks = JointBlocks(structure, functions, 6)
+    blocks = JointBlocks(over_columns(functions, portable=True), 6)
     bounded = model.law.degree == 1 and not model.knows("history")  # inertia grows with the step
     return GrowingBlocks(blocks, steps) if bounded else blocks
 

@@ -16,12 +16,12 @@ from functools import lru_cache
 import casadi as ca
 
 from serpenoid.mechanics import energy
-from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, element_parameters
+from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.model import Structure
 from serpenoid.optimise import joint_twists, plain_element
-from serpenoid.optimise.blocks import Cycle, over
-from serpenoid.optimise.joint_rows import row_functions
+from serpenoid.optimise.blocks import Cycle
+from serpenoid.optimise.joint_rows import row_function
 from serpenoid.optimise.joint_twists import Joints, Symbols, packed
 
 FRAME = 6  # both poses
@@ -62,16 +62,15 @@ class PlainShare(ElementShare):
 
 
 class JointBlocks:
-    """Functions of one step over joint angles. `numbers`: what the law takes per element, constant over the steps."""
+    """Functions of one step over joint angles."""
 
-    def __init__(self, structure: Structure, functions: list[ca.Function], values: int) -> None:
-        self.joints, self.values = len(structure.joints), values
-        self._places, self._row, self._value, self._gradient, self._jacobian, self._hessian = functions
-        self._widths = (structure.elements, self.joints)
+    def __init__(self, functions: list[Columns], values: int) -> None:
+        self.values = values
+        self._value, self._gradient, self._jacobian, self._hessian = functions
 
     def value(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
         """Values (v, T) and energies (1, T)."""
-        value, energies = self._over(self._value, cycle, of=self._places)
+        value, energies = self._over(self._value, cycle)
         return value, energies
 
     def jacobian(self, cycle: Cycle) -> ca.MX:
@@ -87,21 +86,16 @@ class JointBlocks:
         slope, curvature = self._over(self._hessian, cycle, multipliers, factors)
         return slope, curvature
 
-    def _over(self, function: ca.Function, cycle: Cycle, *more: ca.MX, of: ca.Function | None = None) -> ca.MX:
-        """`function` of every step; of: what it needs of the rows, default places and twists."""
-        rows = over(of or self._row, int(cycle.shapes.size2()), [1], cycle.shapes, cycle.parameters)
-        parts = [rows] if isinstance(rows, ca.MX) else rows
-        ends = [end for part, width in zip(parts, self._widths, strict=False) for end in cycle.ends(part, width)]
+    def _over(self, function: Columns, cycle: Cycle, *more: ca.MX) -> ca.MX:
         settings = [] if cycle.settings is None else [cycle.settings]
-        inputs = [ca.vertcat(cycle.poses[:, :-1], cycle.poses[:, 1:]), *ends, *settings, *more, cycle.parameters]
-        return over(function, cycle.steps, [function.n_in() - 1], *inputs)
+        return cycle.over(function, *settings, *more)
 
 
 @lru_cache(maxsize=16)
 def baseline_blocks(structure: Structure, portable: bool = False) -> JointBlocks:
     """The blocks of a body in the plain medium."""
     functions = step_functions(structure, _baseline(), element_parameters(structure), ca.DM(0, structure.elements))
-    return JointBlocks(structure, functions if portable else compiled(functions), 3)
+    return JointBlocks(over_columns(functions, portable=portable), 3)
 
 
 def _baseline() -> ElementShare:
@@ -119,11 +113,11 @@ def with_directions(w: ca.SX) -> ca.SX:
 
 
 def step_functions(structure: Structure, law: ElementShare, medium: ca.Function, numbers: ca.DM) -> list[ca.Function]:
-    """places, row, value, gradient, jacobian, hessian; see the module's head.
+    """value, gradient, jacobian, hessian from (pose, pose after, angles, angles after, .., parameters).
 
     medium: parameters -> the element's own numbers (M) and shared ones; numbers (q, M): constants of each element.
     """
-    return [*row_functions(structure, law.before.numel()), *_Step(structure, law, medium, numbers).functions()]
+    return _Step(structure, law, medium, numbers).functions()
 
 
 class _Step:
@@ -131,18 +125,16 @@ class _Step:
 
     def __init__(self, structure: Structure, law: ElementShare, medium: ca.Function, numbers: ca.DM) -> None:
         self.structure, self.law, self.joints = structure, law, Joints(structure)
-        m, size = structure.elements, law.before.numel()
-        self.frame = ca.MX.sym("frame", FRAME)
-        self.w = [ca.MX.sym(f"w{i}", size, m) for i in (0, 1)]
-        self.twists = [ca.MX.sym(f"d{i}", 4, len(structure.joints)) for i in (0, 1)]
-        self.parameters = ca.MX.sym("parameters", 2 * structure.vertices)
+        poses = [ca.MX.sym(f"g{i}", 3) for i in (0, 1)]
+        angles = [ca.MX.sym(f"a{i}", len(structure.joints)) for i in (0, 1)]
+        self.frame, self.parameters = ca.vertcat(*poses), ca.MX.sym("parameters", 2 * structure.vertices)
+        row = row_function(structure, law.before.numel())
+        self.w, self.twists = zip(*(row(a, self.parameters) for a in angles), strict=True)
         own, *shared = medium(self.parameters) if medium.n_out() > 1 else (medium(self.parameters),)
         constants = [ca.MX(numbers)] if numbers.size1() else []
         self.settings = [ca.MX.sym("setting", s.numel()) for s in law.more[1 + len(shared) + len(constants) :]]
         self.more = [own.T, *shared, *constants, *self.settings]
-        ends = [x for pair in (self.w, self.twists) for x in pair]
-        self.inputs = [self.frame, *ends, *self.settings]
-        self.plain = [self.frame, *self.w, *self.settings]  # what values need
+        self.inputs = [*poses, *angles, *self.settings]
 
     def functions(self) -> list[ca.Function]:
         """value, gradient, jacobian, hessian."""
@@ -150,7 +142,7 @@ class _Step:
         value, energies = self._over("value", [], [law.value, law.energy], [0, 1])
         multipliers, factor = ca.MX.sym("multipliers", law.value.numel()), ca.MX.sym("factor")
         return [
-            ca.Function("joint_value", [*self.plain, parameters], [value, energies]),
+            ca.Function("joint_value", [*self.inputs, parameters], [value, energies]),
             ca.Function("joint_gradient", [*self.inputs, parameters], [self._first("gradient", law.energy)]),
             ca.Function("joint_jacobian", [*self.inputs, parameters], [self._first("jacobian", law.value)]),
             ca.Function(

@@ -38,8 +38,8 @@ def placement(structure: Structure, parameters: ca.MX) -> ca.MX:
     return (reach - ca.repmat(weights.T @ reach, n + 1, 1)) * ca.repmat(edges.T, n + 1, 1)
 
 
-def row_functions(structure: Structure, place: int) -> list[ca.Function]:
-    """(angles (m), parameters) -> w (l, M); and with it the twists of the joints (4, m), see `joint_twists`."""
+def row_function(structure: Structure, place: int) -> ca.Function:
+    """(angles (m), parameters) -> w (l, M) and the twists of the joints (4, m), see `joint_twists`."""
     angles = ca.SX.sym("angles", len(structure.joints))
     parameters = ca.SX.sym("parameters", 2 * structure.vertices)
     edges, weights, _ = split_parameters(parameters, structure)
@@ -49,8 +49,7 @@ def row_functions(structure: Structure, place: int) -> list[ca.Function]:
     _, others = directions(structure, links=place == 4)
     w = ca.vertcat(points, *((ca.sparsify(ca.DM(matrix)) @ psi).T for matrix in others))
     twists = _twists(vertices, weights, structure)
-    inputs, outputs = [angles, parameters], [ca.densify(w), ca.densify(twists)]
-    return [ca.Function("joint_places", inputs, outputs[:1], CSE), ca.Function("joint_row", inputs, outputs, CSE)]
+    return ca.Function("joint_row", [angles, parameters], [ca.densify(w), ca.densify(twists)], CSE)
 
 
 def _edge_directions(angles: ca.SX, structure: Structure) -> ca.SX:

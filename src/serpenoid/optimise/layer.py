@@ -7,25 +7,30 @@ Legend: n parameters, k that a row depends on, d numbers of its data, s values p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
-from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE
+from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.optimise.assembly import Scatter
-from serpenoid.optimise.blocks import over
 
 
 @dataclass(frozen=True)
 class RowFunctions:
     """f (p (k), data (d), shared) -> (s); its Jacobian (s, k); the Hessian of multipliers (s) . f, or None: linear."""
 
-    value: ca.Function
-    slope: ca.Function
-    curvature: ca.Function | None
+    value: Columns
+    slope: Columns
+    curvature: Columns | None = None
+
+
+def over_rows(made: Sequence[ca.Function], portable: bool) -> RowFunctions:
+    """Value, slope and, unless it vanishes, curvature over rows, compiled unless portable."""
+    return RowFunctions(*over_columns(made, shared=2, portable=portable))
 
 
 def row_functions(name: str, function: ca.Function, portable: bool = False) -> RowFunctions:
@@ -41,8 +46,7 @@ def row_functions(name: str, function: ca.Function, portable: bool = False) -> R
     if not slope_is_constant(slope, p):
         curvature = ca.hessian(ca.dot(multipliers, value), p)[0]
         made.append(ca.Function(f"{name}_curvature", [*inputs, multipliers], [curvature], CSE))
-    made = made if portable else compiled(made)
-    return RowFunctions(made[0], made[1], made[2] if len(made) > 2 else None)
+    return over_rows(made, portable)
 
 
 def slope_is_constant(slope: ca.SX, p: ca.SX) -> bool:
@@ -74,26 +78,25 @@ class Layer:
         values = self._over(self.functions.curvature, p, data, shared, multipliers)
         return self._curvature_places(values.nz[:])
 
-    def _over(self, function: ca.Function, p: ca.MX, data: ca.MX, shared: ca.MX, *more: ca.MX) -> ca.MX:
+    def _over(self, function: Columns, p: ca.MX, data: ca.MX, shared: ca.MX, *more: ca.MX) -> ca.MX:
         count = len(self.indices)
-        same = (self.indices == self.indices[:1]).all()
-        constant = [2, 0] if same else [2]
-        gathered = p[self.indices[0].tolist()] if same else ca.reshape(p[self.indices.ravel().tolist()], -1, count)
-        return over(function, count, constant, gathered, data, shared, *more)
+        gathered = ca.reshape(p[self.indices.ravel().tolist()], -1, count)
+        return function(count, gathered, data, shared, *more)
 
     @cached_property
     def _slope_places(self) -> Scatter:
-        s, k = self.functions.slope.size_out(0)
-        rows, columns = (np.array(x, int) for x in self.functions.slope.sparsity_out(0).get_triplet())
+        slope = self.functions.slope.function
+        s = slope.size1_out(0)
+        rows, columns = (np.array(x, int) for x in slope.sparsity_out(0).get_triplet())
         each = np.arange(len(self.indices))[:, None]
         return _plain(each * s + rows, self.indices[:, columns], (s * len(self.indices), self.size))
 
     @cached_property
     def _curvature_places(self) -> Scatter:
-        function = self.functions.curvature
-        if function is None:
+        if self.functions.curvature is None:
             raise ValueError("a linear layer has no curvature")
-        rows, columns = (np.array(x, int) for x in function.sparsity_out(0).get_triplet())
+        pattern = self.functions.curvature.function.sparsity_out(0)
+        rows, columns = (np.array(x, int) for x in pattern.get_triplet())
         return _plain(self.indices[:, rows], self.indices[:, columns], (self.size, self.size))
 
 

@@ -20,7 +20,7 @@ from serpenoid.model import Model, Structure
 from serpenoid.optimise.blocks import StepBlocks
 from serpenoid.optimise.extended import combination, extended_blocks, realised_angles, settings
 from serpenoid.optimise.joint_blocks import baseline_blocks
-from serpenoid.optimise.layer import Layer, RowFunctions, row_functions
+from serpenoid.optimise.layer import Layer, over_rows, row_functions
 from serpenoid.optimise.played import Played, remembers
 from serpenoid.optimise.rows import joint_functions
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
@@ -96,8 +96,8 @@ def _angles(model: Model, family: GaitFamily, steps: int, portable: bool) -> Lay
 def table_layer(family: GaitFamily, structure: Structure, portable: bool) -> Layer:
     """Parameters to the joint table."""
     if family.coordinates == "serpenoid":
-        made = joint_functions(family, structure, changes=False)
-        return Layer(_compiled(made, portable), family.indices, family.size)
+        made = over_rows(joint_functions(family, structure, changes=False), portable)
+        return Layer(made, family.indices, family.size)
     return _layer("table", functions.gait_joint_angles(structure, family), family, portable)
 
 
@@ -107,7 +107,7 @@ def path_layer(family: GaitFamily, structure: Structure, rows: int, portable: bo
     Of a sparse family all rows are taken, in order.
     """
     if family.coordinates == "serpenoid":
-        made = _compiled(joint_functions(family, structure, changes=True), portable)
+        made = over_rows(joint_functions(family, structure, changes=True), portable)
         return Layer(made, np.tile(np.arange(family.size), (rows, 1)), family.size)
     p, d = ca.SX.sym("p", 2 * family.indices.shape[1]), family.data.shape[1]
     k, data = family.indices.shape[1], ca.SX.sym("data", 2 * d)
@@ -127,11 +127,3 @@ def path_layer(family: GaitFamily, structure: Structure, rows: int, portable: bo
 
 def _layer(name: str, function: ca.Function, family: GaitFamily, portable: bool) -> Layer:
     return Layer(row_functions(name, function, portable), family.indices, family.size)
-
-
-def _compiled(made: RowFunctions, portable: bool) -> RowFunctions:
-    from serpenoid.mechanics.compile import compiled
-
-    if portable or made.curvature is None:
-        return made
-    return RowFunctions(*compiled([made.value, made.slope, made.curvature]))

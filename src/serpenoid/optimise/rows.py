@@ -15,7 +15,6 @@ from serpenoid.gaits import GaitFamily
 from serpenoid.mechanics import kinematics
 from serpenoid.mechanics.functions import CSE, split_parameters
 from serpenoid.model import Structure
-from serpenoid.optimise.layer import RowFunctions
 
 COEFFICIENTS = (1, 4, 10)
 PAIRS = [(i, j) for j in range(3) for i in range(j + 1)]
@@ -81,8 +80,8 @@ def link_midpoints(structure: Structure) -> ca.Function:
     return ca.Function("link_midpoints", [parameters], [kinematics.link_midpoints(edges, structure).T])
 
 
-def joint_functions(family: GaitFamily, structure: Structure, changes: bool) -> RowFunctions:
-    """Joint angles (m) of a row by the parameters of a serpenoid family, with derivatives: a loop over the joints.
+def joint_functions(family: GaitFamily, structure: Structure, changes: bool) -> list[ca.Function]:
+    """Joint angles (m) of a row by the parameters of a serpenoid family: value, slope, curvature; a loop over joints.
 
     changes: the row's data are followed by those of the next row, and the changes to it by the angles: (2 m).
     """
@@ -101,11 +100,11 @@ def joint_functions(family: GaitFamily, structure: Structure, changes: bool) -> 
     total = hessian.map("joints_hessian", "serial", m, [0, 1], [0])(*common, *ends, columns)
     stacked = ca.vertcat(*(ca.reshape(slopes[i, :], k, m).T for i in range(1 + changes)))
     inputs = [q, data, parameters]
-    return RowFunctions(
+    return [
         ca.Function("gait_path", inputs, [ca.vec(values.T)]),
         ca.Function("gait_path_jacobian", inputs, [stacked]),
         ca.Function("gait_path_hessian", [*inputs, multipliers], [total]),
-    )
+    ]
 
 
 def _joint(family: GaitFamily, changes: bool) -> list[ca.Function]:

@@ -1,6 +1,6 @@
 """The step over serpenoid coordinates, in three small layers.
 
-    (w1, w2, xi)  --row_shape-->  elements, with first and second derivatives (once per row)
+    (w1, w2, xi)  --gait_row-->  elements, with first and second derivatives
     elements, relative pose  --element-->  one summand of energy and momentum, mapped over the elements (a C loop)
     relative pose of (g_t, g_{t+1})  --compose-->  12 variables
 
@@ -16,11 +16,11 @@ from functools import lru_cache
 import casadi as ca
 
 from serpenoid.mechanics import energy
-from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, element_parameters
+from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.model import Structure
 from serpenoid.optimise import plain_element
-from serpenoid.optimise.blocks import Cycle, over
+from serpenoid.optimise.blocks import Cycle
 from serpenoid.optimise.rows import COEFFICIENTS, gait_row, polynomial
 
 LOCAL = 9  # h, coordinates of row t, coordinates of row t + 1
@@ -30,52 +30,35 @@ ROW = tuple(size * c for size, c in zip(VALUES, COEFFICIENTS, strict=True))
 
 
 class SerpenoidBlocks:
-    """Compiled functions of one step, over shape coordinates (w1, w2, xi)."""
+    """Functions of one step, over shape coordinates (w1, w2, xi)."""
 
     values = 3
 
     def __init__(self, structure: Structure, portable: bool = False) -> None:
-        self.elements = structure.elements
-        functions = (_portable if portable else _compiled)(structure)
-        self._rows, (self._value, self._gradient, self._jacobian, self._hessian) = functions[:3], functions[3:]
+        self._value, self._gradient, self._jacobian, self._hessian = _functions(structure, portable)
 
     def value(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
         """Residuals (3, T) and energies (1, T)."""
-        residual, energies = self._over(self._value, 0, cycle)
+        residual, energies = cycle.over(self._value)
         return residual, energies
 
     def jacobian(self, cycle: Cycle) -> ca.MX:
         """d residual, shape (3, 12 T)."""
-        return self._over(self._jacobian, 1, cycle)
+        return cycle.over(self._jacobian)
 
     def gradient(self, cycle: Cycle) -> ca.MX:
         """d energy, shape (1, 12 T)."""
-        return self._over(self._gradient, 1, cycle)
+        return cycle.over(self._gradient)
 
     def hessian(self, cycle: Cycle, multipliers: ca.MX, factors: ca.MX) -> tuple[ca.MX, ca.MX]:
         """Gradient (12, T) and Hessian (12, 12 T) of the steps' Lagrangians."""
-        slope, curvature = self._over(self._hessian, 2, cycle, multipliers, factors)
+        slope, curvature = cycle.over(self._hessian, multipliers, factors)
         return slope, curvature
 
-    def _over(self, function: ca.Function, order: int, cycle: Cycle, *more: ca.MX) -> ca.MX:
-        rows = over(self._rows[order], int(cycle.shapes.size2()), [1], cycle.shapes, cycle.parameters)
-        ends = [*cycle.ends(cycle.shapes), *cycle.ends(rows, self.elements)]
-        inputs = [cycle.poses[:, :-1], cycle.poses[:, 1:], *ends, *more, cycle.parameters]
-        return over(function, cycle.steps, [function.n_in() - 1], *inputs)
-
 
 @lru_cache(maxsize=16)
-def _compiled(structure: Structure) -> list[ca.Function]:
-    return compiled(_all(structure))
-
-
-@lru_cache(maxsize=16)
-def _portable(structure: Structure) -> list[ca.Function]:
-    return _all(structure)
-
-
-def _all(structure: Structure) -> list[ca.Function]:
-    return [*(gait_row(structure, order) for order in range(len(ROW))), *_steps(structure)]
+def _functions(structure: Structure, portable: bool) -> list[Columns]:
+    return over_columns(_steps(structure), portable=portable)
 
 
 def upper(n: int) -> list[tuple[int, int]]:
@@ -87,8 +70,9 @@ def _steps(structure: Structure) -> list[ca.Function]:
     """value, gradient, jacobian, hessian of one step: sums over the elements, then the chain rule to the poses."""
     m = structure.elements
     outer = [ca.MX.sym("g0", 3), ca.MX.sym("g1", 3), ca.MX.sym("a0", 3), ca.MX.sym("a1", 3)]
-    rows = [[ca.MX.sym("r0", size, m), ca.MX.sym("r1", size, m)] for size in ROW]
     parameters = ca.MX.sym("parameters", 2 * structure.vertices)
+    shapes = [gait_row(structure, order) for order in range(len(ROW))]
+    rows = [[shape(a, parameters) for a in outer[2:]] for shape in shapes]
     multipliers, factor = ca.MX.sym("multipliers", 3), ca.MX.sym("factor")
     weights, eps = element_parameters(structure)(parameters)
     local, local_jacobian, compose = _composition()
@@ -103,14 +87,10 @@ def _steps(structure: Structure) -> list[ca.Function]:
     value, gradient, jacobian, hessian = _element()
     slope, curvature = total(hessian, 2, multipliers, factor)
     return [
-        ca.Function("gait_value", [*outer, *rows[0], parameters], list(total(value, 0))),
-        ca.Function("gait_gradient", [*outer, *rows[1], parameters], [total(gradient, 1)[0] @ sensitivity]),
-        ca.Function("gait_jacobian", [*outer, *rows[1], parameters], [total(jacobian, 1)[0] @ sensitivity]),
-        ca.Function(
-            "gait_hessian",
-            [*outer, *rows[2], multipliers, factor, parameters],
-            list(compose(*outer, slope, curvature)),
-        ),
+        ca.Function("gait_value", [*outer, parameters], list(total(value, 0))),
+        ca.Function("gait_gradient", [*outer, parameters], [total(gradient, 1)[0] @ sensitivity]),
+        ca.Function("gait_jacobian", [*outer, parameters], [total(jacobian, 1)[0] @ sensitivity]),
+        ca.Function("gait_hessian", [*outer, multipliers, factor, parameters], list(compose(*outer, slope, curvature))),
     ]
 
 
