@@ -10,7 +10,7 @@ from oracle.chain import serpenoid_joint_table
 from oracle.integrator import Run, simulate
 from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait, Gait
-from serpenoid.mechanics import columns, tables
+from serpenoid.mechanics import columns, tables, vertices
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.optimise import joint_blocks, motion_law, serpenoid_blocks
@@ -35,6 +35,9 @@ def forget_functions() -> None:
         joint_blocks.baseline_blocks,
         tables._compiled,
         tables._mapped,
+        vertices.over_steps,
+        vertices._map,
+        vertices._step,
     ):
         cache.cache_clear()
 

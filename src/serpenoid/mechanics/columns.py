@@ -28,9 +28,9 @@ static void gather(long n, long eights, const long k, const long apart, const do
   for (long i = 0; i < 8 * eights; ++i)
     for (long r = 0; r < k; ++r) x[r * {LANES} + i] = a[(i < n ? i : n - 1) * apart + r];
 }}
-static void scatter(long n, const long k, const double *y, double *b) {{
+static void scatter(long n, const long k, const long apart, const double *y, double *b) {{
   for (long i = 0; i < n; ++i)
-    for (long r = 0; r < k; ++r) b[i * k + r] = y[r * {LANES} + i];
+    for (long r = 0; r < k; ++r) b[i * apart + r] = y[r * {LANES} + i];
 }}
 """
 BLOCKS = f"""  for (long first = 0; first < count; first += {LANES}) {{
@@ -50,10 +50,10 @@ void steps_columns(long count, const double *before, const double *after, const 
       element_moments(eights, x, y, weights + k, eps, moments);
     }}
     root(eights, guess, moments, found, found + 3 * {LANES}, found + 4 * {LANES}, found + 5 * {LANES});
-    scatter(n, 3, found, pose + 3 * first);
-    scatter(n, 1, found + 3 * {LANES}, slope + first);
-    scatter(n, 1, found + 4 * {LANES}, curvature + first);
-    scatter(n, 1, found + 5 * {LANES}, energy + first);
+    scatter(n, 3, 3, found, pose + 3 * first);
+    scatter(n, 1, 1, found + 3 * {LANES}, slope + first);
+    scatter(n, 1, 1, found + 4 * {LANES}, curvature + first);
+    scatter(n, 1, 1, found + 5 * {LANES}, energy + first);
   }}
 }}
 """
@@ -74,7 +74,7 @@ def over_columns(function: ca.Function) -> OverColumns:
     def over(columns: Floats, shared: Floats) -> list[Floats]:
         count = len(columns)
         found = [np.empty((rows, wide * count), order="F") for rows, wide in outputs]
-        _call(run, count, [columns, shared], found)
+        call(run, count, [columns, shared], found)
         return found
 
     return over
@@ -95,7 +95,7 @@ def steps(structure: Structure) -> OverColumns:
         count = len(before) // m
         found = [np.empty((rows, count), order="F") for rows in (3, 1, 1, 1)]
         medium = _medium(structure, parameters.tobytes())
-        _call(run, count, [before, after, *medium], found, m)
+        call(run, count, [before, after, *medium], found, m)
         return found
 
     return over
@@ -119,7 +119,7 @@ def _columns_source(function: ca.Function, sizes: list[int]) -> str:
     places = [f"work + {(width + sum(sizes[:i])) * LANES}" for i in range(len(sizes))]
     lines = [f"    gather(n, eights, {width}, {width}, columns + first * {width}, work);"]
     lines += [f"    {name}(eights, work, shared, {', '.join(places)});"]
-    lines += [f"    scatter(n, {k}, {places[i]}, b{i} + first * {k});" for i, k in enumerate(sizes)]
+    lines += [f"    scatter(n, {k}, {k}, {places[i]}, b{i} + first * {k});" for i, k in enumerate(sizes)]
     head = f"void {name}_columns(long count, const double *columns, const double *shared{results}) {{\n"
     head += f"  static _Thread_local double work[{(width + sum(sizes)) * LANES}];"
     return "\n".join([PRELUDE, kernel(function, [1]), GATHER, head, BLOCKS, *lines, "  }\n}\n"])
@@ -129,7 +129,8 @@ def _entry(name: str) -> Callable[[str], Any]:
     return lambda library: getattr(ctypes.CDLL(library), f"{name}_columns")
 
 
-def _call(run: Any, count: int, given: list[Floats], found: list[Floats], *more: int) -> None:
+def call(run: Any, count: int, given: list[Floats], found: list[Floats], *more: int) -> None:
+    """Run C on (count, arrays given, arrays found, more numbers)."""
     arrays = [*(np.ascontiguousarray(a, float) for a in given), *found]
     run(ctypes.c_long(count), *(ctypes.c_void_p(a.ctypes.data) for a in arrays), *(ctypes.c_long(n) for n in more))
 

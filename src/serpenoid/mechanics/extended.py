@@ -1,4 +1,4 @@
-"""The step's residual with effects: one vertex as symbols, all vertices as a compiled function.
+"""The step's residual with effects: one vertex as symbols.
 
     residual(g_0, g_1) = drag + dt (c_0 P + c_1 P_1 + c_2 P_2) = 0        (3 equations: force, moment about the origin)
 
@@ -9,7 +9,8 @@ step energy, so the roots are those of the baseline. Poses and wrenches are in t
 about an origin near the body, given with the setting: far from home a moment about home would lose digits.
 
 The function holds every medium effect of the catalogue, neutral unless its coordinates say otherwise: one library for
-all extended models, and derivatives by effects that a model does not have. Legend: M elements, P coordinates.
+all extended models, and derivatives by effects that a model does not have (`vertices` sums over a body and its steps).
+Legend: M elements, P coordinates.
 """
 
 from __future__ import annotations
@@ -22,7 +23,6 @@ import casadi as ca
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.effects.element import Drag, Element, cross
-from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.energy import move, planar_rotation, softening_length
 from serpenoid.mechanics.functions import CSE
 from serpenoid.mechanics.kinematics import unit_edges
@@ -104,19 +104,14 @@ def with_links(elements: ca.SX) -> ca.SX:
 
 
 @dataclass(frozen=True)
-class StepFunctions:
-    """Compiled functions of one step with all medium effects, sums over the vertices.
+class Vertex:
+    """A function of one vertex in one step; the outputs `summed` add up over the vertices, others stand side by side.
 
-    All take (before (4, M), after (4, M), poses (6), setting (6), medium (2, M), theta (P, M)).
-    balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)
-    coupled:     -> the same, derivatives by both poses (6, 6)
-    sensitivity: -> derivatives of drag and momentum by eps and by the parameters of effects without a place
-                 (6, 1 + G), and by those with one, vertex by vertex (6, L M)
+    It takes (before (6), after (6), poses (6), medium (2), setting (6), theta (P)).
     """
 
-    balance: ca.Function
-    coupled: ca.Function
-    sensitivity: ca.Function
+    function: ca.Function
+    summed: tuple[int, ...]
 
 
 def parameter_rows(kinds: Kinds, placed: bool) -> list[tuple[str, str, int]]:
@@ -130,8 +125,14 @@ def parameter_rows(kinds: Kinds, placed: bool) -> list[tuple[str, str, int]]:
 
 
 @lru_cache(maxsize=8)
-def step_functions(elements: int, law: str = "viscous") -> StepFunctions:
-    """The functions for bodies with `elements` vertices in a medium of this law."""
+def vertex_functions(law: str = "viscous") -> dict[str, Vertex]:
+    """With all medium effects, in a medium of this law:
+
+    balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)
+    coupled:     -> the same, derivatives by both poses (6, 6)
+    sensitivity: -> derivatives of drag and momentum by eps and by the parameters of effects without a place
+                 (6, 1 + G), and by those with one (6, L), vertex by vertex
+    """
     kinds = medium_effects()
     inputs = _symbols(coordinate_count(kinds))
     value = wrench(kinds, LAWS[law], *inputs)
@@ -143,28 +144,16 @@ def step_functions(elements: int, law: str = "viscous") -> StepFunctions:
     everywhere = [theta[row] for _, _, row in parameter_rows(kinds, placed=False)]
     somewhere = [theta[row] for _, _, row in parameter_rows(kinds, placed=True)]
     parts = {
-        "balance": ([value[:6], value[6], slope(poses[3:])], [0, 1, 2]),
-        "coupled": ([value[:6], value[6], slope(poses)], [0, 1, 2]),
-        "sensitivity": ([slope(ca.vertcat(eps, *everywhere)), slope(ca.vertcat(*somewhere))], [0]),
+        "balance": ([value[:6], value[6], slope(poses[3:])], (0, 1, 2)),
+        "coupled": ([value[:6], value[6], slope(poses)], (0, 1, 2)),
+        "sensitivity": ([slope(ca.vertcat(eps, *everywhere)), slope(ca.vertcat(*somewhere))], (0,)),
     }
-    functions = []
-    for name, (outputs, summed) in parts.items():
-        vertex = ca.Function(f"vertex_{name}", inputs, outputs, CSE)
-        functions.append(_summed(f"step_{name}", vertex, elements, summed))
-    return StepFunctions(*compiled(functions))
+    return {
+        name: Vertex(ca.Function(f"vertex_{name}", inputs, outputs, CSE), summed)
+        for name, (outputs, summed) in parts.items()
+    }
 
 
 def _symbols(coordinates: int) -> list[ca.SX]:
     shapes = {"before": 6, "after": 6, "poses": 6, "medium": 2, "setting": SETTING, "theta": coordinates}
     return [ca.SX.sym(name, size) for name, size in shapes.items()]
-
-
-def _summed(name: str, function: ca.Function, elements: int, outputs: list[int]) -> ca.Function:
-    before, after = ca.MX.sym("before", 4, elements), ca.MX.sym("after", 4, elements)
-    poses, setting = ca.MX.sym("poses", 6), ca.MX.sym("setting", SETTING)
-    medium, theta = ca.MX.sym("medium", 2, elements), ca.MX.sym("theta", function.size1_in(5), elements)
-    mapped = function.map(f"all_{name}", "serial", elements, [2, 4], outputs)
-    chain = ca.SX.sym("elements", 4, elements)
-    linked = ca.Function("linked", [chain], [with_links(chain)], CSE)
-    results = mapped(linked(before), linked(after), poses, medium, setting, theta)
-    return ca.Function(name, [before, after, poses, setting, medium, theta], list(results))

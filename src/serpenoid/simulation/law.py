@@ -7,20 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
-from serpenoid.mechanics.evaluate import evaluate as run
-from serpenoid.mechanics.extended import step_functions
+from serpenoid.mechanics.vertices import over_steps
 from serpenoid.model import Model
 
-BLOCK = 256  # steps of one call
 SOFTER = 3  # power of the strength: at a tenth, friction gives way at a thousand times the slip (at most at all of it)
 
 
@@ -109,31 +105,7 @@ def sensitivities(
 def _over_steps(
     which: str, law: MediumNumbers, before: Floats, after: Floats, poses: Floats, settings: Floats
 ) -> list[Floats]:
-    """Outputs (S, ...), step by step in one piece of memory; BLOCK steps a call, and the last ones filled up.
-
-    So a few maps serve any number of steps: making one takes as long as a hundred steps do.
-    """
+    """Outputs (S, ...) of a step function."""
     count, m = poses.shape[1], law.medium.shape[1]
-    rows = [np.ascontiguousarray(x.T, float).reshape(count, -1) for x in (before, after, poses, settings)]
-    shared = law.medium.T, law.theta.T
-    parts = []
-    for first in range(0, count, BLOCK):
-        some = [x[first : first + BLOCK] for x in rows]
-        size = len(some[0])
-        whole = _whole(size)
-        if size < whole:
-            some = [np.concatenate([x, np.repeat(x[-1:], whole - size, axis=0)]) for x in some]
-        found = run(_mapped(which, m, law.kind, whole), *some, *shared)
-        parts.append([x.reshape(-1, order="A").reshape(whole, -1)[:size] for x in found])
-    return [np.concatenate(x) for x in zip(*parts, strict=True)]
-
-
-def _whole(size: int) -> int:
-    """The least power of two that holds so many."""
-    return 1 << (size - 1).bit_length()
-
-
-@lru_cache(maxsize=128)
-def _mapped(which: str, elements: int, kind: str, count: int) -> ca.Function:
-    function: ca.Function = getattr(step_functions(elements, kind), which)
-    return function.map(f"map{count}_{which}", "serial", count, [4, 5], [])
+    chains = [np.asarray(x.T, float).reshape(count, m, 4) for x in (before, after)]
+    return over_steps(which, law.kind)(*chains, poses.T, settings.T, law.medium.T, law.theta.T)
