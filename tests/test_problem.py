@@ -18,13 +18,13 @@ from serpenoid.gaits import EllipseGait
 from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
-from serpenoid.optimise.in_space import SpatialSolver
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.performance import lighthill_efficiency
 from serpenoid.problem import Problem, load
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import write_table
+from serpenoid.trajectory import LiftedTrajectory
 from specimens import PROBLEMS, oracle_run, problem
 
 NAMES = sorted(path.stem for path in PROBLEMS.glob("*.toml"))
@@ -200,11 +200,10 @@ def robust() -> None:
 
 
 def sidewinding() -> None:
-    found = SpatialSolver(problem("sidewinding", "body.vertices=8", "task.steps=20")).solve(
-        np.array([6.0, 1, 0, 0]), 1.0
-    )
+    found = solve(problem("sidewinding", "body.vertices=8", "task.steps=20"), starts=1).best
     assert found.status.ok
-    assert found.sideways_deg > 60
+    assert isinstance(found.trajectory, LiftedTrajectory)
+    assert found.trajectory.sideways_deg > 60
 
 
 def five_links() -> None:

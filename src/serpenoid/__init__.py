@@ -10,7 +10,6 @@ if TYPE_CHECKING:
 
     from serpenoid.mechanics.opened import step_functions
     from serpenoid.objectives import Criteria
-    from serpenoid.optimise.in_space import solve_in_space
     from serpenoid.optimise.nlp import gait_nlp
     from serpenoid.optimise.own import certify_table
     from serpenoid.optimise.solve import improve, solve, solve_from
@@ -39,7 +38,6 @@ _PUBLIC = {
     "simulate_in_space": "serpenoid.simulation",
     "solve": "serpenoid.optimise.solve",
     "solve_from": "serpenoid.optimise.solve",
-    "solve_in_space": "serpenoid.optimise.in_space",
     "improve": "serpenoid.optimise.solve",
     "Criteria": "serpenoid.objectives",
     "gait_nlp": "serpenoid.optimise.nlp",
@@ -73,7 +71,6 @@ __all__ = [
     "simulate_vertices",
     "solve",
     "solve_from",
-    "solve_in_space",
     "step_functions",
     "sweep",
     "write_simulation",

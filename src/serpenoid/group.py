@@ -1,4 +1,7 @@
-"""SE(2) by numbers: poses (x, y, heading) and how relative motions compose. Shapes: (..., 3)."""
+"""SE(2) by numbers: poses (x, y, heading) and how relative motions compose. Shapes: (..., 3).
+
+And poses in space, (x, y, heading, z, pitch, roll), see `objectives.frames`: to and from places and rotations.
+"""
 
 from __future__ import annotations
 
@@ -52,3 +55,23 @@ def relative(first: Floats, second: Floats) -> Floats:
     d = second - first
     c, s = np.cos(first[..., 2]), np.sin(first[..., 2])
     return np.stack([c * d[..., 0] + s * d[..., 1], c * d[..., 1] - s * d[..., 0], d[..., 2]], -1)
+
+
+def spatial_rotation(poses: Floats) -> Floats:
+    """Rotation matrices (..., 3, 3) of poses in space (..., 6)."""
+    (c, s), (cp, sp), (cr, sr) = ((np.cos(poses[..., i]), np.sin(poses[..., i])) for i in (2, 4, 5))
+    rows = [
+        [c * cp, c * sp * sr - s * cr, c * sp * cr + s * sr],
+        [s * cp, s * sp * sr + c * cr, s * sp * cr - c * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.stack([np.stack(row, -1) for row in rows], -2)
+
+
+def spatial_poses(rotations: Floats, places: Floats) -> Floats:
+    """Poses in space (..., R, 6) of successive frames: rotations (..., R, 3, 3), places (..., R, 3); headings count
+    turns."""
+    heading = np.unwrap(np.arctan2(rotations[..., 1, 0], rotations[..., 0, 0]), axis=-1)
+    pitch = -np.arcsin(np.clip(rotations[..., 2, 0], -1, 1))
+    roll = np.arctan2(rotations[..., 2, 1], rotations[..., 2, 2])
+    return np.stack([places[..., 0], places[..., 1], heading, places[..., 2], pitch, roll], -1)

@@ -21,6 +21,8 @@ from serpenoid.files.inputs import read_bytes
 from serpenoid.files.schema import Record
 from serpenoid.files.writing import short_hash
 from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds, GaitFamily, families
+from serpenoid.gaits.lifted import Lift, LiftedGait, lifted
+from serpenoid.lifting import fault
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
@@ -110,27 +112,6 @@ class Task(Record):
     robust: Robust | None = Field(default=None, description="cases that one gait must serve together")
 
 
-class Lift(Record):
-    """Parts of the body are lifted in a wave, so that contact weights vary over the cycle: gaits in space."""
-
-    height: Annotated[float, Field(gt=0, le=0.5, description="of what is lifted highest [body lengths]")] = 0.03
-    sharpness: Annotated[float, Field(gt=0, le=50, description="of the change from lifted to resting")] = 6.0
-    air: Annotated[
-        float, Field(gt=0, lt=1, description="share of its weight that a lifted part keeps on the ground")
-    ] = 0.01
-    phase: tuple[float, float] = Field(
-        default=(-1.0, 1.0), description="of the contact wave behind the bending [cycles]"
-    )
-    bias: tuple[float, float] = Field(default=(0.0, 0.5), description="0: half of the body rests; above: more")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        for name in ("phase", "bias"):
-            if getattr(self, name)[0] > getattr(self, name)[1]:
-                raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
-        return self
-
-
 class Power(Record):
     """Electrical power P = P_idle + k * dissipation rate, for the cost of transport."""
 
@@ -191,6 +172,17 @@ class Problem(Record):
         return self
 
     @model_validator(mode="after")
+    def _lift_fits(self) -> Self:
+        said = None if self.lift is None else fault(self.lift, self.gait, self.model, self.task.bounds, self._goals)
+        if said is not None:
+            raise ValueError(f"[lift]: {said}")
+        return self
+
+    @property
+    def _goals(self) -> tuple[Term | Demand, ...]:
+        return (*self.task.objectives, *self.task.demands)
+
+    @model_validator(mode="after")
     def _demands_meet(self) -> Self:
         task, rows = self.task, Rows(self.task.steps, self.body.joint_count, not self.task.transient)
         wanted = 0.0 if task.constraints.straight else task.constraints.heading_change_rad
@@ -226,10 +218,12 @@ class Problem(Record):
     def family_of(self, gait: Gait | None = None) -> GaitFamily:
         """The family of `gait` (default the problem's own) for this body and table, within the task's bounds."""
         gait, task = gait or self.gait, self.task
-        bounds = task.bounds if task.bounds.family == gait.family else gait.Bounds(family=gait.family)
+        bend = gait.bend if isinstance(gait, LiftedGait) else gait
+        bounds = task.bounds if task.bounds.family == bend.family else bend.Bounds(family=bend.family)
         frequency = task.constraints.spatial_frequency
         if frequency is not None and "xi" in type(bounds).model_fields:
             bounds = bounds.fixed(xi=(frequency, frequency))
+        gait = gait if self.lift is None else lifted(gait, self.lift)
         return gait.of(self.body.joint_count, task.steps + task.transient, bounds, not task.transient)
 
     @property

@@ -17,11 +17,13 @@ from serpenoid.performance import electrical_cost_of_transport, lighthill_effici
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.table_file import write_table
-from serpenoid.trajectory import Trajectory
+from serpenoid.trajectory import LiftedTrajectory, Trajectory
 
 if TYPE_CHECKING:
     from serpenoid.optimise.solution import Solution
     from serpenoid.simulation.problem import Simulation
+
+POSE = ("x", "y", "heading", "z", "pitch", "roll")
 
 
 def default_folder(problem: Problem, verb: str, *options: Any) -> Path:
@@ -111,7 +113,7 @@ def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, An
 
 def crossing_rows(trajectory: Trajectory) -> int:
     """In how many rows of the table the chain crosses itself: no real body can play those."""
-    rows = trajectory.vertices[: trajectory.steps_per_cycle]
+    rows = trajectory.vertices[: trajectory.steps_per_cycle, :, :2]
     return int(crosses_itself(rows).sum()) if np.isfinite(rows).all() else 0
 
 
@@ -168,15 +170,26 @@ def _record(
         "dissipation_at": problem.medium.dissipation,
         "effects": [effect.model_dump(mode="json") for effect in problem.model.effects],
         "largest_step_residual": _number(trajectory.residual),
+        **_on_the_floor(trajectory),
     }
+
+
+def _on_the_floor(trajectory: Trajectory) -> dict[str, Any]:
+    """What there is to say of a body that is lifted."""
+    if not isinstance(trajectory, LiftedTrajectory) or not trajectory.status.ok:
+        return {}
+    return {"sideways_deg": trajectory.sideways_deg, "tilt_rad": trajectory.tilt, "standing": trajectory.standing}
 
 
 def _write(folder: Path, record: dict[str, Any], table: Floats, trajectory: Trajectory) -> None:
     """Tables first, solution.json last: a folder that has it is complete."""
-    write_table(folder / "joint_table.csv", table)
-    n = trajectory.vertices.shape[1]
-    header = ["step", "x", "y", "heading", *(f"{axis}_{k}" for k in range(n) for axis in "xy")]
+    write_table(folder / "joint_table.csv", table, isinstance(trajectory, LiftedTrajectory))
+    n, d = trajectory.vertices.shape[1:]
+    pose = POSE[: trajectory.poses.shape[1]]
+    header = ["step", *pose, *(f"{axis}_{k}" for k in range(n) for axis in "xyz"[:d])]
     rows = np.hstack([trajectory.poses, trajectory.vertices.reshape(len(trajectory.poses), -1)])
+    if isinstance(trajectory, LiftedTrajectory):
+        header, rows = header + [f"contact_{k}" for k in range(n)], np.hstack([rows, trajectory.contact])
     write_csv(folder / "trajectory.csv", header, ([i, *row] for i, row in enumerate(rows.tolist())))
     write_json(folder / "solution.json", record)
 

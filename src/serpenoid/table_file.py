@@ -18,9 +18,11 @@ def header(joint_count: int) -> list[str]:
     return [f"joint_{j + 1}" for j in range(joint_count)]
 
 
-def write_table(path: str | Path, angles: Floats) -> None:
-    """Write a joint table, shape (T, m) [rad]."""
-    write_csv(path, header(angles.shape[1]), angles.tolist())
+def write_table(path: str | Path, angles: Floats, in_space: bool = False) -> None:
+    """Write a joint table, shape (T, m) [rad]; in space (T, 2 m), `joint_1_yaw,...,joint_m_yaw,joint_1_pitch,...`."""
+    m = angles.shape[1]
+    names = [f"{name}_{way}" for way in ("yaw", "pitch") for name in header(m // 2)] if in_space else header(m)
+    write_csv(path, names, angles.tolist())
 
 
 def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
@@ -30,6 +32,8 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
     m = joint_count or len(head) or 2
     if Path(path).suffix.lower() == ".toml":
         raise InputError(f"{path}: is no joint table. Name a results folder (`serpenoid solve` writes one) or a CSV.")
+    if head and head[0] == "joint_1_yaw":
+        raise InputError(f"{path}: has yaw and pitch of a gait in space; tables to play have one angle a joint.")
     if head != header(m):
         names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
         raise InputError(f"{path}: the header must be {names} with {m} joints, got {','.join(head)[:60]!r}.")

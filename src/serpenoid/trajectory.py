@@ -5,10 +5,11 @@ Legend: R rows (T + 1 for one cycle of T steps), N vertices.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.shown import Shown
 from serpenoid.status import Status
@@ -38,7 +39,7 @@ class Trajectory(Shown):
     @property
     def net_motion(self) -> Floats:
         """(x, y, heading) of the last pose relative to the first, in the first body frame, shape (3,)."""
-        dx, dy, turn = self.poses[-1] - self.poses[0]
+        dx, dy, turn = (self.poses[-1] - self.poses[0])[:3]
         c, s = np.cos(self.poses[0, 2]), np.sin(self.poses[0, 2])
         return np.array([c * dx + s * dy, c * dy - s * dx, turn])
 
@@ -68,3 +69,58 @@ class Trajectory(Shown):
     def dissipation(self) -> float:
         """T^(degree - 1) times E: normalised dissipation, converges as T grows."""
         return self.steps_per_cycle ** (self.degree - 1) * self.energy_raw
+
+
+RESTING = 0.5  # of the contact: what rests more than this carries the body
+
+
+@dataclass(frozen=True, repr=False)
+class LiftedTrajectory(Trajectory):
+    """A motion in space: poses (R, 6), (z, pitch, roll) after (x, y, heading); vertices (R, N, 3).
+
+    contact (R, N): what each vertex carries over its own weight; weights (N).
+    """
+
+    contact: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    weights: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def rotations(self) -> Floats:
+        """Of all rows, (R, 3, 3)."""
+        return group.spatial_rotation(self.poses)
+
+    @property
+    def tilt(self) -> float:
+        """Largest angle between the body's plane and the floor [rad]."""
+        return float(np.arccos(np.clip(self.rotations[:, 2, 2], -1, 1)).max())
+
+    @property
+    def sideways_deg(self) -> float:
+        """Angle between the way and the body's mean axis, 0 to 90 [degrees]: a sidewinder's is large."""
+        axes, way = self.rotations[:-1, :2, 0].sum(0), self.poses[-1, :2] - self.poses[0, :2]
+        cosine = abs(axes @ way) / max(float(np.linalg.norm(axes) * np.linalg.norm(way)), 1e-300)
+        return float(np.rad2deg(np.arccos(np.clip(cosine, 0, 1))))
+
+    @property
+    def standing(self) -> float:
+        """Share of the rows in which the centre of mass is over the hull of what rests: gravity alone holds it."""
+        held = 0
+        for points, shares in zip(self.vertices[:, :, :2], self.contact, strict=True):
+            resting = points[shares * self.weights > RESTING * (shares * self.weights).max()]
+            held += _inside(resting, self.weights @ points)
+        return held / len(self.vertices)
+
+
+def floor_words(sideways_deg: float, tilt: float, standing: float) -> str:
+    """One line of a lifted body: its way, how flat it lies [rad], and whether gravity holds it."""
+    return (
+        f"{sideways_deg:.0f} degrees off the body's axis, tilted by {tilt:.4f} rad at most; what rests holds the "
+        f"centre of mass in {100 * standing:.0f} % of the rows"
+    )
+
+
+def _inside(points: Floats, place: Floats) -> bool:
+    """Whether a place is in the hull of points: there is no direction that all of them lie away in."""
+    angles = np.sort(np.arctan2(*(points - place).T[::-1]))
+    gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
+    return bool(gaps.max() < np.pi)

@@ -123,9 +123,6 @@ def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFix
     (tmp_path / "summary.txt").write_text("anisotropy_ratio 0.2\n", encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 0
     assert capsys.readouterr().out.startswith("anisotropy_ratio 0.2\n")
-    (tmp_path / "fit.json").rename(tmp_path / "solution.json")
-    (tmp_path / "solution.json").write_text(json.dumps({"kind": "optimum in space"}), encoding="utf-8")
-    assert main(["show", str(tmp_path)]) == 0
 
 
 def test_show_says_where_a_folder_holds_no_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -68,8 +68,6 @@ def _taken_by(path: Path) -> str:
 
 
 def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
-    if record["kind"] == "optimum in space":
-        return _as_said(folder, record)
     body, gait = record["body"], record["gait"]
     lines = [
         f"{record['kind']}: {record['status']}"
@@ -78,10 +76,11 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         f"body              {body['vertices']} vertices, {len(body['joints'])} joints, {body['length_m']:.4g} m",
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
-        f"gait              {', '.join(f'{k} {_short(v)}' for k, v in gait.items() if k != 'family')}",
+        f"gait              {', '.join(_gait(gait))}",
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
         f"dissipation T*E   {_short(record['dissipation'])}",
+        *_floor(record),
     ]
     if record["kind"] == "optimum":
         kkt = max(record["kkt"].values())
@@ -96,6 +95,21 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         found = ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in summary["optima"])
         lines.append(f"optima found      {found or 'none'}; failed starts: {len(summary['failures'])}")
     return lines
+
+
+def _gait(gait: dict[str, Any]) -> list[str]:
+    """Names and numbers; of a lifted gait those of its bending first."""
+    bend = _gait(gait["bend"]) if "bend" in gait else []
+    return bend + [f"{name} {_short(value)}" for name, value in gait.items() if name not in ("family", "bend", "lift")]
+
+
+def _floor(record: dict[str, Any]) -> list[str]:
+    """Of a body that is lifted."""
+    from serpenoid.trajectory import floor_words
+
+    if "standing" not in record:
+        return []
+    return [f"on the floor      {floor_words(record['sideways_deg'], record['tilt_rad'], record['standing'])}"]
 
 
 def _mesh(mesh: dict[str, Any]) -> str:

@@ -66,10 +66,6 @@ def run(args: argparse.Namespace) -> int:
 
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
-    if problem.lift is not None:
-        from serpenoid.cli.solve_in_space import solve
-
-        return solve(args, problem)
     if args.ladder:
         return _climb(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
@@ -194,6 +190,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
         *(f"goal              {words}" for words in outcomes if words),
         *_case_lines(best),
+        *_floor_lines(best),
         f"gait              {best.gait.words}",
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
@@ -216,6 +213,16 @@ def _case_lines(best: Solution) -> list[str]:
         f"lengths, {case.trajectory.heading_change:+.4f} rad"
         for i, case in enumerate(best.cases)
     ]
+
+
+def _floor_lines(best: Solution) -> list[str]:
+    """What there is to say of a body that is lifted."""
+    from serpenoid.trajectory import LiftedTrajectory, floor_words
+
+    motion = best.trajectory
+    if not isinstance(motion, LiftedTrajectory) or not motion.status.ok:
+        return []
+    return [f"on the floor      {floor_words(motion.sideways_deg, motion.tilt, motion.standing)}"]
 
 
 def _improve(args: argparse.Namespace, problem: Problem) -> int:

@@ -16,10 +16,10 @@ __all__ = ["EllipseBounds", "EllipseGait", "Gait", "GaitBounds", "GaitFamily", "
 
 @cache
 def families() -> dict[str, type[Gait]]:
-    """All families by name: every class of this folder that is a Gait with a `family` word of its own."""
+    """All families by name: every class of this folder that is a Gait which files name by a `family` word."""
     found = {}
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
         for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
-            if inspect.isclass(value) and issubclass(value, Gait) and value is not Gait:
+            if inspect.isclass(value) and issubclass(value, Gait) and value is not Gait and value.named:
                 found[str(value.model_fields["family"].default)] = value
     return found

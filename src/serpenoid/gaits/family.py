@@ -51,6 +51,7 @@ class Gait(Record):
     """One gait as a problem file gives it, and as a solution reports it."""
 
     Bounds: ClassVar[type[GaitBounds]]
+    named: ClassVar[bool] = True  # in files, by its `family`
     family: str
 
     @abstractmethod

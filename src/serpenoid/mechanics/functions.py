@@ -5,6 +5,7 @@ Lengths in body lengths, weights summing to one. Poses are relative: body frame 
 
     joint_angles   (coordinates (3), parameters) -> joint_angles (m)
     gait_joint_angles (gait (k), row data (d), parameters) -> joint_angles (m), for one family of gaits
+    lifted_row     (coordinates (5), parameters) -> points (3, N), shares (N), elements (7, M): of a body that is lifted
     shape          (joint_angles (m), parameters) -> vertices (2, N), elements (4, M) in the body frame
     shape_elements (vertices (2, N)) -> elements (4, M): positions above unit tangents, in the vertices' frame
     step_energy    (before (4, M), after (4, M), pose (3), parameters) -> energy
@@ -20,7 +21,8 @@ from functools import lru_cache
 import casadi as ca
 
 from serpenoid.gaits import GaitFamily
-from serpenoid.mechanics import energy, kinematics, planar
+from serpenoid.gaits.lifted import Lift
+from serpenoid.mechanics import energy, kinematics, lifted, planar
 from serpenoid.mechanics.momentum import momentum
 from serpenoid.media import LAWS, Law
 from serpenoid.model import Structure
@@ -49,10 +51,21 @@ def gait_joint_angles(structure: Structure, family: GaitFamily) -> ca.Function:
     """A row of a family's table: the parameters it depends on and its data to joint angles."""
     p, data = ca.SX.sym("gait", family.indices.shape[1]), ca.SX.sym("data", family.data.shape[1])
     parameters = _parameters(structure)
-    edges, _, _ = split_parameters(parameters, structure)
-    angles = kinematics.family_joint_angles(family, p, data, edges, structure)
+    edges, weights, _ = split_parameters(parameters, structure)
+    angles = lifted.commanded_angles(family, p, data, edges, weights, structure)
     names = (["gait", "data", "parameters"], ["joint_angles"])
     return ca.Function("gait_joint_angles", [p, data, parameters], [angles], *names, CSE)
+
+
+@lru_cache(maxsize=16)
+def lifted_row(structure: Structure, lift: Lift) -> ca.Function:
+    """A row of a lifted body: points and elements in the body frame, shares of the weight."""
+    coordinates, parameters = ca.SX.sym("coordinates", 5), _parameters(structure)
+    edges, weights, _ = split_parameters(parameters, structure)
+    body = lifted.lifted_body(coordinates, edges, weights, structure, lift)
+    outputs = [ca.densify(x) for x in (body.points, body.shares, lifted.elements(body, edges, structure))]
+    names = (["coordinates", "parameters"], ["points", "shares", "elements"])
+    return ca.Function("lifted_row", [coordinates, parameters], outputs, *names, CSE)
 
 
 @lru_cache(maxsize=1)

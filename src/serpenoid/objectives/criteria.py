@@ -15,6 +15,7 @@ import casadi as ca
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
+from serpenoid.objectives.frames import composed, place, placed
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,11 @@ class Gaps:
 class Criteria:
     """Symbols of one cycle; add to them with `minimise`, `also_minimise` and `subject_to`.
 
-    poses (3, T + 1): body frames from the origin on [body lengths, rad]; joint_angles (m, R) [rad], the joint table;
-    dissipation: T times E; gait (n): the family's parameters; c: weight of the dissipation, which sweeps vary. chain:
-    from a row's joint angles to the vertices (2, N) in the body frame, if the body is known.
+    poses (3, T + 1): body frames from the origin on [body lengths, rad], in space (6, T + 1), see `frames`;
+    joint_angles (m, R) [rad], the joint table; dissipation: T times E; gait (n): the family's parameters; c: weight of
+    the dissipation, which sweeps vary. chain: from a row's joint angles to the vertices (2, N) in the body frame, if
+    the body is known; in space `raised`: from the gait and the row's number to vertices (3, N). What is asked of places
+    and headings is asked of the first three numbers of a pose: along the floor.
     """
 
     steps: int
@@ -43,6 +46,8 @@ class Criteria:
     size: int
     names: tuple[str, ...] = ()
     chain: Callable[[ca.SX], ca.SX] | None = None
+    pose_size: int = 3
+    raised: Callable[[ca.SX, int], ca.SX] | None = None
     moved: ca.SX = field(init=False)
     poses: ca.SX = field(init=False)
     angles: ca.SX = field(init=False)
@@ -56,8 +61,9 @@ class Criteria:
     clear_of: list[Gaps] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
-        self.moved = ca.SX.sym("poses", 3 * self.steps)
-        self.poses = ca.horzcat(ca.SX.zeros(3, 1), ca.reshape(self.moved, 3, self.steps))
+        d = self.pose_size
+        self.moved = ca.SX.sym("poses", d * self.steps)
+        self.poses = ca.horzcat(ca.SX.zeros(d, 1), ca.reshape(self.moved, d, self.steps))
         self.angles = ca.SX.sym("joint_angles", self.joints * self.rows)
         self.joint_angles = ca.reshape(self.angles, self.joints, self.rows)
         self.dissipation, self.c = ca.SX.sym("dissipation"), ca.SX.sym("c")
@@ -66,13 +72,18 @@ class Criteria:
 
     @property
     def displacement(self) -> ca.SX:
-        """Distance of the centroid over the cycle [body lengths]."""
+        """Distance of the centroid over the cycle, along the floor [body lengths]."""
         return ca.norm_2(self.poses[:2, -1])
 
     @property
     def heading_change(self) -> ca.SX:
         """Turn over the cycle [rad]."""
         return self.poses[2, -1]
+
+    @property
+    def bends(self) -> ca.SX:
+        """Joint angles (m, R) in the body's own plane; in space pitches (m, R) come after them [rad]."""
+        return self.joint_angles if self.pose_size == 3 else self.joint_angles[: self.joints // 2, :]
 
     @property
     def changes(self) -> ca.SX:
@@ -87,9 +98,14 @@ class Criteria:
         return round(share * self.steps) % self.rows
 
     def vertices(self, row: int) -> ca.SX:
-        """Vertices (2, N), tail to head, at a row 0 .. T, as they are commanded [body lengths]."""
-        body, pose = self.body(self.joint_angles[:, row % self.rows]), self.poses[:, row]
-        return placed(pose, body)
+        """Vertices (2 or 3, N), tail to head, at a row 0 .. T, as they are commanded [body lengths]."""
+        at = row % self.rows
+        body = self.body(self.joint_angles[:, at]) if self.raised is None else self.raised(self.gait, at)
+        return placed(self.poses[:, row], body)
+
+    def centre(self, row: int) -> ca.SX:
+        """Where the body frame is (2 or 3) at a row 0 .. T [body lengths]."""
+        return place(self.poses[:, row])
 
     def count_turns(self) -> None:
         """Have every step turn by less than half a turn: a heading that is a whole turn off is the same pose."""
@@ -103,12 +119,10 @@ class Criteria:
         return self.chain(angles)
 
     def after(self, cycles: int) -> ca.SX:
-        """Pose (3) after the cycle was played `cycles` times: its net motion, composed with itself."""
-        motion, pose = self.poses[:, -1], ca.SX.zeros(3)
+        """Pose (3 or 6) after the cycle was played `cycles` times: its net motion, composed with itself."""
+        pose = ca.SX.zeros(self.pose_size)
         for _ in range(cycles):
-            c, s = ca.cos(pose[2]), ca.sin(pose[2])
-            moved = ca.vertcat(c * motion[0] - s * motion[1], s * motion[0] + c * motion[1], motion[2])
-            pose = pose + moved
+            pose = composed(pose, self.poses[:, -1])
         return pose
 
     def minimise(self, expression: ca.SX) -> None:
@@ -153,9 +167,3 @@ class Criteria:
         """Whether objective or constraints depend on `symbol`."""
         both = ca.vertcat(self.objective, self.constraints)
         return ca.jacobian(both, symbol).nnz() > 0
-
-
-def placed(pose: ca.SX, points: ca.SX) -> ca.SX:
-    """Points (2, K) of a frame with the pose (x, y, heading), in the frame that the pose is given in."""
-    c, s = ca.cos(pose[2]), ca.sin(pose[2])
-    return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c)) @ points + ca.repmat(pose[:2], 1, points.size2())

@@ -9,7 +9,7 @@ Coordinates: body lengths, in the frame of the first row (origin: centroid; x: m
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
@@ -30,6 +30,7 @@ class Obstacle(Demand):
     """A region that no point of the body may enter, at any time."""
 
     kind: str
+    flat: ClassVar[str] = "a distance from obstacles is proven for bodies that lie flat"
     clearance: Annotated[float, Field(ge=0, description="distance to keep: half the body's width, say")] = 0.0
 
     @property

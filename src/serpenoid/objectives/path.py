@@ -12,9 +12,10 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.body import Floats
-from serpenoid.objectives.criteria import Criteria, placed
+from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.frames import placed
 from serpenoid.objectives.obstacles import TINY, Obstacle
-from serpenoid.objectives.term import Played, Term, after
+from serpenoid.objectives.term import Played, Term, after, places
 
 Point = tuple[float, float]
 CORNERS = 1000  # every piece is a symbolic distance of every point and row: more are a drawing, not a line to follow
@@ -35,21 +36,20 @@ class Path(Term):
     def expression(self, of: Criteria) -> ca.SX:
         """Zero where every row is on the line."""
         rows = range(1, of.steps + 1)
-        local = [of.poses[:2, t] if self.point == "centre" else of.vertices(t)[:, -1] for t in rows]
+        local = [of.centre(t) if self.point == "centre" else of.vertices(t)[:, -1] for t in rows]
         total = ca.SX(0)
         for cycle in range(self.cycles):
             begin = of.after(cycle)
-            total += sum((_squared(self.line, placed(begin, point)) for point in local), ca.SX(0))
+            total += sum((_squared(self.line, placed(begin, point)[:2]) for point in local), ca.SX(0))
         return total / (self.cycles * of.steps)
 
     def outcome(self, played: Played) -> str:
         """The root mean square and the largest distance."""
-        local = played.poses[1:, :2] if self.point == "centre" else played.vertices[1:, -1]
+        local = places(played.poses[1:]) if self.point == "centre" else played.vertices[1:, -1]
         parts = []
         for cycle in range(self.cycles):
-            x, y, turn = after(played.poses, cycle)
-            gone = (x + 1j * y) + np.exp(1j * turn) * (local[:, 0] + 1j * local[:, 1])
-            parts.append(np.column_stack([gone.real, gone.imag]))
+            begin = ca.DM(after(played.poses, cycle))
+            parts.append(np.asarray(placed(begin, ca.DM(local.T)).full()[:2].T))
         apart = np.sqrt(_numbers(self.line, np.concatenate(parts)))
         rms, most = np.sqrt(np.mean(apart**2)), apart.max()
         return f"{self.point} off the line by {rms:.4f} (rms), {most:.4f} (most) body lengths"

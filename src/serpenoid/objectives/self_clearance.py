@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -14,6 +14,7 @@ class SelfClearance(Demand):
     """The distance between any two edges with `between` or more edges between them."""
 
     kind: Literal["self"] = "self"
+    flat: ClassVar[str] = "a distance from itself is proven for bodies that lie flat"
     distance: Annotated[float, Field(gt=0, le=0.5, description="to keep: the body's width, say [body lengths]")]
     between: int = Field(default=1, ge=1, description="edges with fewer between them are neighbours")
 

@@ -25,16 +25,17 @@ class Shape(Demand):
 
     def require(self, of: Criteria) -> None:
         """One equation per joint, and with `still` another."""
-        row = of.row(self.at)
-        of.subject_to(of.joint_angles[:, row] - ca.DM(self.angles or [0.0] * of.joints), 0.0, 0.0)
+        row, bends = of.row(self.at), of.bends
+        of.subject_to(bends[:, row] - ca.DM(self.angles or [0.0] * bends.size1()), 0.0, 0.0)
         if self.still:
             beside = row + 1 if row + 1 < of.rows else row - 1
-            of.subject_to(of.joint_angles[:, beside] - of.joint_angles[:, row], 0.0, 0.0)
+            of.subject_to(bends[:, beside] - bends[:, row], 0.0, 0.0)
 
     def outcome(self, played: Played) -> str:
         """How far the farthest joint is from its angle."""
         row = round(self.at * (len(played.poses) - 1)) % len(played.table)
-        left = np.abs(played.table[row] - (0.0 if self.angles is None else np.array(self.angles))).max()
+        bends = played.table[row][: len(self.angles) if self.angles else None]
+        left = np.abs(bends - (0.0 if self.angles is None else np.array(self.angles))).max()
         return f"shape at {self.at:g} missed by {miss(left)} rad"
 
     def asks(self, rows: Rows) -> list[Ask]:

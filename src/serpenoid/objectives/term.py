@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -12,13 +13,17 @@ from pydantic import Field
 from serpenoid.body import Floats
 from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.frames import composed
 
 NOTHING = 1e-7  # body lengths or radians: KKT conditions hold to 1e-8, with factors of a few in a demand's own units
 
 
 @dataclass(frozen=True)
 class Played:
-    """A motion from the origin: poses (T + 1, 3), vertices (T + 1, N, 2) and the joint table (R, m) that made it."""
+    """A motion from the origin: poses (T + 1, 3), vertices (T + 1, N, 2) and the joint table (R, m) that made it.
+
+    In space poses have six numbers, see `frames`, and vertices three.
+    """
 
     poses: Floats
     vertices: Floats
@@ -51,6 +56,7 @@ class Goal(Record):
     """What is asked, whichever way."""
 
     kind: str
+    flat: ClassVar[str] = ""  # why it cannot be asked in space; empty: it can
 
     def outcome(self, played: Played) -> str:
         """What a motion makes of it, in words; empty: nothing to say."""
@@ -85,7 +91,13 @@ def miss(amount: float, digits: int = 4) -> str:
 
 
 def after(poses: Floats, cycles: int) -> Floats:
-    """Pose (3,) after several cycles of a motion with poses (T + 1, 3) from the origin."""
-    x, y, turn = poses[-1]
-    gone = (x + 1j * y) * np.exp(1j * turn * np.arange(cycles)).sum()
-    return np.array([gone.real, gone.imag, cycles * turn])
+    """Pose (3 or 6,) after several cycles of a motion with poses (T + 1, 3 or 6) from the origin."""
+    motion, pose = ca.DM(poses[-1]), ca.DM.zeros(poses.shape[1])
+    for _ in range(cycles):
+        pose = composed(pose, motion)
+    return np.asarray(pose.full()[:, 0])
+
+
+def places(poses: Floats) -> Floats:
+    """Where the frames of poses (R, 3 or 6) are, shape (R, 2 or 3)."""
+    return poses[:, :2] if poses.shape[1] == 3 else poses[:, [0, 1, 3]]

@@ -15,7 +15,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily
-from serpenoid.mechanics import kinematics
+from serpenoid.gaits.lifted import LiftedFamily
+from serpenoid.mechanics import functions, kinematics
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
@@ -71,8 +72,13 @@ class Asked:
 def asked(task: Task, family: GaitFamily, customise: Customise | None = None, model: Model | None = None) -> Asked:
     """The criteria of a task for gaits of a family, with what the user adds; `model`: whose points may be asked for."""
     steps = family.rows - (not family.closed)
-    chain = None if model is None else partial(_chain, model)
-    criteria = Criteria(steps, family.rows, family.joints, family.size, family.names, chain)
+    chain = raised = None
+    if model is not None and isinstance(family, LiftedFamily):
+        raised = partial(_raised, model, family)
+    elif model is not None:
+        chain = partial(_chain, model)
+    sizes = steps, family.rows, family.joints, family.size
+    criteria = Criteria(*sizes, family.names, chain, family.pose_size, raised)
     for term in task.objectives:
         criteria.also_minimise(term.weight * term.expression(criteria))
     criteria.also_minimise(criteria.c * criteria.dissipation)
@@ -81,6 +87,12 @@ def asked(task: Task, family: GaitFamily, customise: Customise | None = None, mo
     if customise is not None:
         customise(criteria)
     return Asked(criteria)
+
+
+def _raised(model: Model, family: LiftedFamily, gait: ca.SX, row: int) -> ca.SX:
+    """Vertices (3, N) in the body frame at a row of the table."""
+    coordinates = family.at(gait[family.indices[row].tolist()], ca.SX(family.data[row]))
+    return functions.lifted_row(model.structure, family.lift)(coordinates, model.parameters)[0]
 
 
 def _chain(model: Model, angles: ca.SX) -> ca.SX:

@@ -44,6 +44,8 @@ def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress 
     """
     if not isinstance(problem.gait, EllipseGait):
         raise InputError(f"[gait] family: the ladder begins with an ellipse, got `{problem.gait.family}`.")
+    if problem.lift is not None:
+        raise InputError("[lift]: --ladder leads to joint tables, which do not say what is lifted; leave it out.")
     first = solve(problem, starts, seed).best
     steps = [Step("ellipse", first)]
     if not first.status.ok:

@@ -36,7 +36,7 @@ class PathLimits:
 
 def path_limits(problem: Problem) -> PathLimits:
     """The limits that hold; the change per step follows from speed limit and cycle duration, where both are known."""
-    task, m = problem.task, problem.body.joint_count
+    task, m = problem.task, problem.family_of().joints
     upper = np.full(2 * m, np.inf)
     if problem.joint_limit_deg is not None:
         upper[:m] = np.deg2rad(problem.joint_limit_deg)

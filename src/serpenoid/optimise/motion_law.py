@@ -13,14 +13,17 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily
-from serpenoid.mechanics import functions
+from serpenoid.gaits.lifted import LiftedFamily
+from serpenoid.mechanics import functions, lifted
 from serpenoid.mechanics.functions import CSE, split_parameters
 from serpenoid.model import Model, Structure
 from serpenoid.optimise.blocks import StepBlocks
 from serpenoid.optimise.extended import combination, extended_blocks, realised_angles, settings
 from serpenoid.optimise.joint_blocks import baseline_blocks
 from serpenoid.optimise.layer import Layer, over_rows, row_functions
+from serpenoid.optimise.lifted_blocks import COORDINATES, LiftedBlocks
 from serpenoid.optimise.played import Played, remembers
 from serpenoid.optimise.rows import joint_functions
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
@@ -55,6 +58,8 @@ class MotionLaw:
 def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> MotionLaw:
     """The law of a model for gaits of a family."""
     steps, structure = family.rows - (not family.closed), model.structure
+    if isinstance(family, LiftedFamily):
+        return _in_space(model, family, portable)
     plain = model.is_plain and not model.actuation_effects
     if plain and family.coordinates == "serpenoid" and family.modes == 1:
         blocks: StepBlocks = SerpenoidBlocks(structure, portable)
@@ -66,6 +71,14 @@ def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> Moti
         return MotionLaw(structure, family, steps, m, baseline_blocks(structure, portable), shapes, played=played)
     blocks, combine = extended_blocks(model, steps, portable), combination(model, steps)
     return MotionLaw(structure, family, steps, m, blocks, shapes, combine, settings(model, steps), played)
+
+
+def _in_space(model: Model, family: LiftedFamily, portable: bool) -> MotionLaw:
+    if model.effects or model.law.degree != 2:
+        raise InputError("[lift]: effects and dry friction are known in the plane; leave them out.")
+    steps, blocks = family.rows - (not family.closed), LiftedBlocks(model.structure, family.lift, portable)
+    coordinates = _coordinates(family, model.structure, portable)
+    return MotionLaw(model.structure, family, steps, COORDINATES, blocks, coordinates)
 
 
 def needs_states(model: Model, family: GaitFamily) -> bool:
@@ -98,7 +111,8 @@ def table_layer(family: GaitFamily, structure: Structure, portable: bool) -> Lay
     if family.coordinates == "serpenoid":
         made = over_rows(joint_functions(family, structure, changes=False), portable)
         return Layer(made, family.indices, family.size)
-    return _layer("table", functions.gait_joint_angles(structure, family), family, portable)
+    made = functions.gait_joint_angles(structure, family)
+    return _layer("table", made, family, portable or _long(family))
 
 
 def path_layer(family: GaitFamily, structure: Structure, rows: int, portable: bool) -> Layer:
@@ -112,17 +126,27 @@ def path_layer(family: GaitFamily, structure: Structure, rows: int, portable: bo
     p, d = ca.SX.sym("p", 2 * family.indices.shape[1]), family.data.shape[1]
     k, data = family.indices.shape[1], ca.SX.sym("data", 2 * d)
     parameters = ca.SX.sym("parameters", 2 * structure.vertices)
-    here, there = family.at(p[:k], data[:d]), family.at(p[k:], data[d:])
+    edges, weights, _ = split_parameters(parameters, structure)
+
+    def angles(q: ca.SX, row: ca.SX) -> ca.SX:
+        return lifted.commanded_angles(family, q, row, edges, weights, structure)
+
+    here, there = angles(p[:k], data[:d]), angles(p[k:], data[d:])
     following = np.roll(family.indices, -1, axis=0)
     if family.sparse:
         indices = np.hstack([family.indices, following])[:rows]
         function = ca.Function("path", [p, data, parameters], [ca.vertcat(here, there - here)])
     else:
         q = ca.SX.sym("p", k)
-        here, there = family.at(q, data[:d]), family.at(q, data[d:])
+        here, there = angles(q, data[:d]), angles(q, data[d:])
         function = ca.Function("path", [q, data, parameters], [ca.vertcat(here, there - here)])
         indices = np.tile(np.arange(family.size), (rows, 1))
-    return Layer(row_functions("path", function, portable), indices, family.size)
+    return Layer(row_functions("path", function, portable or _long(family)), indices, family.size)
+
+
+def _long(family: GaitFamily) -> bool:
+    """Whether rows are those of a lifted body: long C, and another library for every body and every lift."""
+    return isinstance(family, LiftedFamily)
 
 
 def _layer(name: str, function: ca.Function, family: GaitFamily, portable: bool) -> Layer:

@@ -44,8 +44,6 @@ ROUNDS = 8  # cases that may be added to the ends: a gait has a few ratios at wh
 
 def solver_of(problem: Problem, customise: Customise | None = None, gait: Gait | None = None) -> GaitSolver:
     """The solver of a problem: of one model, or of several cases together."""
-    if problem.lift is not None:
-        raise InputError("[lift]: gaits in space have a solver of their own, `solve_in_space`.")
     asked = [demand for demand in problem.task.demands if isinstance(demand, SelfClearance)]
     if asked and problem.task.robust is not None:
         raise InputError("[task.robust]: keeping off itself is proven for one model; leave one of the two out.")

@@ -24,6 +24,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.gaits.lifted import LiftedFamily
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.optimise.along import Along, gap_functions
 from serpenoid.optimise.assembly import Places, Upper
@@ -31,7 +32,7 @@ from serpenoid.optimise.criteria_rows import CriteriaRows
 from serpenoid.optimise.layer import Layer
 from serpenoid.optimise.layout import Layout
 from serpenoid.optimise.motion_law import MotionLaw, path_layer
-from serpenoid.optimise.placed import placed_vertices
+from serpenoid.optimise.placed import placed_lifted_vertices, placed_vertices
 from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.watch import Watch
 
@@ -67,15 +68,18 @@ class GaitNLP:
 
     @cached_property
     def vertices(self) -> ca.MX:
-        """Vertices (2, N (T + 1)) at rows 0 .. T, tail to head, in the body frame of row 0 [body lengths]."""
-        layout = self._layout
+        """Vertices (2 or 3, N (T + 1)) at rows 0 .. T, tail to head, in the body frame of row 0 [body lengths]."""
+        layout, cycle = self._layout, self._layout.cycle
+        if isinstance(self.family, LiftedFamily):
+            at = self.structure, self.family.lift, cycle.poses, cycle.shapes
+            return placed_lifted_vertices(*at, self.model_parameters)
         angles = self.gait if self.family.free else (layout.table or layout.table_layer()).value(*layout.at)
         table = ca.reshape(angles, len(self.structure.joints), -1)
-        return placed_vertices(self.structure, layout.cycle.poses, table, self.model_parameters)
+        return placed_vertices(self.structure, cycle.poses, table, self.model_parameters)
 
     @property
     def head(self) -> ca.MX:
-        """Where the head is after the cycle (2,)."""
+        """Where the head is after the cycle (2 or 3)."""
         return self.vertices[:, -1]
 
     def __repr__(self) -> str:
@@ -85,7 +89,7 @@ class GaitNLP:
     @property
     def constraint_counts(self) -> tuple[int, int, int]:
         """Numbers of (motion, path, added) constraints; added ones: the criteria's, then gaps, instant by instant."""
-        path = 2 * len(self.structure.joints) * self.path_rows
+        path = 2 * self.family.joints * self.path_rows
         added = self.criteria.constraints.numel() + (self._along.total if self._along else 0)
         return self._layout.start + self.law.states, path, added
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from serpenoid.body import Floats
 from serpenoid.files.writing import atomic
 from serpenoid.gaits import Gait
-from serpenoid.plot import joints, optima
+from serpenoid.plot import joints, optima, space
 from serpenoid.plot.animate import animation
 from serpenoid.plot.body import shapes
 from serpenoid.plot.cases import cases_figure
@@ -24,7 +24,7 @@ from serpenoid.plot.sweep import costs_figure, family_figure, front_figure
 from serpenoid.plot.world import obstacles, targets
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
-from serpenoid.trajectory import Trajectory
+from serpenoid.trajectory import LiftedTrajectory, Trajectory
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -69,8 +69,23 @@ def simulation_figures(
 
 def solution_figures(folder: str | Path, solution: Solution) -> list[str]:
     """The figures of a solution's re-simulated motion; of a robust gait also what it does in each case."""
+    trajectory = solution.trajectory
+    if isinstance(trajectory, LiftedTrajectory):
+        names = spatial_figures(folder, solution.problem, trajectory, solution.table)
+        return names + (save(cases_figure(solution), folder, "cases") if solution.cases else [])
     names = simulation_figures(folder, solution.problem, solution.trajectory, solution.table, solution.gait)
     return names + (save(cases_figure(solution), folder, "cases") if solution.cases else [])
+
+
+def spatial_figures(folder: str | Path, problem: Problem, trajectory: LiftedTrajectory, table: Floats) -> list[str]:
+    """Joints, and of a motion in space also bodies, tracks on the floor and a film."""
+    names = save(spatial_joints_figure(table, problem), folder, "joints")
+    if np.isfinite(trajectory.vertices).all():
+        names += save(space.lifted_figure(trajectory, problem), folder, "motion")
+        names += save(space.prints_figure(trajectory, problem), folder, "prints")
+        space.film(Path(folder) / "animation.gif", trajectory)
+        names.append("animation.gif")
+    return names
 
 
 def sweep_figures(folder: str | Path, data: Family) -> list[str]:
@@ -164,4 +179,16 @@ def joints_figure(table: Floats, problem: Problem) -> Figure:
         title = f"Joint speeds, up to {np.abs(speeds).max():.1f} rpm with {whole} in {duration:g} s"
         joints.joint_speeds(speeds, axes[1], body.joint_speed_limit_rpm, title, closed)
     joints.joint_bar(list(axes), table.shape[1])
+    return fig
+
+
+def spatial_joints_figure(table: Floats, problem: Problem) -> Figure:
+    """Yaw and pitch of all joints, (T, 2 m), with their limit."""
+    body, closed = problem.body, not problem.task.transient
+    fig, m = figure(8.6, 5.6), table.shape[1] // 2
+    axes = fig.subplots(2, 1)
+    for ax, angles, word in zip(axes, (table[:, :m], table[:, m:]), ("Yaw", "Pitch"), strict=True):
+        most = np.rad2deg(np.abs(angles).max())
+        joints.joint_angles(angles, ax, body.joint_limit_deg, f"{word} of the joints, up to {most:.1f}°", closed)
+    joints.joint_bar(list(axes), m)
     return fig

@@ -10,10 +10,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from serpenoid.optimise.in_space import RESTING, SpatialSolution
+from serpenoid.body import Floats
+from serpenoid.objectives.position import Position
+from serpenoid.objectives.reach import Reach
 from serpenoid.plot.animate import write_gif
-from serpenoid.plot.figures import save
-from serpenoid.plot.style import BLUE, FAINT, GREY, INK, LARGE, PHASE_MAP, colour_bar, dress, figure
+from serpenoid.plot.style import BLUE, FAINT, GREY, INK, LARGE, PHASE_MAP, RED, colour_bar, dress, figure
+from serpenoid.plot.world import targets
+from serpenoid.problem import Problem
+from serpenoid.trajectory import RESTING, LiftedTrajectory
 
 BODIES = 7
 FRAMES = 40
@@ -21,28 +25,24 @@ CYCLES = 2
 SECONDS = 2.5  # a cycle of the film
 
 
-def spatial_figures(folder: str | Path, solution: SpatialSolution) -> list[str]:
-    """motion.png, prints.png (with SVG), animation.gif."""
-    names = save(motion_figure(solution), folder, "motion") + save(prints_figure(solution), folder, "prints")
-    film(Path(folder) / "animation.gif", solution)
-    return [*names, "animation.gif"]
-
-
-def motion_figure(solution: SpatialSolution) -> Figure:
+def lifted_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
     """Bodies of one cycle over their shadows; dots where they rest. Heights are drawn three times as large."""
     fig = figure(7.4, 5.6)
     ax: Any = fig.add_subplot(projection="3d")
-    rows = np.linspace(0, len(solution.vertices) - 1, BODIES).round().astype(int)
+    rows = np.linspace(0, len(motion.vertices) - 1, BODIES).round().astype(int)
     for row in rows:
-        colour = PHASE_MAP(row / (len(solution.vertices) - 1))
-        points = solution.vertices[row]
+        colour = PHASE_MAP(row / (len(motion.vertices) - 1))
+        points = motion.vertices[row]
         ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
         ax.plot(*points.T, color=colour, linewidth=2.6)
-        ax.scatter(*points[_rests(solution, row)].T, color=colour, s=14, depthshade=False)
+        ax.scatter(*points[_rests(motion, row)].T, color=colour, s=14, depthshade=False)
         ax.scatter(*points[-1:].T, color=colour, s=40, depthshade=False)
-    ax.plot(*solution.motion.places.T, color=INK, linewidth=1.2)
-    _room(ax, solution.vertices)
-    words = f"A cycle moves {solution.motion.displacement:.3f} body lengths, {solution.sideways_deg:.0f}° off the axis"
+    ax.plot(*_places(motion).T, color=INK, linewidth=1.2)
+    for target in _targets(problem):
+        ax.plot(*target, "x", zs=0, color=RED, markersize=9)
+    _room(ax, motion.vertices)
+    way = f"moves {motion.displacement:.3f} body lengths, {motion.sideways_deg:.0f}° off the axis"
+    words = f"A cycle {way}, turns {np.rad2deg(motion.heading_change):.1f}°".replace("-", "−")
     fig.suptitle(
         f"{words}\nDots rest on the floor; large dot: head; heights threefold", fontsize=LARGE, x=0.02, ha="left"
     )
@@ -50,28 +50,29 @@ def motion_figure(solution: SpatialSolution) -> Figure:
     return fig
 
 
-def prints_figure(solution: SpatialSolution) -> Figure:
+def prints_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
     """Where along the body and when it rests on the floor, and what marks it leaves there."""
     fig = figure(8.6, 3.6)
     when, where = fig.subplots(1, 2)
-    share = solution.contact / solution.contact.max()
+    share = motion.contact / motion.contact.max()
     extent = (0, 1, -0.5, share.shape[1] - 0.5)
     when.imshow(share.T, origin="lower", aspect="auto", extent=extent, cmap="Greys", vmin=0, vmax=1)
     dress(when, "On the floor: dark", "phase [cycles]", "vertex, tail to head", grid=False)
     resting = share > RESTING
-    where.scatter(*solution.vertices[resting][:, :2].T, s=3, color=BLUE)
-    where.plot(*solution.motion.places[:, :2].T, color=GREY, linewidth=1.0)
+    where.scatter(*motion.vertices[resting][:, :2].T, s=3, color=BLUE)
+    where.plot(*motion.poses[:, :2].T, color=GREY, linewidth=1.0)
+    targets(problem, where)
     where.set_aspect("equal", adjustable="datalim")
     dress(where, "Tracks of what rests", "x [body lengths]", "y [body lengths]")
     return fig
 
 
-def film(path: Path, solution: SpatialSolution) -> None:
+def film(path: Path, motion: LiftedTrajectory) -> None:
     """Cycles one after the other, as a GIF."""
-    steps = len(solution.vertices) - 1
+    steps = len(motion.vertices) - 1
     rows = np.linspace(0, CYCLES * steps, FRAMES, endpoint=False).round().astype(int)
-    last, turn = solution.motion.places[-1], solution.motion.rotations[-1]
-    chains = [solution.vertices[:-1]]
+    last, turn = _places(motion)[-1], motion.rotations[-1]
+    chains = [motion.vertices[:-1]]
     for _ in range(CYCLES - 1):
         chains.append(chains[-1] @ turn.T + last)
     every = np.concatenate(chains)
@@ -85,15 +86,26 @@ def film(path: Path, solution: SpatialSolution) -> None:
         points = every[row]
         ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
         ax.plot(*points.T, color=BLUE, linewidth=3.0)
-        ax.scatter(*points[_rests(solution, row % steps)].T, color=INK, s=16, depthshade=False)
+        ax.scatter(*points[_rests(motion, row % steps)].T, color=INK, s=16, depthshade=False)
         _room(ax, every, zoom=0.9)
         canvas.draw()
         images.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     write_gif(path, images, CYCLES * SECONDS / FRAMES)
 
 
-def _rests(solution: SpatialSolution, row: int) -> np.ndarray:
-    share = solution.contact[row]
+def _places(motion: LiftedTrajectory) -> Floats:
+    """Of the body frames, (T + 1, 3)."""
+    return motion.poses[:, [0, 1, 3]]
+
+
+def _targets(problem: Problem) -> list[tuple[float, float]]:
+    """Places on the floor that are asked for."""
+    asked = [*problem.task.objectives, *problem.task.demands]
+    return [goal.target for goal in asked if isinstance(goal, Position | Reach)]
+
+
+def _rests(motion: LiftedTrajectory, row: int) -> np.ndarray:
+    share = motion.contact[row]
     return np.asarray(share > RESTING * share.max())
 
 
