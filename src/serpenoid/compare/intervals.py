@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm, t
+from scipy.special import ndtri, stdtrit
 
 from serpenoid.body import Floats
 from serpenoid.compare.likelihood import Segment, Solution, fit
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.model import Model
 
-Z95 = float(norm.ppf(0.975))
+Z95 = float(ndtri(0.975))
 
 
 def likelihood_intervals(model: Model, segments: tuple[Segment, ...], solution: Solution, sd: Floats) -> Floats:
@@ -55,7 +55,7 @@ def mean_intervals(values: Floats, model: Model, names: tuple[str, ...]) -> Floa
     count, columns = len(values), values.shape[1]
     if count < 2:
         return np.full((columns, 2), np.nan)
-    quantile, found = float(t.ppf(0.975, count - 1)), np.empty((columns, 2))
+    quantile, found = float(stdtrit(count - 1, 0.975)), np.empty((columns, 2))
     for i, (low, high) in enumerate(zip(*bounds(names, model), strict=True)):
         column = values[:, i]
         half = quantile * column.std(ddof=1) / np.sqrt(count)

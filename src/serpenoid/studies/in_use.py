@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from serpenoid.arena.protocol import PlayedGait, Protocol
 from serpenoid.body import Floats
@@ -126,7 +126,7 @@ def record_of(gaits: dict[str, OptimalGait], found: dict[str, Floats]) -> dict[s
     gain = float(after.mean() - before.mean())
     parts = [x.var(ddof=1) / len(x) for x in (before, after)]
     freedom = sum(parts) ** 2 / sum(p**2 / (len(x) - 1) for p, x in zip(parts, (before, after), strict=True))
-    half = float(student.ppf(0.975, freedom) * np.sqrt(sum(parts)))
+    half = float(stdtrit(freedom, 0.975) * np.sqrt(sum(parts)))
     return record | {"gain": gain, "gain_interval": [gain - half, gain + half]}
 
 
