@@ -17,7 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.mechanics import functions, planar
 from serpenoid.mechanics.compile import compiled, loaded
 from serpenoid.mechanics.evaluate import evaluate
-from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
+from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, has_c, kernel
 from serpenoid.model import Structure
 
 LONG = 2000  # instructions (70 vertices): compilers take more than 5 s for the loop of a longer Function
@@ -63,7 +63,7 @@ def over_columns(function: ca.Function) -> OverColumns:
     """A dense SX Function of (column, shared numbers), over C columns: (columns (k, C), shared) -> outputs."""
     outputs = [function.size_out(i) for i in range(function.n_out())]
     sizes = [rows * columns for rows, columns in outputs]
-    if function.n_instructions() > LONG:
+    if function.n_instructions() > LONG or not has_c(function):
         run, plain = None, compiled([function])[0]
     else:
         source, plain = _columns_source(function, sizes), function

@@ -141,6 +141,12 @@ def flags() -> tuple[str, ...]:
     return ("-fno-math-errno", *[f"-m{name}" for name in WIDEST if intel and name in known][:1])
 
 
+def has_c(function: ca.Function) -> bool:
+    """Whether all operations of an SX Function have C here."""
+    known = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, *_BINARY, *_UNARY, *_OF_TWO}
+    return all(function.instruction_id(i) in known for i in range(function.n_instructions()))
+
+
 def kernel(function: ca.Function, shared: Sequence[int] = (), add: bool = False) -> str:
     """C of `NAME(eights, x_0, .., y_0, ..)` for the first 8 `eights` of L lanes: arrays (k, L), shared inputs (k).
 

@@ -13,8 +13,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait, GaitFamily
 from serpenoid.mechanics import functions
-from serpenoid.mechanics.compile import compiled
-from serpenoid.mechanics.evaluate import evaluate
+from serpenoid.mechanics.columns import OverColumns, over_columns
 from serpenoid.model import Model, Structure
 
 
@@ -34,16 +33,16 @@ def family_tables(model: Model, family: GaitFamily, gaits: Floats) -> Floats:
     if family.free:
         return gaits.reshape(count, family.rows, family.joints)
     rows = gaits[:, family.indices].reshape(count * family.rows, -1)
-    function = _mapped(model.structure, family, count * family.rows)
-    (angles,) = evaluate(function, rows, np.tile(family.data, (count, 1)), model.parameters)
+    columns = np.hstack([rows, np.tile(family.data, (count, 1))])
+    (angles,) = _over_rows(model.structure, family)(columns, model.parameters)
     return np.ascontiguousarray(angles.T).reshape(count, family.rows, -1)
 
 
 @lru_cache(maxsize=32)
-def _mapped(structure: Structure, family: GaitFamily, rows: int) -> ca.Function:
-    return _compiled(structure, family).map("table", "serial", rows, [2], [])
-
-
-@lru_cache(maxsize=32)
-def _compiled(structure: Structure, family: GaitFamily) -> ca.Function:
-    return compiled([functions.gait_joint_angles(structure, family)])[0]
+def _over_rows(structure: Structure, family: GaitFamily) -> OverColumns:
+    """((parameters of a row, its data) (C, k + d), model parameters) -> joint angles (m, C)."""
+    angles = functions.gait_joint_angles(structure, family)
+    sizes = [angles.size1_in(i) for i in range(3)]
+    column, parameters = ca.SX.sym("column", sum(sizes[:2])), ca.SX.sym("parameters", sizes[2])
+    value = angles(column[: sizes[0]], column[sizes[0] :], parameters)
+    return over_columns(ca.Function("table", [column, parameters], [value], functions.CSE))

@@ -41,6 +41,11 @@ class Asked:
         return np.concatenate([np.zeros(0), *lower]), np.concatenate([np.zeros(0), *upper])
 
     @cached_property
+    def separable(self) -> bool:
+        """`Criteria.separable`, found out once."""
+        return self.criteria.separable
+
+    @cached_property
     def always_dissipation(self) -> bool:
         """Whether the objective has a price of dissipation beside c."""
         price = ca.gradient(self.criteria.objective, self.criteria.dissipation)

@@ -9,6 +9,7 @@ inertia couples steps, which `combine` (constant) does. Legend: T steps, R rows,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -22,7 +23,7 @@ from serpenoid.model import Model, Structure
 from serpenoid.optimise.blocks import StepBlocks
 from serpenoid.optimise.extended import combination, extended_blocks, realised_angles, settings
 from serpenoid.optimise.joint_blocks import baseline_blocks
-from serpenoid.optimise.layer import Layer, over_rows, row_functions
+from serpenoid.optimise.layer import Layer, RowFunctions, over_rows, row_functions
 from serpenoid.optimise.lifted_blocks import COORDINATES, LiftedBlocks
 from serpenoid.optimise.played import Played, remembers
 from serpenoid.optimise.rows import joint_functions
@@ -120,28 +121,28 @@ def path_layer(family: GaitFamily, structure: Structure, rows: int, portable: bo
 
     Of a sparse family all rows are taken, in order.
     """
+    indices = np.tile(np.arange(family.size), (rows, 1))
+    if family.sparse:
+        indices = np.hstack([family.indices, np.roll(family.indices, -1, axis=0)])[:rows]
+    return Layer(_path_functions(family, structure, portable), indices, family.size)
+
+
+@lru_cache(maxsize=16)
+def _path_functions(family: GaitFamily, structure: Structure, portable: bool) -> RowFunctions:
+    """Of one row, kept for NLPs of other numbers of rows."""
     if family.coordinates == "serpenoid":
-        made = over_rows(joint_functions(family, structure, changes=True), portable)
-        return Layer(made, np.tile(np.arange(family.size), (rows, 1)), family.size)
-    p, d = ca.SX.sym("p", 2 * family.indices.shape[1]), family.data.shape[1]
-    k, data = family.indices.shape[1], ca.SX.sym("data", 2 * d)
+        return over_rows(joint_functions(family, structure, changes=True), portable)
+    k, d = family.indices.shape[1], family.data.shape[1]
+    p, data = ca.SX.sym("p", k * (1 + family.sparse)), ca.SX.sym("data", 2 * d)
     parameters = ca.SX.sym("parameters", 2 * structure.vertices)
     edges, weights, _ = split_parameters(parameters, structure)
 
     def angles(q: ca.SX, row: ca.SX) -> ca.SX:
         return lifted.commanded_angles(family, q, row, edges, weights, structure)
 
-    here, there = angles(p[:k], data[:d]), angles(p[k:], data[d:])
-    following = np.roll(family.indices, -1, axis=0)
-    if family.sparse:
-        indices = np.hstack([family.indices, following])[:rows]
-        function = ca.Function("path", [p, data, parameters], [ca.vertcat(here, there - here)])
-    else:
-        q = ca.SX.sym("p", k)
-        here, there = angles(q, data[:d]), angles(q, data[d:])
-        function = ca.Function("path", [q, data, parameters], [ca.vertcat(here, there - here)])
-        indices = np.tile(np.arange(family.size), (rows, 1))
-    return Layer(row_functions("path", function, portable or _long(family)), indices, family.size)
+    here, there = angles(p[:k], data[:d]), angles(p[p.numel() - k :], data[d:])
+    function = ca.Function("path", [p, data, parameters], [ca.vertcat(here, there - here)])
+    return row_functions("path", function, portable or _long(family))
 
 
 def _long(family: GaitFamily) -> bool:

@@ -122,7 +122,7 @@ class GaitMotions:
         """A start that satisfies all momentum equations: the simulated poses of gait q."""
         trajectory = self.simulate(q)
         poses = np.nan_to_num(trajectory.poses[1:] - trajectory.poses[0])
-        priced = [] if self.asked.criteria.separable else [trajectory.dissipation]
+        priced = [] if self.asked.separable else [trajectory.dissipation]
         states = np.zeros(0) if self._played is None else self._played.start(self.table(q))
         return np.concatenate([poses.ravel(), np.nan_to_num(priced), states, q])
 
@@ -134,7 +134,7 @@ class GaitMotions:
     @property
     def own(self) -> int:
         """Numbers of the NLP's variables before the gait's parameters."""
-        return self.family.pose_size * self.steps + (not self.asked.criteria.separable) + self.states
+        return self.family.pose_size * self.steps + (not self.asked.separable) + self.states
 
     @cached_property
     def _played(self) -> Played | None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Set
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.ipopt import BESIDE_OBSTACLES, Bounds, Ipopt
 from serpenoid.optimise.limits import FIRST_ROWS, even_rows
-from serpenoid.optimise.motion_law import motion_law
+from serpenoid.optimise.motion_law import MotionLaw, motion_law
 from serpenoid.optimise.motions import GaitBounds, GaitMotions
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.optimise.watch import MARGIN, Watch
@@ -64,13 +65,16 @@ class PreparedNLPs(GaitMotions):
             finite[: self.family.joints] = False
         return finite
 
+    @cached_property
+    def _law(self) -> MotionLaw:
+        return motion_law(self.model, self.family)
+
     def prepared(self, carried: Carried, penalised: bool = True) -> tuple[GaitNLP, Ipopt]:
         """The NLP that carries this, with or without dissipation in the objective, and its solver."""
         rows, watch = len(carried.rows), carried.watch
         key = rows, penalised, watch
         if key not in self._prepared:
-            law = motion_law(self.model, self.family)
-            nlp = GaitNLP(law, self.asked.criteria, rows, penalised=penalised, watch=watch)
+            nlp = GaitNLP(self._law, self.asked.criteria, rows, penalised=penalised, watch=watch)
             motion, path, added = nlp.constraint_counts
             gaps = watch.kept(self.model.structure.vertices, self.obstacles.columns)
             others = motion + path + self.asked.bounds[0].size
