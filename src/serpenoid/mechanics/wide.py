@@ -19,6 +19,7 @@ import casadi as ca
 from serpenoid.mechanics.compile import compiled, find_compiler, generate_c, loaded
 from serpenoid.mechanics.lanes import flags, polynomial_sine
 
+EFFORT = "-O1"  # more takes four times as long to compile, and the code is no faster: its vectors are there already
 NUMBER = r"-?\d[\d.]*(?:e[+-]?\d+)?"
 VECTORS = (  # where CasADi's C puts a plain number in a variable: in C a vector needs one made of it
     (rf"\b([aw]\d+) ?= ?({NUMBER});", r"\1 = SPLAT(\2);"),
@@ -84,7 +85,7 @@ def _blocks(functions: Sequence[ca.Function], shared: int) -> list[ca.Function] 
     def load(path: str) -> list[ca.Function]:
         return [ca.external(f"{function.name()}_wide", path) for function in functions]
 
-    return loaded(f"{functions[0].name()}_wide", source, load, flags())
+    return loaded(f"{functions[0].name()}_wide", source, load, (*flags(), EFFORT))
 
 
 def register() -> int:

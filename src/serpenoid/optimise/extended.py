@@ -34,7 +34,7 @@ from serpenoid.simulation.servos import coordinates as servo_coordinates
 def extended_blocks(model: Model, steps: int, portable: bool = False) -> StepBlocks:
     """Step blocks with the effects of the medium that are present: drag (3) and momentum (3) of each step.
 
-    In CasADi's virtual machine: every selection of effects would be another library.
+    Effects are left to CasADi's virtual machine: every selection of them would be another library.
     """
     present = {e.name for e in model.medium_effects}
     kinds = tuple(kind for kind in medium_effects() if kind.name in present)
@@ -46,12 +46,12 @@ def extended_blocks(model: Model, steps: int, portable: bool = False) -> StepBlo
     share = wrench(kinds, model.law, *ends, frame, ca.vertcat(weight, eps), setting, theta)
     own, fixed = ((theta,), (False,)) if len(numbers) else ((), ())
     more, shared = (weight, eps, *own, setting), (False, True, *fixed, True)
-    energy = share[6] * steps ** (model.law.degree - 2)  # the NLP takes T times their sum
+    bounded = model.law.degree == 1 and not model.knows("history")  # inertia grows with the step
+    energy = share[6] if bounded else share[6] * steps ** (model.law.degree - 2)  # the NLP takes T times their sum
     law = joint_blocks.ElementShare(frame, before, after, more, shared, share[:6], energy)
     structure = model.structure
     functions = step_functions(structure, law, element_parameters(structure), ca.DM(numbers))
-    blocks = JointBlocks(over_columns(functions, portable=True), 6)
-    bounded = model.law.degree == 1 and not model.knows("history")  # inertia grows with the step
+    blocks = JointBlocks(over_columns(functions, portable=portable or bool(kinds)), 6)
     return GrowingBlocks(blocks, steps) if bounded else blocks
 
 

@@ -17,36 +17,41 @@ LEAST = 0.01  # keeps the balance in pauses; a cycle of one body length works ab
 
 
 class GrowingBlocks:
-    """StepBlocks whose values are all multiplied; `blocks` are those of a law of degree one, energies over T."""
+    """StepBlocks of a law of degree one: values are all multiplied, energies divided by T (the NLP takes T E)."""
 
     def __init__(self, blocks: StepBlocks, steps: int) -> None:
-        self.blocks, self.values, self._scale = blocks, blocks.values, float(steps**2)
+        self.blocks, self.values, self._scale, self._share = blocks, blocks.values, float(steps**2), 1 / steps
 
     def value(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
         """Values (v, T) and energies (1, T)."""
-        value, energies = self.blocks.value(cycle)
+        value, energies = self._plain(cycle)
         return self._rows(self._factor(energies)) * value, energies
+
+    def _plain(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
+        value, energies = self.blocks.value(cycle)
+        return value, self._share * energies
 
     def gradient(self, cycle: Cycle) -> ca.MX:
         """d energy, shape (1, o T)."""
-        return self.blocks.gradient(cycle)
+        return self._share * self.blocks.gradient(cycle)
 
     def jacobian(self, cycle: Cycle) -> ca.MX:
         """d values, shape (v, o T)."""
-        value, energies = self.blocks.value(cycle)
-        slopes, falls = self.blocks.jacobian(cycle), self.blocks.gradient(cycle)
+        value, energies = self._plain(cycle)
+        slopes, falls = self.blocks.jacobian(cycle), self.gradient(cycle)
         spread = _spread(slopes.size2(), cycle.steps)
         grown = self._rows(self._factor(energies) @ spread) * slopes
         return grown + self._scale * (value @ spread) * self._rows(falls)
 
     def hessian(self, cycle: Cycle, multipliers: ca.MX, factors: ca.MX) -> tuple[ca.MX, ca.MX]:
         """Gradient (o, T) and Hessian (o, o T) of the steps' Lagrangians."""
-        value, energies = self.blocks.value(cycle)
+        value, energies = self._plain(cycle)
         scaled = self._rows(self._factor(energies)) * multipliers
-        slope, curvature = self.blocks.hessian(cycle, scaled, factors + self._scale * ca.sum1(multipliers * value))
+        on_energy = self._share * (factors + self._scale * ca.sum1(multipliers * value))
+        slope, curvature = self.blocks.hessian(cycle, scaled, on_energy)
         slopes, o = self.blocks.jacobian(cycle), slope.size1()
         forces = ca.sum1(slopes * (multipliers @ _spread(slopes.size2(), cycle.steps)))
-        sides = (ca.reshape(row, o, cycle.steps) for row in (self.blocks.gradient(cycle), forces))
+        sides = (ca.reshape(row, o, cycle.steps) for row in (self.gradient(cycle), forces))
         return slope, curvature + self._scale * _products(o).map(cycle.steps)(*sides)
 
     def _factor(self, energies: ca.MX) -> ca.MX:
