@@ -1,7 +1,7 @@
 """What is hidden in the arena's robot for a diagnosis with a healthy campaign as reference, and what may be said of it.
 
 An answer names effect and place; place None: the effect has none. Those outside the catalogue have no name: all that is
-asked is that nothing is given as the explanation.
+asked is that none is given.
 """
 
 from __future__ import annotations

@@ -70,14 +70,14 @@ def diagnosed(campaign: Path, known: Reference | None, out: Path) -> tuple[Diagn
 
 
 def judged(said: dict[str, Any], hidden: Hidden) -> dict[str, Any]:
-    """Right: named, and nothing else. For what is outside the catalogue: not explained. For nothing: nothing."""
+    """Right: named, and nothing else. For what is outside the catalogue: no name at all. For nothing: nothing."""
     named, rivals = _names(said["effects"]), _names(said["alternatives"])
     others = [n for n in named if n not in hidden.answers]
     spare = len(others) - (len(others) == len(named))  # one stands for the truth if that is among its rivals
     if not hidden.changes:
         outcome = "right" if said["verdict"] == "nothing" else "wrong"
     elif hidden.outside:
-        outcome = "wrong" if said["verdict"] == "explained" else "right"
+        outcome = "wrong" if named or said["verdict"] == "explained" else "right"
     elif {*named, *rivals} & set(hidden.answers):
         outcome = "named beside others" if spare else "right"
     else:
