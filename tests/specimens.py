@@ -13,12 +13,13 @@ from serpenoid.gaits import EllipseGait, Gait
 from serpenoid.mechanics import columns, tables, vertices
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise import joint_blocks, motion_law, serpenoid_blocks
+from serpenoid.optimise import joint_blocks, lifted_blocks, motion_law, serpenoid_blocks
 from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.between import GapField
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.optimise.watch import Watch, Watched, every_vertex
 from serpenoid.problem import Problem, Task, load
+from serpenoid.simulation import lifted
 from serpenoid.trajectory import Trajectory
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
@@ -35,6 +36,9 @@ def forget_functions() -> None:
         joint_blocks.baseline_blocks,
         motion_law._path_functions,
         tables._over_rows,
+        lifted_blocks.element_and_composition,
+        lifted._element,
+        lifted._over,
         vertices.over_steps,
         vertices._map,
         vertices._step,

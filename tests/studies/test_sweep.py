@@ -62,6 +62,12 @@ def test_points_stored_for_another_problem_are_solved_anew(tmp_path: Path) -> No
     np.testing.assert_allclose(costs(result), costs(sweep(changed, VALUES[:2], starts=2, seed=0)), atol=SAME_COST)
 
 
+def test_a_point_stored_for_a_longer_table_is_solved_anew(tmp_path: Path) -> None:
+    sweep(problem("reference-optimum", "task.steps=20"), [0.5], starts=1, folder=tmp_path, polish=False)
+    shorter = GaitSolver(problem("reference-optimum", "task.steps=5"))
+    assert ChainStore(tmp_path / "chain", "up").load(0.5, shorter) is None
+
+
 def test_a_stored_point_that_was_cut_short_is_solved_anew(tmp_path: Path) -> None:
     solver, store = GaitSolver(problem("reference-optimum")), ChainStore(tmp_path, "up")
     assert store.load(0.5, solver) is None

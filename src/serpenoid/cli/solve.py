@@ -149,7 +149,7 @@ def kept_better(folder: Path, best: Solution) -> float | None:
 def _why(problem: Problem) -> str | None:
     """What the problem itself says about a failure; None: nothing."""
     heading = problem.task.constraints.heading_change_rad
-    if problem.medium.anisotropy_ratio == 1.0 and not problem.effects:
+    if problem.medium.anisotropy_ratio == 1.0 and not problem.effects and problem.lift is None:
         return "anisotropy_ratio = 1 is isotropic: nothing moves, whatever the gait. Give a ratio below 1."
     if heading is not None and abs(heading) > FAR_TURN_RAD:
         return (

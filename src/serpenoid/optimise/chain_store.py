@@ -55,11 +55,11 @@ class ChainStore:
                 seconds, said = float(data["seconds"]), str(data["said"])
         except (InputError, KeyError, ValueError):
             return None
-        _, ipopt = solver.prepared(carried)
-        parameters = solver.parameters(c, carried.rows)
         bounds = solver.bounds(carried)
         if point.x.shape != bounds.lbx.shape or point.lam_g.shape != bounds.lbg.shape:
-            return None
+            return None  # of another table, whose rows may not be here
+        _, ipopt = solver.prepared(carried)
+        parameters = solver.parameters(c, carried.rows)
         residuals = ipopt.residuals(point, parameters, bounds)
         if not residuals.largest <= STATIONARY:
             return None  # an answer, but to another problem

@@ -16,9 +16,9 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.gaits.lifted import LiftedFamily
 from serpenoid.mechanics import functions, spatial
-from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.evaluate import evaluate
-from serpenoid.model import Model
+from serpenoid.mechanics.wide import Columns, over_columns
+from serpenoid.model import Model, Structure
 from serpenoid.simulation.newton import TOLERANCE, Equations, State, newton
 from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
@@ -114,9 +114,9 @@ def _rows(model: Model, family: LiftedFamily, gaits: Floats) -> tuple[Floats, Fl
     """Points (B, R, N, 3), shares (B, R, N), elements (B, R, M, 7) of all rows; closed: the first is the last, too."""
     data = np.concatenate([family.data, family.data[:1]]) if family.closed else family.data
     count, rows = len(gaits), len(data)
-    function = _row(model, family).map(count * rows)
-    found = function(np.repeat(gaits, rows, 0).T, np.tile(data, (count, 1)).T)
-    points, shares, elements = (np.asarray(x.full()) for x in found)
+    function = _row(model.structure, family, count * rows)
+    each = np.repeat(gaits, rows, 0), np.tile(data, (count, 1)), model.parameters
+    points, shares, elements = evaluate(function, *each)
     n = model.structure.vertices
     return (
         points.T.reshape(count, rows, n, 3),
@@ -125,17 +125,20 @@ def _rows(model: Model, family: LiftedFamily, gaits: Floats) -> tuple[Floats, Fl
     )
 
 
-def _row(model: Model, family: LiftedFamily) -> ca.Function:
-    """(gait, row's data) -> points, shares, elements, each in one column."""
+@lru_cache(maxsize=32)
+def _row(structure: Structure, family: LiftedFamily, count: int) -> ca.Function:
+    """(gaits, rows' data, parameters) -> points, shares, elements of `count` rows, each in one column."""
     p, data = ca.SX.sym("p", family.size), ca.SX.sym("data", family.data.shape[1])
-    found = functions.lifted_row(model.structure, family.lift)(family.at(p, data), model.parameters)
-    return ca.Function("lifted_rows", [p, data], [ca.vec(x) for x in found], functions.CSE)
+    parameters = ca.SX.sym("parameters", 2 * structure.vertices)
+    found = functions.lifted_row(structure, family.lift)(family.at(p, data), parameters)
+    made = ca.Function("lifted_rows", [p, data, parameters], [ca.vec(x) for x in found], functions.CSE)
+    return made.map("all_lifted_rows", "serial", count, [2], [])
 
 
 def _step(poses: Floats, before: Floats, after: Floats, weights: Floats, eps: float) -> State:
     """Residuals, slopes and energies of steps with relative poses (n, 6) and elements (n, M, 7)."""
     n, m = before.shape[:2]
-    size = 1 << (n * m - 1).bit_length()  # of a few lengths only, each with its map
+    size = max(8, 1 << (n * m - 1).bit_length())  # of a few lengths only, each with its map
     columns = [np.repeat(poses, m, 0), before.reshape(-1, 7), after.reshape(-1, 7), np.tile(weights, n)[:, None]]
     filled = [np.concatenate([c, np.broadcast_to(c[-1], (size - n * m, c.shape[1]))]) for c in columns]
     slope, energy, curvature = evaluate(_over(size), *filled, np.full(1, eps))
@@ -147,12 +150,15 @@ def _step(poses: Floats, before: Floats, after: Floats, weights: Floats, eps: fl
 
 @lru_cache(maxsize=24)
 def _over(count: int) -> ca.Function:
-    return _element().map("spatial_steps", "serial", count, [4], [])
+    """Over a number of elements that registers divide; what is the same for all comes last."""
+    element = _element()
+    function = element.block or element.function
+    return function.map("spatial_steps", "serial", count // element.width, [element.shared], [])
 
 
 @lru_cache(maxsize=1)
-def _element() -> ca.Function:
-    return compiled(spatial.element_functions(1)[:1])[0]
+def _element() -> Columns:
+    return over_columns(spatial.element_functions(1)[:1])[0]
 
 
 def _frames(relative: Floats) -> tuple[Floats, Floats]:
