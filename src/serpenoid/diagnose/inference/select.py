@@ -158,8 +158,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         if idle == IDLE or not any(e.key == first.added.key for e in best.effects):
             break
     noise_level = noise_level or path_noise(motion, best.predictions)
-    best, refused = earned(motion, null, best)
-    best, bases, lost = visible(motion, null, best, noise_level)
+    best, bases, lost, refused = kept(motion, null, best, noise_level)
     return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), refused, scores)
 
 
@@ -169,6 +168,23 @@ def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
         return replace(motion, tracks=retrack(model))
     except NoPath:
         return motion
+
+
+def kept(
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...], tuple[Refused, ...]]:
+    """What is both earned and visible, the fits without each of it; what is not visible, what is not earned.
+
+    Effects earn their names together, so those that stay must earn theirs without the ones that are not visible.
+    """
+    lost: tuple[Undetected, ...] = ()
+    refused: tuple[Refused, ...] = ()
+    while True:
+        best, rest = earned(motion, null, best)
+        best, bases, weak = visible(motion, null, best, noise_level_m)
+        lost, refused = (*weak, *lost), (*refused, *rest)
+        if not weak:
+            return best, bases, lost, refused
 
 
 def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
