@@ -21,7 +21,7 @@ from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.inference.finding import BAND, Stage, excludable
 from serpenoid.diagnose.inference.medium import fit
-from serpenoid.diagnose.inference.select import trace, visible
+from serpenoid.diagnose.inference.names import trace, visible
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation

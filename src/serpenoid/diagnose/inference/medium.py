@@ -23,6 +23,7 @@ from serpenoid.files.store import remembered
 from serpenoid.model import Model
 
 STEPS = 8
+TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
 CONVERGED = 0.02  # chi squared
 
 
@@ -214,6 +215,12 @@ def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple
     kept = _others(found, effect)
     model, drift = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
     return linearised(motion, model, kept, drift, near=found.predictions)[1]
+
+
+def predicted_bare(motion: Motion, found: Fit) -> tuple[Prediction, ...]:
+    """What a fit predicts with all its effects taken out and nothing fitted again."""
+    model, _ = with_values(found.model, [], found.coordinates[:1], motion.held)
+    return linearised(motion, model, [], None, near=found.predictions)[1]
 
 
 def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:

@@ -1,8 +1,7 @@
 """Which effects of the medium: linear scores of all candidates, full fits of the best, forward selection with pruning.
 
-"Nothing" always competes. An effect must gain more than its parameters and the number of tries gain by chance, and in
-the end, beside all others, more than the best of all candidates would gain of what is left if none of them were a cause
-(null.py); its trace in the path must stand above the noise level.
+"Nothing" always competes. An effect must gain more than its parameters and the number of tries gain by chance; what of
+all that was found is named, names.py says.
 """
 
 from __future__ import annotations
@@ -16,18 +15,20 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_error, path_noise, residuals, strength, window_noise
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.inference.discrepancy import deviance
 from serpenoid.diagnose.inference.medium import (
     STEPS,
+    TO_THE_END,
     Fit,
     candidates_of,
     fit,
     fit_eps,
     fit_guided,
     fit_without,
-    predicted_without,
 )
+from serpenoid.diagnose.inference.names import Refused, Try, Undetected, each_without, kept, trace
 from serpenoid.diagnose.inference.patches import Ranked
-from serpenoid.diagnose.inference.ranking import needed, score, shortlist
+from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
 from serpenoid.diagnose.inference.rules import PENALISED, Rule, gained_by_chance
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -36,7 +37,6 @@ from serpenoid.parallel import in_processes
 AT_MOST = 7
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
 SCREENING, FINALISTS, OUT_OF_REACH = 3, 4, 20.0
-TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
 HOPELESS = 0.5  # of the price of so many tries: what gains less to first order is not fitted in full
 SHARE = 0.03  # of the best: what earns a full fit
 IDLE = 3  # effects in a row that gain no more than the null: two may come before the one that makes them tell
@@ -49,37 +49,6 @@ UNCLEAR = 2.0  # the same: with the right effects there is less
 
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
-
-
-@dataclass(frozen=True)
-class Try:
-    """A full fit with one more (or another) effect."""
-
-    fit: Fit
-    added: ActiveEffect
-    strength_m: float
-
-    @property
-    def fitted(self) -> ActiveEffect:
-        """The added effect with its fitted values."""
-        return next(e for e in self.fit.effects if e.key == self.added.key)
-
-
-@dataclass(frozen=True)
-class Undetected:
-    """A try that gains but does not stand out, fitted on tracks made about it."""
-
-    attempt: Try
-    motion: Motion
-
-
-@dataclass(frozen=True)
-class Refused:
-    """An effect of the search that is no cause, the share of chi squared that it would take away, the fit with it."""
-
-    effect: ActiveEffect
-    share: float
-    fit: Fit
 
 
 @dataclass(frozen=True)
@@ -158,8 +127,25 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         if idle == IDLE or not any(e.key == first.added.key for e in best.effects):
             break
     noise_level = noise_level or path_noise(motion, best.predictions)
+    best = resited(motion, best)
     best, bases, lost, refused = kept(motion, null, best, noise_level)
     return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), refused, scores)
+
+
+def resited(motion: Motion, best: Fit) -> Fit:
+    """With effects of one name where they are likeliest together: two beside a place may have come before the place."""
+    names = [e.name for e in best.effects if e.place is not None]
+    twins = [e for e in best.effects if names.count(e.name) > 1]
+    fits = [t.fit for e in twins for t in elsewhere(motion, best, e)]
+    likelier = min(fits, key=lambda f: deviance(motion, f)[0], default=best)
+    return resited(motion, likelier) if deviance(motion, likelier)[0] < deviance(motion, best)[0] else best
+
+
+def elsewhere(motion: Motion, best: Fit, effect: ActiveEffect) -> list[Try]:
+    """Fits with an effect at other places."""
+    base, taken = fit_without(motion, best, effect), {e.key for e in best.effects}
+    places = [r for r in score(motion, base) if r[0].name == effect.name and r[0].key not in taken]
+    return attempts(motion, base, shortlist(places, PER_NAME))
 
 
 def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
@@ -168,57 +154,6 @@ def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
         return replace(motion, tracks=retrack(model))
     except NoPath:
         return motion
-
-
-def kept(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float
-) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...], tuple[Refused, ...]]:
-    """What is both earned and visible, the fits without each of it; what is not visible, what is not earned.
-
-    Effects earn their names together, so those that stay must earn theirs without the ones that are not visible.
-    """
-    lost: tuple[Undetected, ...] = ()
-    refused: tuple[Refused, ...] = ()
-    while True:
-        best, rest = earned(motion, null, best)
-        best, bases, weak = visible(motion, null, best, noise_level_m)
-        lost, refused = (*weak, *lost), (*refused, *rest)
-        if not weak:
-            return best, bases, lost, refused
-
-
-def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
-    """Without effects that gain no more, beside the others, than the null of what is left; the least first.
-
-    What is left above chance when all together take away less than they leave is an error of another kind.
-    """
-    refused: list[Refused] = []
-    while best.effects:
-        bases = bases_of(motion, null, best)
-        gains = [b.chi2 - best.chi2 for b in bases]
-        least = int(np.argmin(gains))
-        outweighed = null.chi2 - best.chi2 < best.chi2 - best.evidence.count.sum()
-        if not outweighed and gains[least] > needed(motion, best):
-            break
-        refused.append(Refused(best.effects[least], gains[least] / bases[least].chi2, best))
-        best = fit_guided(motion, bases[least], TO_THE_END)
-    return best, tuple(refused)
-
-
-def visible(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float
-) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...]]:
-    """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
-    lost: list[Undetected] = []
-    while True:
-        effects = best.effects
-        bases = bases_of(motion, null, best)
-        traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
-        if len(effects) < 2 or min(traces) >= noise_level_m:
-            return best, bases, tuple(lost[::-1])
-        weakest = int(np.argmin(traces))
-        lost.append(Undetected(Try(best, effects[weakest], traces[weakest]), motion))
-        best = fit_guided(motion, bases[weakest], TO_THE_END)
 
 
 def unclear(found: Fit) -> bool:
@@ -233,20 +168,6 @@ def stands_out(motion: Motion, base: Fit, t: Try, noise_level_m: float) -> bool:
     gained = (base.chi2 - t.fit.chi2) / base.evidence.count.sum()
     marked = t.strength_m >= MARKED * noise_level_m or path_error(motion, base.predictions) > ASTRAY * noise_level_m
     return bool(marked and gained > VISIBLE**2)
-
-
-def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
-    """Path RMS [m] that `effect` of a fit is worth: against the fit without it.
-
-    Where eps is known, and nearer to that with the effect, eps is not let run to take its place.
-    """
-    fitted_again = strength(motion, full.predictions, base.predictions)
-    if motion.ratio is None:
-        return fitted_again
-    near, far = (abs(np.log(f.model.medium.anisotropy_ratio / motion.ratio)) for f in (full, base))
-    if near >= far:
-        return fitted_again
-    return max(fitted_again, strength(motion, full.predictions, predicted_without(motion, full, effect)))
 
 
 def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:
@@ -291,16 +212,6 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
         if found.evidence.count.sum() >= base.evidence.count.sum():
             break
     return Try(found, added, strength(motion, found.predictions, base.predictions))
-
-
-def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:
-    """Fits without each of the effects."""
-    return tuple(in_processes([(fit_without, (motion, best, e)) for e in best.effects]))
-
-
-def bases_of(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, ...]:
-    """The same; without an only effect that is eps alone."""
-    return (null,) if len(best.effects) == 1 else each_without(motion, best)
 
 
 def pruned(motion: Motion, best: Fit, rule: Rule, tries: int) -> Fit:

@@ -18,8 +18,9 @@ from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bo
 from serpenoid.diagnose.inference.finding import Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
+from serpenoid.diagnose.inference.names import Refused, Try, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
-from serpenoid.diagnose.inference.select import VISIBLE, Refused, Selection, Try, select, trace
+from serpenoid.diagnose.inference.select import VISIBLE, Selection, select
 from serpenoid.diagnose.residuals.residual_words import discrepancy, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.jumps import find_jumps

@@ -1,0 +1,71 @@
+"""What a law gets wrong is in proportion to what it does: an explanation's marginal likelihood, its errors included.
+
+    m ~ N(0, v),   v = (1 + a^2) s^2 + b^2 E^2
+
+m: mean residual of a setting's repeats in a window and direction, s^2: its variance by chance and doubt, E: what the
+explanation's effects do there. a and b, the sizes of an error that everything shares and of one in proportion, are what
+makes the campaign most likely, for each explanation anew: they shrink when a cause enters that takes their place. A
+second effect that only mends the first one's law (a wheel beside the wheel) gains little; where the law is exact,
+a = b = 0, and this is chi squared.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.inference.medium import Fit, candidates_of, predicted_bare
+from serpenoid.diagnose.inference.rules import gained_by_chance
+
+STARTS = ((-16.0, -4.0), (-4.0, -16.0), (0.0, 0.0))  # ln a^2, ln b^2: one error alone, the other, both
+SMALLEST, LARGEST = -20.0, 16.0
+
+
+def outdoes(motion: Motion, full: Fit, base: Fit) -> bool:
+    """Whether a fit is more likely than one with an effect less by more than its parameters and tries are by chance."""
+    more = len(full.coordinates) - len(base.coordinates)
+    (after, count), (before, _) = deviance(motion, full), deviance(motion, base)
+    return before - after > more * np.log(max(count, 2)) + gained_by_chance(len(candidates_of(base)))
+
+
+def deviance(motion: Motion, found: Fit) -> tuple[float, int]:
+    """-2 ln of an explanation's marginal likelihood, but for a constant of the campaign, and the number of means."""
+    left = residuals(motion.tracks, found.predictions)
+    bare = predicted_bare(motion, found) if found.effects else found.predictions
+    moved = [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
+    by: dict[tuple[str, float], list[int]] = {}
+    for i, t in enumerate(motion.tracks):
+        by.setdefault(t.recording.setting, []).append(i)
+    parts = [_means(motion, left, moved, trials) for trials in by.values()]
+    mean, variance, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return least_deviance(mean, variance, effect), len(mean)
+
+
+def least_deviance(mean: Floats, variance: Floats, effect: Floats) -> float:
+    """The same of means (K,) with their variances (K,) by chance and what effects do there (K,)."""
+
+    def surprise(log: Floats) -> float:
+        v = variance * (1 + np.exp(log[0])) + np.exp(log[1]) * effect**2
+        return float((mean**2 / v + np.log(v / variance)).sum())
+
+    bounds = [(SMALLEST, LARGEST)] * 2
+    return min(float(minimize(surprise, x, method="Nelder-Mead", bounds=bounds).fun) for x in STARTS)
+
+
+def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list[int]) -> tuple[Floats, Floats, Floats]:
+    """Mean residuals of repeats where one is known, their variances, and what effects do (K,) each."""
+    count = min(len(left[i]) for i in trials)
+    own = np.stack([left[i][:count] for i in trials])
+    known = np.isfinite(own)
+    times = known.sum(axis=0)
+    good = times > 0
+    first = motion.tracks[trials[0]]
+    chance = motion.noise.chance(first)[:count]
+    doubt = np.broadcast_to(first.doubt, first.displacement.shape)[:count]
+    mean = np.where(known, own, 0.0).sum(axis=0)[good] / times[good]
+    variance = chance[good] ** 2 / times[good] + doubt[good] ** 2
+    done = np.where(known, np.stack([moved[i][:count] for i in trials]), 0.0).sum(axis=0)[good] / times[good]
+    return mean, variance, done

@@ -1,0 +1,129 @@
+"""What is named of all that a search found: what earns its name and is visible.
+
+An effect earns its name if, beside all others, it takes away more than the best of all candidates would take of what
+is left if none of them were a cause (null.py), and if what it accounts for is no mere error of the law of the others
+(discrepancy.py). All that is named together takes away more than it leaves. Its trace in the path must stand above the
+noise level.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import strength
+from serpenoid.diagnose.inference.discrepancy import outdoes
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit_guided, fit_without, predicted_without
+from serpenoid.diagnose.inference.ranking import needed
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.parallel import in_processes
+
+
+@dataclass(frozen=True)
+class Try:
+    """A full fit with one more (or another) effect."""
+
+    fit: Fit
+    added: ActiveEffect
+    strength_m: float
+
+    @property
+    def fitted(self) -> ActiveEffect:
+        """The added effect with its fitted values."""
+        return next(e for e in self.fit.effects if e.key == self.added.key)
+
+
+@dataclass(frozen=True)
+class Undetected:
+    """A try that gains but does not stand out, fitted on tracks made about it."""
+
+    attempt: Try
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Refused:
+    """An effect of the search that is no cause, the share of chi squared that it would take away, the fit with it."""
+
+    effect: ActiveEffect
+    share: float
+    fit: Fit
+
+
+def kept(
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...], tuple[Refused, ...]]:
+    """What is both earned and visible, the fits without each of it; what is not visible, what is not earned.
+
+    Effects earn their names together, so those that stay must earn theirs without the ones that are not visible.
+    """
+    lost: tuple[Undetected, ...] = ()
+    refused: tuple[Refused, ...] = ()
+    while True:
+        best, rest = earned(motion, null, best)
+        best, bases, weak = visible(motion, null, best, noise_level_m)
+        lost, refused = (*weak, *lost), (*refused, *rest)
+        if not weak:
+            return best, bases, lost, refused
+
+
+def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
+    """Without effects that are no causes, what takes away least first.
+
+    What is left above chance when all together take away less than they leave is an error of another kind.
+    """
+    refused: list[Refused] = []
+    while best.effects:
+        bases = bases_of(motion, null, best)
+        gains = [b.chi2 - best.chi2 for b in bases]
+        outweighed = null.chi2 - best.chi2 < best.chi2 - best.evidence.count.sum()
+        most = np.inf if outweighed else needed(motion, best)
+        idle = [i for i, b in enumerate(bases) if gains[i] <= most or not outdoes(motion, best, b)]
+        if not idle:
+            break
+        least = min(idle, key=lambda i: gains[i])
+        refused.append(Refused(best.effects[least], gains[least] / bases[least].chi2, best))
+        best = fit_guided(motion, bases[least], TO_THE_END)
+    return best, tuple(refused)
+
+
+def visible(
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...]]:
+    """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
+    lost: list[Undetected] = []
+    while True:
+        effects = best.effects
+        bases = bases_of(motion, null, best)
+        traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
+        if len(effects) < 2 or min(traces) >= noise_level_m:
+            return best, bases, tuple(lost[::-1])
+        weakest = int(np.argmin(traces))
+        lost.append(Undetected(Try(best, effects[weakest], traces[weakest]), motion))
+        best = fit_guided(motion, bases[weakest], TO_THE_END)
+
+
+def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
+    """Path RMS [m] that `effect` of a fit is worth: against the fit without it.
+
+    Where eps is known, and nearer to that with the effect, eps is not let run to take its place.
+    """
+    fitted_again = strength(motion, full.predictions, base.predictions)
+    if motion.ratio is None:
+        return fitted_again
+    near, far = (abs(np.log(f.model.medium.anisotropy_ratio / motion.ratio)) for f in (full, base))
+    if near >= far:
+        return fitted_again
+    return max(fitted_again, strength(motion, full.predictions, predicted_without(motion, full, effect)))
+
+
+def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:
+    """Fits without each of the effects."""
+    return tuple(in_processes([(fit_without, (motion, best, e)) for e in best.effects]))
+
+
+def bases_of(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, ...]:
+    """The same; without an only effect that is eps alone."""
+    return (null,) if len(best.effects) == 1 else each_without(motion, best)
