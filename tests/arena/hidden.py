@@ -36,7 +36,8 @@ HIDDEN: dict[str, Hidden] = {
     "nothing": Hidden(),
     "seized-wheel": _one("seized_wheel", ("worn_wheel", 11), vertex=11),
     "seized-wheel-in-the-middle": _one("seized_wheel", ("worn_wheel", 4), vertex=4),
-    "lifted-wheel": _one("lifted_wheel", ("load", 11), vertex=11),
+    # its neighbour carries the load: 26 % of the weight in place of 10 % (the arena's own wheel loads)
+    "lifted-wheel": _one("lifted_wheel", ("load", 11), ("load", 10), vertex=11),
     # less grip sideways, the same resistance to rolling: less load and less anisotropy at once
     "smooth-tyre": _one("smooth_tyre", ("load", 11), ("worn_wheel", 11), vertex=11, factor=0.2),
     # carried by the wheels at both ends of the link and, as links give a little, by the next
