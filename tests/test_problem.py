@@ -18,6 +18,7 @@ from serpenoid.gaits import EllipseGait
 from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
+from serpenoid.objectives.term import after
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.performance import lighthill_efficiency
@@ -206,6 +207,16 @@ def sidewinding() -> None:
     assert found.trajectory.sideways_deg > 60
 
 
+def sidewind_to() -> None:
+    found = solve(problem("sidewind-to", "task.steps=20"), starts=1).best
+    assert found.status.ok
+    assert isinstance(found.trajectory, LiftedTrajectory)
+    there = after(found.trajectory.poses, 2)  # near it, at a price
+    assert np.hypot(*(there[:2] - [0.3, 0.8])) < 0.02
+    assert there[2] == pytest.approx(0.4, abs=0.03)
+    assert found.trajectory.sideways_deg > 45
+
+
 def five_links() -> None:
     found = solve(problem("five-links", "body.vertices=11", "body.joints=[2,4,6,8]", "task.steps=12"), starts=1).best
     assert found.residuals.largest <= 1e-8
@@ -260,6 +271,7 @@ CHECKS = {
     "steer": steer,
     "five-links": five_links,
     "sidewinding": sidewinding,
+    "sidewind-to": sidewind_to,
     "robust": robust,
     "checkpoints": checkpoints,
     "broken-joint": broken_joint,

@@ -4,7 +4,7 @@
     elements, relative pose  --element-->  one summand of energy and residual (`mechanics.spatial`), over the elements
     relative pose of (g_t, g_{t+1})  --compose-->  2 x 6 numbers of absolute poses
 
-The residual is d(E + S)/dh by the relative pose; its roots are those of the simulation (`simulation.lifted`).
+The residual is d(E + S)/dh by the relative pose, scaled; its roots are those of the simulation (`simulation.lifted`).
 Legend: M elements, s = 5 coordinates, z = (h (6), row t (s), row t + 1 (s)).
 """
 
@@ -24,6 +24,8 @@ from serpenoid.optimise.blocks import Cycle
 
 COORDINATES = 5
 LOCAL = spatial.POSE + 2 * COORDINATES
+# of the residuals: the floor's support is stiffer than the drag by so much, and would stop every step of a search
+SCALE = ca.DM([1.0] * 3 + [1 / spatial.SUPPORT] * 3)
 
 
 class LiftedBlocks:
@@ -110,11 +112,11 @@ def _steps(structure: Structure, parts: list[ca.Function]) -> list[ca.Function]:
         return ca.Function(f"lifted_{name}", [*inputs, parameters], outputs)
 
     (plain, values), (first, slopes), (also, rates) = total(value), total(gradient), total(jacobian)
-    second, (slope, curvature) = total(hessian, multipliers, factor)
+    second, (slope, curvature) = total(hessian, SCALE * multipliers, factor)
     return [
-        made("value", plain, list(values)),
+        made("value", plain, [SCALE * values[0], values[1]]),
         made("gradient", first, [slopes[0] @ by_outer]),
-        made("jacobian", also, [rates[0] @ by_outer]),
+        made("jacobian", also, [ca.diag(SCALE) @ rates[0] @ by_outer]),
         made("hessian", [*second, multipliers, factor], list(compose(*outer, slope, curvature))),
     ]
 
