@@ -28,6 +28,9 @@ OPTIONS = {
     "ipopt.mumps_permuting_scaling": 0,
     "ipopt.mumps_scaling": 0,
     "ipopt.min_refinement_steps": 0,  # a solution is refined where its residual asks for it, not always
+    # the phase of a closed free gait is a curved valley, nearly level: a long step along it comes back within ten
+    # iterations, where halved ones creep (results/benchmarks/approach.md, benchmarks/approach.py)
+    "ipopt.watchdog_trial_iter_max": 10,
     "ipopt.max_iter": 500,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
