@@ -18,6 +18,7 @@ from serpenoid.gaits.lifted import Lift
 from serpenoid.mechanics import functions, spatial
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, element_parameters
+from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.model import Structure
 from serpenoid.objectives import frames
 from serpenoid.optimise.blocks import Cycle
@@ -36,8 +37,7 @@ class LiftedBlocks:
     def __init__(self, structure: Structure, lift: Lift, portable: bool = False) -> None:
         self.elements = structure.elements
         self._rows = [_row(structure, lift, order) for order in (0, 1, 2)]
-        parts = element_and_composition(portable)
-        self._value, self._gradient, self._jacobian, self._hessian = _steps(structure, parts)
+        self._value, self._gradient, self._jacobian, self._hessian = _steps(structure, portable)
 
     def value(self, cycle: Cycle) -> tuple[ca.MX, ca.MX]:
         """Residuals (6, T) and energies (1, T)."""
@@ -72,10 +72,15 @@ def _mapped(function: ca.Function, count: int) -> ca.Function:
 
 
 @lru_cache(maxsize=2)
-def element_and_composition(portable: bool = False) -> list[ca.Function]:
-    """`spatial.element_functions`, then `_composition`."""
-    made = [*spatial.element_functions(COORDINATES), *_composition()]
-    return made if portable else compiled(made)
+def element_functions(portable: bool = False) -> list[Columns]:
+    """`spatial.element_functions` over elements, but for the single step."""
+    return over_columns(spatial.element_functions(COORDINATES)[1:], portable=portable)
+
+
+@lru_cache(maxsize=2)
+def composition(portable: bool = False) -> list[ca.Function]:
+    """`_composition`, compiled unless portable."""
+    return _composition() if portable else compiled(_composition())
 
 
 @lru_cache(maxsize=48)
@@ -92,21 +97,25 @@ def _row(structure: Structure, lift: Lift, order: int) -> ca.Function:
     return ca.Function(f"lifted_row_{order}", [v, parameters], [ca.densify(stacked)], CSE)
 
 
-def _steps(structure: Structure, parts: list[ca.Function]) -> list[ca.Function]:
+def _steps(structure: Structure, portable: bool) -> list[ca.Function]:
     """value, gradient, jacobian, hessian of one step: sums over the elements, then the chain rule to the poses."""
-    _, value, gradient, jacobian, hessian, local, sensitivity, compose = parts
+    (value, gradient, jacobian, hessian), (local, sensitivity, compose) = (
+        element_functions(portable),
+        composition(portable),
+    )
     m, n = structure.elements, spatial.POSE
     outer = [ca.MX.sym("g0", n), ca.MX.sym("g1", n), ca.MX.sym("a0", COORDINATES), ca.MX.sym("a1", COORDINATES)]
     parameters, multipliers = ca.MX.sym("parameters", 2 * structure.vertices), ca.MX.sym("multipliers", n)
     factor, (weights, eps) = ca.MX.sym("factor"), element_parameters(structure)(parameters)
     h, by_outer = local(*outer), sensitivity(*outer)
 
-    def total(function: ca.Function, *more: ca.MX) -> tuple[list[ca.MX], tuple[ca.MX, ...]]:
+    def total(element: Columns, *more: ca.MX) -> tuple[list[ca.MX], list[ca.MX]]:
+        function = element.function
         rows = [ca.MX.sym(f"r{i}", function.size1_in(1), m) for i in (0, 1)]
-        shared = [0, *range(3, 3 + len(more)), function.n_in() - 1]
-        summed = function.map(f"all_{function.name()}", "serial", m, shared, list(range(function.n_out())))
-        found = summed(h, *rows, *more, weights.T, eps)
-        return [*outer, *rows], found if isinstance(found, tuple) else (found,)
+        same = [ca.repmat(x, 1, m) for x in (h, *more)]
+        found = element(m, same[0], *rows, *same[1:], weights.T, eps)
+        each = zip([found] if isinstance(found, ca.MX) else found, range(function.n_out()), strict=True)
+        return [*outer, *rows], [ca.reshape(ca.sum2(ca.reshape(x, -1, m)), function.size_out(i)) for x, i in each]
 
     def made(name: str, inputs: list[ca.MX], outputs: list[ca.MX]) -> ca.Function:
         return ca.Function(f"lifted_{name}", [*inputs, parameters], outputs)
