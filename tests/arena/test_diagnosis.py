@@ -15,11 +15,13 @@ from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.inference.laws import on_dry_friction
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
+from serpenoid.model import Model
 from serpenoid.model_file import write_model_file
 from serpenoid.studies import in_use
 
@@ -59,6 +61,14 @@ def test_the_healthy_robot_is_not_what_the_model_says(then):
     medium = [n for n in then.named if isinstance(n.effect.effect, MediumEffect)]
     assert all(n.stand_in for n in medium)  # no law of the catalogue is Coulomb's with loads that move about
     assert not any(n.stand_in for n in then.named if n not in medium)
+
+
+def test_the_law_of_the_floor_is_asked(then):
+    # by the anisotropy ratio alone the arena's contacts are nearer to dry friction than to linear drag
+    assert "dry friction (Coulomb) misses windows by" in then.motion.stage.law
+    assert on_dry_friction(replace(then.model, medium=Medium(anisotropy_ratio=0.2, law="coulomb"))) is None
+    swimmer = Body(kind="swimmer", vertices=12)
+    assert on_dry_friction(Model(swimmer, Medium(anisotropy_ratio=0.2))) is None
 
 
 def test_another_day_with_the_healthy_robot_brings_no_news(then, folder):

@@ -156,6 +156,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
             "interval": list(ratio_interval(found)), "at_bound": ratio_at_bound(found.best.model),
         },
+        "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),

@@ -24,6 +24,11 @@ def not_on_offer(body: Body) -> frozenset[str]:
     return frozenset(k.name for k in catalogue().values() if not k.needs <= body.parts)
 
 
+def of_other_laws(law: str) -> frozenset[str]:
+    """Names of effects that do not act in a medium of this law: dry friction is none on top of Coulomb's."""
+    return frozenset(k.name for k in catalogue().values() if isinstance(k, MediumEffect) and law not in k.laws)
+
+
 def left_out(names: Collection[str]) -> dict[str, str]:
     """Names that were asked to be left out."""
     return dict.fromkeys(sorted(names), "it was left out of the catalogue (--without)")

@@ -93,6 +93,7 @@ class Stage:
     skipped: str = ""
     untestable: dict[str, str] = field(default_factory=dict)
     discrepancy_m: float = 0.0
+    law: str = ""
 
     @property
     def settled(self) -> bool:

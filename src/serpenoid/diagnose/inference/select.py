@@ -149,11 +149,17 @@ def elsewhere(motion: Motion, best: Fit, effect: ActiveEffect) -> list[Try]:
 
 
 def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
-    """On tracks about a model, whose mesh is finer than that of the fits; as it is if the model has no path there."""
+    """On tracks about a model, whose mesh is finer than that of the fits; as it is if the model has no path there.
+
+    Nor has it one if the meshes differ by more than any window's motion: then one of them found a wrong root.
+    """
     try:
-        return replace(motion, tracks=retrack(model))
+        tracks = retrack(model)
     except NoPath:
         return motion
+    moved = np.nanmax([np.nanmax(np.abs(t.displacement), axis=0) for t in tracks], axis=0)
+    apart = np.max([np.abs(t.offset).max(axis=0) for t in tracks], axis=0)
+    return replace(motion, tracks=tracks) if (apart <= moved).all() else motion
 
 
 def unclear(found: Fit) -> bool:

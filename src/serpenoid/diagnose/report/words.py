@@ -34,6 +34,12 @@ def inadequacy(record: Record) -> list[str]:
     ]
 
 
+def rival_law(record: Record) -> list[str]:
+    """How another law of the floor does, and how to follow it."""
+    said = record["law"]["rival"]
+    return [said, 'to follow it, diagnose with a --model whose [medium] has law = "coulomb"'] if said else []
+
+
 def advice(record: Record, effect: Record) -> Advice:
     """What a named effect looks like and what to do about it, in words that fit the kind of body."""
     return find(effect["name"]).words(record["kind"] in ANIMALS)
@@ -126,6 +132,7 @@ def lines(record: Record) -> list[str]:
     found = [f"reference         {text}" for text in reference(record)]
     found += [f"first             {text}" for text in inadequacy(record)]
     found.append(f"verdict           {record['verdict']}: {MEANINGS[record['verdict']]}")
+    found += [f"law               {text}" for text in rival_law(record)]
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]

@@ -12,11 +12,12 @@ from serpenoid.diagnose.data.noise import path_draws, path_error
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer
+from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
+from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Try, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
@@ -70,14 +71,17 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why.
     """
+    barred = {**left_out(baseline.without), **beyond_bounds(baseline.model), **(untestable or {})}
+
     model = baseline.model
-    barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
-    absent = frozenset(barred) | not_on_offer(model.body)
+    absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
         model = fit_eps(motion, model).model
-    found = finding(select(motion, model, track, say, rule))
-    return replace(found, stage=replace(found.stage, untestable=barred))
+    chosen = select(motion, model, track, say, rule)
+    law = dry_friction(chosen) if rule is PENALISED and baseline.ratio is None else ""  # with a reference it is known
+    found = finding(chosen)
+    return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
 
 def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
