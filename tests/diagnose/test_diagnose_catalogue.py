@@ -16,7 +16,7 @@ from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_noise
-from serpenoid.diagnose.data.observation import Observation, columns_of
+from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import fit_eps
@@ -25,7 +25,7 @@ from serpenoid.diagnose.inference.select import Fit, calibrated
 from serpenoid.diagnose.stages import jumps
 from serpenoid.diagnose.stages.actuation import attempts, plays
 from serpenoid.diagnose.stages.choose_motion import GUESS
-from serpenoid.diagnose.stages.choose_observation import all_keys, choose_observation
+from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.jumps import find_jumps
 from serpenoid.diagnose.stages.marker_evidence import evidence, sample
 from serpenoid.effects import catalogue

@@ -7,7 +7,7 @@ import pytest
 
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
-from serpenoid.diagnose.inference.rules import gained_by_chance
+from serpenoid.diagnose.inference.prices import gained_by_chance
 
 GAITS, EACH, CANDIDATES, CAMPAIGNS = 6, 40, 30, 60
 LABELS = np.repeat(np.arange(GAITS), EACH)

@@ -12,9 +12,9 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.body import Body
-from serpenoid.diagnose.data.observation import Observation, across, columns_of
+from serpenoid.diagnose.data.observation import Observation, across, all_keys, columns_of
 from serpenoid.diagnose.data.recording import read_recordings
-from serpenoid.diagnose.stages.choose_observation import all_keys, choose_observation
+from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, sample
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium

@@ -38,7 +38,7 @@ def chance(motion: Motion, seed: int) -> list[np.ndarray]:
 @pytest.mark.parametrize("cycles", [3, 6])
 def test_on_chance_alone_pushes_are_called_no_more_often_than_stated(cycles: int) -> None:
     motion = repeated(cycles)
-    alarms = sum(pushed(motion, chance(motion, seed)) for seed in range(40))
+    alarms = sum(bool(pushed(motion, chance(motion, seed))) for seed in range(40))
     assert alarms <= 2  # 40 * ERROR, and two and a half binomial standard deviations more
 
 
@@ -46,5 +46,7 @@ def test_a_push_of_one_trial_is_seen_and_one_that_is_no_news_is_not() -> None:
     motion = repeated(3)
     left = chance(motion, 1)
     left[2][4, 0] += 0.03  # sixteen times the noise of that setting and phase
-    assert pushed(motion, left)
+    ((track, window, push),) = pushed(motion, left)
+    assert (track, window) == (2, 4)
+    assert push[0] == pytest.approx(0.03, abs=6e-3)  # three standard deviations of the two windows' chance
     assert not pushed(cast(Motion, SimpleNamespace(tracks=motion.tracks, unlike=0.05)), left)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
+from serpenoid.diagnose.stages.plays import carried
 from serpenoid.model import Model
 
 NO_LOG = "no servo log: shapes are what the points show"
@@ -81,8 +82,8 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
     servos = baseline.plays(recordings)
-    recordings = [replace(r, schedule=replace(r.schedule, held=servos.held)) for r in recordings]
     actuation = choose_actuation(servos)
+    recordings = carried(recordings, servos, [n.effect for n in (*actuation.named, *actuation.undetected)])
     say("shape against markers")
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
     if all(r.by_servos for r in recordings):

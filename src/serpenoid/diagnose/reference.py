@@ -24,8 +24,9 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.inference.medium import linearised
-from serpenoid.diagnose.stages.actuation import Plays, plays
+from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 

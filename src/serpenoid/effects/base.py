@@ -13,12 +13,14 @@ from types import SimpleNamespace
 from typing import Literal
 
 import casadi as ca
+import numpy as np
 
-from serpenoid.body import Body, Part
+from serpenoid.body import Body, Floats, Part
 from serpenoid.effects.element import Drag, Element
 from serpenoid.effects.view import View
 
 Site = Literal["actuation", "medium", "observation"]
+Marks = Literal["zeros", "gaps", "markers", "scale", "rate", "drift", "jumps"]
 Values = Mapping[str, float]
 Symbols = SimpleNamespace
 USES = ("simulate", "nlp", "fit", "diagnose")
@@ -31,6 +33,7 @@ class Parameter:
     power: the coordinate is value ** power; 1 (the value itself), 2 where only the square matters, or negative where
     the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
+    resolution: how well instruments can tell it at all, whatever the noise; intervals are no narrower.
     """
 
     name: str
@@ -41,6 +44,7 @@ class Parameter:
     typical: float
     meaning: str
     power: int = 1
+    resolution: float = 0.0
 
     def coordinate(self, value: float) -> float:
         """The number that the symbolic contribution takes."""
@@ -74,7 +78,9 @@ class Effect:
 
     needs: what must be there for it to act (see `Body.parts`). of_animals: its words where a body is one; None: the
     same. reasons: for each use (simulate, nlp, fit, diagnose) that does not apply, why not. rank: in what order
-    contributions are applied where it matters.
+    contributions are applied where it matters. marks: which numbers between the servos' chain and the data are its own:
+    the joints' `zeros`, their `gaps`, where `markers` sit, the `scale`, the clock's `rate`, the frame's `drift`, its
+    `jumps` across gaps; None: none, it changes how the body moves.
     """
 
     name: str
@@ -86,6 +92,7 @@ class Effect:
     of_animals: Advice | None = None
     reasons: Mapping[str, str] = field(default_factory=dict)
     rank: int = 10
+    marks: Marks | None = None
 
     @property
     def site(self) -> Site:
@@ -191,6 +198,11 @@ class ActuationEffect(Effect):
     def site(self) -> Site:
         """Actuation."""
         return "actuation"
+
+    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad] may begin; quickest: speed
+        of the set-points [rad/s]."""
+        return [np.full(readings.shape[1], self.parameters[0].resting)]
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]."""

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.inference.rules import gained_by_chance
+from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.residuals.maps import windows
 from serpenoid.group import accumulate, relative
 from serpenoid.parallel import in_processes

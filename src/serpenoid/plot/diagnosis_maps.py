@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.inference.rules import gained_by_chance
+from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
 from serpenoid.plot.style import (
     BLUE,

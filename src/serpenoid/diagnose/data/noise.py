@@ -174,12 +174,15 @@ def total(values: Sequence[float] | Floats) -> float:
 
 def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Prediction]) -> float:
     """Path RMS [m] between two models' paths on the same shapes, start poses fitted."""
-    squares = []
-    for track, a, b in zip(motion.tracks, full, without, strict=True):
-        one, other = (accumulate(np.nan_to_num(p.displacement), np.zeros(3)) for p in (a, b))
-        gyration = GYRATION * track.recording.body.total_length_m
-        squares.append(_mean_in_time(track, ((one[:, :2] - _registered(other, one, gyration)) ** 2).sum(axis=1)))
-    return float(np.sqrt(np.mean(squares)))
+    trios = zip(motion.tracks, full, without, strict=True)
+    return total([apart(track, a.displacement, b.displacement) for track, a, b in trios])
+
+
+def apart(track: Track, one: Floats, other: Floats) -> float:
+    """Path RMS [m] between the paths that two trials' displacements (B - 1, 3) add up to, start poses fitted."""
+    here, there = (accumulate(np.nan_to_num(x), np.zeros(3)) for x in (one, other))
+    gyration = GYRATION * track.recording.body.total_length_m
+    return float(np.sqrt(_mean_in_time(track, ((here[:, :2] - _registered(there, here, gyration)) ** 2).sum(axis=1))))
 
 
 def _registered(path: Floats, target: Floats, gyration: float) -> Floats:

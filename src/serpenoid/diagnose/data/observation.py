@@ -12,6 +12,7 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import shapes
+from serpenoid.effects.catalogue import catalogue, find, places
 from serpenoid.measure.chain import link_of_edge
 
 
@@ -117,7 +118,7 @@ def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
     """A link (F,) that follows a reading (F,) across a gap [rad], and its derivative by the gap.
 
     It stays until the reading has crossed the gap, from the middle at the beginning. `simulation.servos.realise` plays
-    the same law of `loose_joint` (tested to be equal), and takes ten times as long, which every diagnosis would pay.
+    the same law (tested to be equal), and takes ten times as long, which every diagnosis would pay.
     """
     half, link, slope = gap / 2, float(reading[0]), 0.0
     links, slopes = [], []
@@ -132,12 +133,31 @@ def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
 
 
 def columns_of(body: Body, name: str, place: int | None) -> list[int]:
-    """Column numbers of an observation effect (or of what servos do not read: `zero_offset`, `loose_joint`)."""
+    """Column numbers of an effect that marks this model."""
+    effect = find(name)
+    size = len(effect.parameters)
+    first = _layout(body)[effect.marks or ""] + size * places(effect, body).index(place)
+    return list(range(first, first + size))
+
+
+def values_of(body: Body, now: Observation, name: str, place: int | None) -> list[float]:
+    """Parameters of one effect in an observation model."""
+    numbers = np.concatenate([now.zeros, now.markers.ravel(), [now.scale], now.gaps])
+    return [float(numbers[column]) for column in columns_of(body, name, place)]
+
+
+def column_count(body: Body) -> int:
+    """Of all columns."""
+    return 2 * body.joint_count + 2 * body.vertices + 1
+
+
+def _layout(body: Body) -> dict[str, int]:
+    """First column of each kind of number."""
     m, n = body.joint_count, body.vertices
-    if name == "zero_offset":
-        return [int(place or 1) - 1]
-    if name == "marker_offset":
-        return [m + 2 * int(place or 0), m + 2 * int(place or 0) + 1]
-    if name == "loose_joint":
-        return [m + 2 * n + int(place or 1)]
-    return [m + 2 * n]
+    return {"zeros": 0, "markers": m, "scale": m + 2 * n, "gaps": m + 2 * n + 1}
+
+
+def all_keys(body: Body) -> list[tuple[str, int | None]]:
+    """Name and place of every effect that moves markers against the servos' chain; fewest numbers first."""
+    kinds = sorted((k for k in catalogue().values() if k.marks in _layout(body)), key=lambda k: len(k.parameters))
+    return [(kind.name, place) for kind in kinds for place in places(kind, body)]

@@ -16,7 +16,7 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.clocks import ALIKE, Clock, align, start_on_log
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
-from serpenoid.diagnose.data.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
+from serpenoid.diagnose.data.shape_in_time import PER_KNOT, Course, ShapeInTime, Source, fitted, spacing
 from serpenoid.diagnose.data.shapes_from_points import angles_shown
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
@@ -36,7 +36,9 @@ class Recording:
 
     log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad].
     t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not the markers' angles.
-    adrift: how far t0 may be moved where no log's labels say it [s]. remarks: of the campaign's check against itself.
+    remarks: of the campaign's check against itself.
+    carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
+    as each reading was taken, where the log says it.
     """
 
     name: str
@@ -50,8 +52,9 @@ class Recording:
     clock: Clock
     t0_spread: float
     by_servos: bool = True
-    adrift: float = 0.0
     remarks: tuple[str, ...] = ()
+    carrier: Course | None = None
+    commands: Floats | None = None
 
     @property
     def frame_s(self) -> float:
@@ -69,6 +72,11 @@ class Recording:
         return self.schedule.cycles * self.schedule.period_s
 
     @property
+    def read_at(self) -> Floats:
+        """Times (R,) [s since t0 on the cameras' clock] of the readings."""
+        return self.log_time / (1 + self.clock.rate)
+
+    @property
     def end(self) -> float:
         """Last moment that both schedule and cameras cover [s]."""
         return float(min(self.promised_s, self.time[-1]))
@@ -82,21 +90,34 @@ class Recording:
     @cached_property
     def shape(self) -> ShapeInTime:
         """Joint angles in time, as servos read them; with what the markers show where the log is slow."""
-        schedule, log_s = self.schedule, self.log_time / (1 + self.clock.rate)
+        schedule, log_s = self.schedule, self.read_at
         begun = schedule.period_s * np.arange(schedule.cycles + 1)
         corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
         apart, sources = spacing(schedule.cycle_duration_s), [self._read(log_s)]
         slow = float(np.median(np.diff(log_s)))
         if self.by_servos and apart < PER_KNOT * slow:
-            read = fitted(sources, corners, max(apart, slow))
+            read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
             shown = self._shown(read)
             if not shown:
                 return read
             sources += shown
-        return fitted(sources, corners, apart, choose=not self.by_servos)
+        if not self.by_servos:
+            sources += self._partly_shown()
+        return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
 
     def _read(self, time: Floats) -> Source:
-        return Source(time, self.position, np.full(self.position.shape[1], READING_SD))
+        return Source(time, self.position, self._sd)
+
+    @property
+    def _sd(self) -> Floats:
+        return np.full(self.body.joint_count, READING_SD)
+
+    def _partly_shown(self) -> list[Source]:
+        """The angles that markers show in frames whose shape they do not show as a whole."""
+        rest = ~np.isin(self.time, self.log_time)
+        if not rest.any():
+            return []
+        return [Source(self.time[rest], marker_angles(self.body, self.markers[rest]), self._sd)]
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
@@ -132,6 +153,14 @@ class Recording:
     def angles_at(self, time: Floats) -> Floats:
         """Smoothed joint angles (R, m) at other times."""
         return self.shape.at(time)
+
+
+def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
+    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
+    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return tuple(numbers[name] for name in names)
 
 
 def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple[CampaignFile, tuple[Recording, ...]]:
@@ -190,12 +219,12 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
-    labelled = start_on_log(log, schedule, clock.rate)
-    start = labelled or _start_by_shape(schedule, log.time_s, log.position)
+    start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     return Recording(
         entry.name, entry.gait or entry.name, file.body, schedule, tracks.time_s - t0, markers, log.time_s - start[0],
-        log.position, clock, start[1], adrift=0.0 if labelled else start[1],
+        log.position, clock, start[1],
+        commands=log.command,
     )  # fmt: skip
 
 
@@ -205,7 +234,7 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
     t0, spread = _start_by_shape(schedule, time[known], shown)
     return Recording(
         entry.name, entry.gait or entry.name, file.body, schedule, time - t0, markers, time[known] - t0, shown,
-        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, adrift=spread,
+        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False,
     )  # fmt: skip
 
 

@@ -6,7 +6,9 @@ Cubic within each stretch of playing or pause, continuous across its ends, where
 
 The knots are as far apart as keeps what moves a gait and spreads a servo's ticks over several readings: unsmoothed
 ticks in the joint rates would be rectified by every law with a sign in it, and look like friction. Where a log is too
-slow for its knots, what the markers show of the same angles fills in.
+slow for its knots, what the markers show of the same angles fills in. Where it is known what the servos should do (the
+carrier), the spline is of the difference alone: neither the corners of a table's rows nor what happens between
+slow readings is lost.
 
 Legend: R readings, m joints, K coefficients.
 """
@@ -14,18 +16,20 @@ Legend: R readings, m joints, K coefficients.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import BSpline
+from scipy.linalg import solveh_banded
+from scipy.sparse import vstack
 
 from serpenoid.body import Floats
 
 DEGREE = 3
 SPACING_S, SPACING_CYCLE = 0.078, 0.036  # between knots: seconds, at most this part of a cycle
-COARSER = (1.0, 1.5, 2.25, 3.4)  # what cross-validation may choose where markers are all there is
 PER_KNOT = 2.0  # readings that a knot wants
 STIFF = 1e-4  # of a reading's weight, on second differences of coefficients: what nothing measures runs straight
+STIFFER = (STIFF, 1e-2, 1.0, 1e2, 1e4)  # what cross-validation may choose
 
 
 @dataclass(frozen=True)
@@ -38,15 +42,29 @@ class Source:
 
 
 @dataclass(frozen=True)
+class Course:
+    """Joint angles (C, m) [rad] at time (C,) [s], straight in between, held beyond."""
+
+    time: Floats
+    angles: Floats
+
+    def at(self, time: Floats) -> Floats:
+        """Joint angles (R, m) [rad]."""
+        return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
+
+
+@dataclass(frozen=True)
 class ShapeInTime:
-    """The angles' spline; held constant beyond its ends."""
+    """The angles' spline, held constant beyond its ends, and what it is added to."""
 
     spline: BSpline
+    carrier: Course | None = None
 
     def at(self, time: Floats) -> Floats:
         """Joint angles (R, m) [rad]."""
         knots = self.spline.t
-        return np.asarray(self.spline(np.clip(time, knots[0], knots[-1])))
+        own = np.asarray(self.spline(np.clip(time, knots[0], knots[-1])))
+        return own if self.carrier is None else own + self.carrier.at(time)
 
 
 def spacing(cycle_s: float) -> float:
@@ -54,18 +72,17 @@ def spacing(cycle_s: float) -> float:
     return min(SPACING_S, SPACING_CYCLE * cycle_s)
 
 
-def fitted(sources: Sequence[Source], corners: Floats, apart: float, choose: bool = False) -> ShapeInTime:
-    """The spline of all sources; corners: times at which the rate may jump; choose: knots by cross-validation."""
+def fitted(
+    sources: Sequence[Source], corners: Floats, apart: float, choose: bool = False, carrier: Course | None = None
+) -> ShapeInTime:
+    """The spline of all sources about a carrier; corners: times at which the rate may jump; choose: how stiff, by
+    cross-validation (Eilers and Marx, Statistical Science 11, 89, 1996)."""
     first, last = min(s.time[0] for s in sources), max(s.time[-1] for s in sources)
     inside = corners[(corners > first) & (corners < last)]
-    best: tuple[float, BSpline] | None = None
-    for coarser in COARSER if choose else (1.0,):
-        score, spline = _fit(sources, _knots(np.array([first, *inside, last]), coarser * apart))
-        if best is None or score < best[0]:
-            best = score, spline
-    if best is None:
-        raise ValueError("no spacing of knots was tried.")
-    return ShapeInTime(best[1])
+    if carrier is not None:
+        sources = [replace(s, values=s.values - carrier.at(s.time)) for s in sources]
+    knots = _knots(np.array([first, *inside, last]), apart)
+    return ShapeInTime(_fit(sources, knots, STIFFER if choose else (STIFF,)), carrier)
 
 
 def _knots(ends: Floats, apart: float) -> Floats:
@@ -77,17 +94,41 @@ def _knots(ends: Floats, apart: float) -> Floats:
     return np.concatenate([*found, ends[-1:]])
 
 
-def _fit(sources: Sequence[Source], knots: Floats) -> tuple[float, BSpline]:
-    """Score of generalised cross-validation (the median joint's), and the spline."""
-    bases = [BSpline.design_matrix(s.time, knots, DEGREE).toarray() for s in sources]
-    bend = np.diff(np.eye(bases[0].shape[1]), 2, axis=0)
-    columns, scores = [], []
+def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float]) -> BSpline:
+    """The spline whose stiffness has the least score of generalised cross-validation (the median joint's)."""
+    bases = [BSpline.design_matrix(s.time, knots, DEGREE) for s in sources]
+    count, joints = bases[0].shape[1], sources[0].values.shape[1]
+    bend = np.diff(np.eye(count), 2, axis=0)
+    curved = _band(bend.T @ bend)
+    columns, scores = np.empty((len(stiffness), count, joints)), np.empty((len(stiffness), joints))
+    for alike in _alike(sources):
+        known = [np.isfinite(s.values[:, alike[0]]) for s in sources]
+        sds = [s.sd[alike[0]] for s in sources]
+        base = vstack([b[np.flatnonzero(k)] / sd for b, sd, k in zip(bases, sds, known, strict=True)])
+        said = np.concatenate([s.values[k][:, alike] / sd for s, sd, k in zip(sources, sds, known, strict=True)])
+        square, right = (base.T @ base).toarray(), base.T @ said
+        told = _band(square)
+        for i, stiff in enumerate(stiffness):
+            normal = told + stiff / min(sds) ** 2 * curved
+            found = solveh_banded(normal, right, lower=True)
+            columns[i][:, alike] = found
+            freedom = float(len(said))
+            if len(stiffness) > 1:
+                freedom = max(freedom - float(np.trace(solveh_banded(normal, square, lower=True))), 1.0)
+            scores[i, alike] = len(said) * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
+    return BSpline(knots, columns[int(np.median(scores, axis=1).argmin())], DEGREE)
+
+
+def _band(matrix: Floats) -> Floats:
+    """The diagonal of a symmetric matrix and those below it that B-splines fill (DEGREE + 1, K)."""
+    size = len(matrix)
+    return np.stack([np.append(np.diag(matrix, -i), np.zeros(i)) for i in range(min(DEGREE + 1, size))])
+
+
+def _alike(sources: Sequence[Source]) -> list[list[int]]:
+    """Joints that are known at the same times, with the same standard deviations: one matrix serves them all."""
+    found: dict[tuple[bytes | float, ...], list[int]] = {}
     for joint in range(sources[0].values.shape[1]):
-        known = [np.isfinite(s.values[:, joint]) for s in sources]
-        base = np.concatenate([b[k] / s.sd[joint] for b, s, k in zip(bases, sources, known, strict=True)])
-        said = np.concatenate([s.values[k, joint] / s.sd[joint] for s, k in zip(sources, known, strict=True)])
-        normal = base.T @ base + STIFF / min(s.sd[joint] for s in sources) ** 2 * bend.T @ bend
-        columns.append(np.linalg.solve(normal, base.T @ said))
-        freedom = max(len(said) - normal.shape[0], 1)
-        scores.append(len(said) * ((said - base @ columns[-1]) ** 2).sum() / freedom**2)
-    return float(np.median(scores)), BSpline(knots, np.stack(columns, axis=1), DEGREE)
+        seen = [(np.isfinite(s.values[:, joint]).tobytes(), float(s.sd[joint])) for s in sources]
+        found.setdefault(tuple(x for pair in seen for x in pair), []).append(joint)
+    return list(found.values())

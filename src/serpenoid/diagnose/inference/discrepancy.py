@@ -18,7 +18,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, predicted_bare
-from serpenoid.diagnose.inference.rules import gained_by_chance
+from serpenoid.diagnose.inference.prices import gained_by_chance
 
 STARTS = ((-16.0, -4.0), (-4.0, -16.0), (0.0, 0.0))  # ln a^2, ln b^2: one error alone, the other, both
 SMALLEST, LARGEST = -20.0, 16.0

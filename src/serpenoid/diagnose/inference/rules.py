@@ -18,13 +18,9 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.bounds import overstrained
 from serpenoid.diagnose.inference.held_out import LeaveOut, each_held_out
 from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.inference.prices import Priced, cheapest
 
 GAIN = 25.0  # chi squared on held-out parts: the best of 60 tries on nothing stays below 20
-
-
-def gained_by_chance(tries: int) -> float:
-    """Chi squared, beyond the price of its parameters, that the best of so many candidates gains by chance."""
-    return float(2 * np.log(max(tries, 1)))
 
 
 class Rule(Protocol):
@@ -37,23 +33,15 @@ class Rule(Protocol):
 
 @dataclass(frozen=True)
 class Penalised:
-    """Extended Bayesian information criterion (Chen and Chen, Biometrika 95, 759, 2008): chi squared and ln n for each
-    parameter, 2 ln M for M candidates; in units of what the best fit leaves per number, where that is more than chance.
-    """
+    """By what they leave, at a price for parameters and tries (prices.py)."""
 
     def choose(self, motion: Motion, base: Fit, fits: Sequence[Fit], tries: int) -> int | None:
         """See `Rule`. A fit that leaves windows out is none."""
         count = float(base.evidence.count.sum())
         whole = [i for i, f in enumerate(fits) if f.evidence.count.sum() >= count]
-        if not whole:
-            return None
-        spread = max(1.0, min(f.chi2 for f in (base, *(fits[i] for i in whole))) / max(count, 1.0))
-
-        def price(found: Fit) -> float:
-            return found.chi2 + spread * base.evidence.toll(len(found.coordinates))
-
-        best = min(whole, key=lambda i: price(fits[i]))
-        return best if price(base) - price(fits[best]) > spread * gained_by_chance(tries) else None
+        priced = [Priced(f.chi2, len(f.coordinates), count) for f in (base, *(fits[i] for i in whole))]
+        best = cheapest(priced[0], priced[1:], tries)
+        return None if best is None else whole[best]
 
 
 @dataclass(frozen=True)

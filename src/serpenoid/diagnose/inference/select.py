@@ -28,8 +28,9 @@ from serpenoid.diagnose.inference.medium import (
 )
 from serpenoid.diagnose.inference.names import Refused, Try, Undetected, each_without, kept, trace
 from serpenoid.diagnose.inference.patches import Ranked
+from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
-from serpenoid.diagnose.inference.rules import PENALISED, Rule, gained_by_chance
+from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes

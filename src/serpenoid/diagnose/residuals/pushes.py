@@ -2,62 +2,91 @@
 
 Settings differ in noise, and so do phases of a cycle: a difference is measured by the medians of its direction, setting
 and phase, and the largest of all by the largest of normal draws that are measured alike. However many windows there
-are, the rate of false alarms is the same.
+are, the rate of false alarms is the same. Like anything that is left, a push is spoken of where its trace in the path
+stands above the noise level.
+
+Legend: K differences of all settings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import FEW, pairs
+from serpenoid.diagnose.data.noise import FEW, apart, pairs
+from serpenoid.diagnose.data.windows import Prediction
 
-DRAWS, ERROR = 200, 0.01
+DRAWS, ERROR = 300, 0.01
 CLEAR = 5.0  # standard deviations: noise is only about normal
 MEDIAN = 0.6745  # of |x| of a normal variable
+MANY = 24  # numbers: a median of these is good to a fifth
 
 
-def pushed(motion: Motion, left: Sequence[Floats]) -> bool:
-    """Whether repeats differ by pushes, beyond what is no news."""
-    found = _differences(motion, left)
-    if not found:
-        return False
-    phases = [p for _, p in found]
-    rng = np.random.default_rng(0)
-    drawn = _measured([rng.normal(size=(DRAWS, *d.shape)) for d, _ in found], phases).max(axis=(1, 2))
-    news = np.concatenate([np.abs(d) for d, _ in found]) > motion.unlike
-    largest = np.where(news, _measured([d for d, _ in found], phases), 0.0).max()
-    return bool(largest > max(CLEAR, np.quantile(drawn, 1 - ERROR)))
+@dataclass(frozen=True)
+class Differences:
+    """Of repeats over sqrt 2 while playing (K, 3); of each the track, its window, the setting and the phase (K,)."""
+
+    values: Floats
+    track: np.ndarray
+    window: np.ndarray
+    setting: np.ndarray
+    phase: Floats
+
+    @classmethod
+    def of(cls, motion: Motion, left: Sequence[Floats]) -> Differences:
+        """Settings with a few windows tell nothing."""
+        kinds = {s: i for i, s in enumerate(dict.fromkeys(t.recording.setting for t in motion.tracks))}
+        parts = []
+        for a, b in pairs(motion.tracks):
+            track, n = motion.tracks[a], min(len(left[a]), len(left[b]))
+            d = (left[a][:n] - left[b][:n]) / np.sqrt(2)
+            use = np.flatnonzero(track.playing[:n] & np.isfinite(d).all(axis=1))
+            labels = np.full((2, len(use)), [[a], [kinds[track.recording.setting]]])
+            parts.append(np.column_stack([d[use], labels[0], use, labels[1], track.phase[use]]))
+        rows = np.concatenate(parts) if parts else np.empty((0, 7))
+        counts = np.bincount(rows[:, 5].astype(int), minlength=len(kinds))
+        rows = rows[counts[rows[:, 5].astype(int)] >= 2 * FEW]
+        track, window, setting = rows[:, 3:6].T.astype(int)
+        return cls(rows[:, :3], track, window, setting, rows[:, 6])
+
+    def measured(self, values: Floats) -> Floats:
+        """Sizes (..., K, 3) of differences (..., K, 3) by direction, then setting, then phase, where there are many."""
+        sizes = _in_widths(np.abs(values), -2)
+        for label in (self.setting, self.phase):
+            for own in np.unique(label):
+                mine = label == own
+                if 3 * mine.sum() >= MANY:
+                    sizes[..., mine, :] = _in_widths(sizes[..., mine, :], (-2, -1))
+        return sizes
 
 
-def _measured(settings: Sequence[Floats], phases: Sequence[Floats]) -> Floats:
-    """Sizes (..., N, 3) of the differences (..., K, 3) of all settings, by direction, setting and phase."""
-    setting = np.repeat(np.arange(len(settings)), [d.shape[-2] for d in settings])
-    phase = np.concatenate(phases)
-    sizes = np.abs(np.concatenate(settings, axis=-2))
-    sizes = _in_widths(sizes, -2)
-    for label in (setting, phase):
-        for own in np.unique(label):
-            sizes[..., label == own, :] = _in_widths(sizes[..., label == own, :], (-2, -1))
-    return sizes
+def pushed(motion: Motion, left: Sequence[Floats]) -> list[tuple[int, int, Floats]]:
+    """Track, window and displacement (3,) of pushes that chance does not make, beyond what is no news."""
+    found = Differences.of(motion, left)
+    if not len(found.values):
+        return []
+    news = np.abs(found.values) > motion.unlike
+    sizes = np.where(news, found.measured(found.values), 0.0).max(axis=1)
+    if sizes.max() <= CLEAR:
+        return []
+    drawn = found.measured(np.random.default_rng(0).normal(size=(DRAWS, *found.values.shape))).max(axis=(1, 2))
+    rows = np.flatnonzero(sizes > max(CLEAR, np.quantile(drawn, 1 - ERROR)))
+    return [(int(found.track[i]), int(found.window[i]), np.sqrt(2) * found.values[i]) for i in rows]
+
+
+def trace(motion: Motion, predictions: Sequence[Prediction], pushes: Sequence[tuple[int, int, Floats]]) -> float:
+    """Path RMS [m] that pushes make of the trial that has most of them."""
+    moved = {track: predictions[track].displacement.copy() for track, _, _ in pushes}
+    for track, window, push in pushes:
+        moved[track][window] += push
+    return max((apart(motion.tracks[i], d, predictions[i].displacement) for i, d in moved.items()), default=0.0)
 
 
 def _in_widths(sizes: Floats, axis: int | tuple[int, int]) -> Floats:
     """Sizes by the standard deviation that their median over `axis` tells."""
     width = np.median(sizes, axis=axis, keepdims=True) / MEDIAN
     return np.asarray(sizes / np.maximum(width, 1e-300))
-
-
-def _differences(motion: Motion, left: Sequence[Floats]) -> list[tuple[Floats, Floats]]:
-    """Of each setting: differences of repeats over sqrt 2 while playing (K, 3), and their phases (K,)."""
-    by: dict[tuple[str, float], list[tuple[Floats, Floats]]] = {}
-    for a, b in pairs(motion.tracks):
-        n = min(len(left[a]), len(left[b]))
-        d = (left[a][:n] - left[b][:n]) / np.sqrt(2)
-        use = motion.tracks[a].playing[:n] & np.isfinite(d).all(axis=1)
-        by.setdefault(motion.tracks[a].recording.setting, []).append((d[use], motion.tracks[a].phase[:n][use]))
-    joined = [(np.concatenate([d for d, _ in s]), np.concatenate([p for _, p in s])) for s in by.values()]
-    return [(d, p) for d, p in joined if len(d) >= 2 * FEW]

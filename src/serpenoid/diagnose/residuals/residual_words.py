@@ -14,7 +14,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import pairs, residuals
 from serpenoid.diagnose.data.windows import Prediction
-from serpenoid.diagnose.residuals.pushes import pushed
+from serpenoid.diagnose.residuals.pushes import pushed, trace
 
 RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
 DIRECTIONS = ("forward or backward", "sideways", "in turning")
@@ -68,8 +68,11 @@ def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
     return float(np.sqrt(max(0.0, 2 * float(np.nanmean(np.concatenate(squares))))))
 
 
-def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, chance: float) -> tuple[str, ...]:
-    """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause."""
+def pattern(
+    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, visible_m: float
+) -> tuple[str, ...]:
+    """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause;
+    visible_m: the smallest trace in a path that is spoken of."""
     left = residuals(motion.tracks, predictions)
     ratio, by = repeatable(motion, left)
     words = []
@@ -81,7 +84,7 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], path: float, chan
         words += _where(motion, left)
     if path > chance:
         words.append(f"paths stray from the measured ones by {path:.1f} times the noise")
-    if pushed(motion, left):
+    if trace(motion, predictions, pushed(motion, left)) > visible_m:
         words.append("repeats differ by pushes in single trials that no law of the floor explains")
     return tuple(words)
 

@@ -11,7 +11,8 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.stages.actuation import Plays, plays
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.model import Model

@@ -2,103 +2,126 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
-from serpenoid.diagnose.stages.actuation import Attempt, Plays, attempts, channels, fit_everywhere
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
+from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
+from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
-AT_MOST = 3
-VISIBLE, SUSPECT = 1.6, 1.0  # times the noise level: what is named, and what is told of
-SHARE = 0.3  # of the excess of chi squared that one more effect must take away
-T_SYSTEMATIC = 1e-4  # s: when the motion began is known to a fraction of a log interval
-SETTLED = 1.6  # RMS of the worst joint, in noise
+AT_MOST = 7
+VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
+
+
+@dataclass(frozen=True)
+class Played:
+    """Some effects of the servos, fitted beside one another."""
+
+    data: Plays
+    effects: tuple[ActiveEffect, ...] = ()
+
+    @cached_property
+    def angles(self) -> np.ndarray:
+        """What servos would read (R, m)."""
+        return self.data.realised(self.effects)
+
+    @cached_property
+    def priced(self) -> Priced:
+        """See `Explanation`."""
+        return Priced(float(self.data.chi2(self.angles).sum()), self.size, self.data.readings.size)
+
+    @property
+    def size(self) -> int:
+        """See `Explanation`."""
+        return len(self.effects)
 
 
 @remembered
 def choose_actuation(data: Plays) -> Stage:
-    """Forward selection on the worst joints' misfit."""
-    chosen: list[ActiveEffect] = []
-    undetected: tuple[Named, ...] = ()
+    """Forward selection; what does not earn its name is dropped, what is too weak is listed."""
+    bare = best = Played(data)
     singles: list[Attempt] = []
     for _ in range(AT_MOST):
-        now = channels(data, chosen)
-        seen = np.sqrt(max(now.max() ** 2 - 1, 0))
-        if seen < SUSPECT:
+        if followed(data, best.angles):
             break
-        tries = sorted(attempts(data, chosen), key=lambda a: a.chi2.sum())
+        tries = attempts(data, best.effects)
         singles = singles or tries
-        best = tries[0]
-        excess = ((now**2 - 1) * len(data.readings)).sum()
-        if (now**2).sum() * len(data.readings) - best.chi2.sum() < SHARE * excess:
+        one_more = [Priced(float(t.chi2.sum()), best.size + 1, data.readings.size) for t in tries]
+        found = cheapest(best.priced, one_more, len(tries))
+        if found is None:
             break
-        if seen < VISIBLE:
-            undetected = (_named(data, [*chosen, best.effect], best.effect),)
+        best = Played(data, _refined(data, [*best.effects, tries[found].effect]))
+        if _strength(data, tries[found].effect) < VISIBLE:
             break
-        chosen = _refined(data, [*chosen, best.effect])
-    left = channels(data, [*chosen, *(n.effect for n in undetected)])
+    best = earned(best, bare, _without, lambda found: needed(data, found.effects))
+    left = data.channels(best.angles)
     worst = int(left.argmax())
     words: tuple[str, ...] = ()
-    if left[worst] > SETTLED:
+    if left[worst] > VISIBLE:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
-    every = [_named(data, chosen, e) for e in chosen]
+    every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE)
-    undetected = (*(n for n in every if n.strength < VISIBLE), *undetected)
-    visible = {n.effect.key for n in named}
-    rivals = tuple(r for r in _rivals(data, chosen, singles) if r.instead_of.key in visible)
+    undetected = tuple(n for n in every if n.strength < VISIBLE)
+    rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, float(left[worst]), words)
 
 
-def _rivals(data: Plays, chosen: list[ActiveEffect], singles: list[Attempt]) -> list[Rival]:
-    """What else could stand in the place of each chosen effect, the others kept; S_ab: the worst joint's RMS."""
-    here = data.realised(chosen)
-    least, keys = float(((data.left(here) / data.noise) ** 2).sum()), {e.key for e in chosen}
+def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[Rival]:
+    """What else could stand in the place of one chosen effect, the others kept; S_ab: the worst joint's RMS."""
+    data, least, keys = best.data, best.priced, {e.key for e in best.effects}
+    kept = [e for e in best.effects if e is not effect]
+    tries = attempts(data, kept) if kept else singles
+    roughly = min(float(t.chi2.sum()) for t in tries)  # each with the shifts in time of all joints' fits together
+    close = [t.effect for t in tries if not excludable(float(t.chi2.sum()), roughly, least.count)]
     found = []
-    for effect in chosen:
-        kept = [e for e in chosen if e is not effect]
-        for t in attempts(data, kept) if kept else singles:
-            same = t.effect.key in keys
-            if same or excludable(float(t.chi2.sum()), least, data.readings.size):
-                continue
-            apart = data.realised([*kept, t.effect]) - here
-            rival = Rival(t.effect, effect, float((np.sqrt((apart**2).mean(axis=0)) / data.noise).max()))
-            found += [] if rival.separable else [rival]
+    for other in (Played(data, (*kept, e)) for e in close if e.key not in keys):
+        apart = float((np.sqrt(((other.angles - best.angles) ** 2).mean(axis=0)) / data.noise).max())
+        rival = Rival(other.effects[-1], effect, apart)
+        found += [] if rival.separable or excludable(other.priced.chi2, least.chi2, least.count) else [rival]
     return found
 
 
-def _refined(data: Plays, chosen: list[ActiveEffect]) -> list[ActiveEffect]:
+def _without(best: Played, index: int) -> Played:
+    kept = [e for i, e in enumerate(best.effects) if i != index]
+    return Played(best.data, _refined(best.data, kept))
+
+
+def _refined(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
     """Fit each given the others, twice round."""
-    if len(chosen) < 2:
-        return chosen
-    for _ in range(2):
+    chosen = list(chosen)
+    for _ in range(2 if len(chosen) > 1 else 0):
         for i, effect in enumerate(chosen):
             others = [e for e in chosen if e is not effect]
-            start = effect.coordinates[0]
-            for a in fit_everywhere(data, effect.name, others, start):
+            start = np.full(data.readings.shape[1], effect.coordinates[0])
+            for a in fit_everywhere(data, effect.name, others, [start]):
                 if a.effect.place == effect.place:
-                    chosen = [*chosen[:i], a.effect, *chosen[i + 1 :]]
-    return chosen
+                    chosen[i] = a.effect
+    return tuple(chosen)
 
 
-def _named(data: Plays, chosen: list[ActiveEffect], effect: ActiveEffect) -> Named:
-    parameter = effect.effect.parameters[0]
-    x = effect.coordinates[0]
-    step = 1e-4 * max(abs(x), 1e-3 * abs(parameter.coordinate(parameter.typical)))
-    others = [e for e in chosen if e is not effect]
-    here = data.realised([*others, effect])
-    slope = data.slope(here, data.realised([*others, effect.with_coordinates([x + step])]), step) / data.noise
-    left = data.left(here) / data.noise
-    power = (slope**2).sum()
-    scores = np.array([(slope * left)[data.trials == t].sum() for t in np.unique(data.trials)])
-    shift = T_SYSTEMATIC * abs((slope * data.speed(here) / data.noise).sum()) / max(power, 1e-12)
-    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2) + shift**2)
-    ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
-    alone = data.realised([effect]) - data.realised([])
-    strength = float((np.sqrt((alone**2).mean(axis=0)) / data.noise).max())
-    bound = (
-        (parameter.name,)
-        if min(abs(effect.parameters[parameter.name] - b) for b in (parameter.lower, parameter.upper)) == 0
-        else ()
+def _named(best: Played, effect: ActiveEffect) -> Named:
+    data, parameter, x = best.data, effect.effect.parameters[0], effect.coordinates[0]
+    slope, _ = slopes_of(data, best.effects, effect, best.angles)
+    left, speed = (v / data.noise for v in (data.left(best.angles), data.speed(best.angles)))
+    power = max(float((slope**2).sum()), 1e-12)
+    scores, late = (
+        np.array([(slope * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
     )
-    return Named(effect, {parameter.name: interval(ends)}, strength, bound)
+    unsure = np.array([unsure_start(r) for r in data.recordings]) / np.sqrt(3)
+    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2) + ((late * unsure) ** 2).sum() / power**2)
+    ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
+    value = effect.parameters[parameter.name]
+    bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
+    return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound)
+
+
+def _strength(data: Plays, effect: ActiveEffect) -> float:
+    """RMS of what the effect alone changes at the worst joint, over the noise."""
+    alone = data.realised([effect]) - data.realised([])
+    return float((np.sqrt((alone**2).mean(axis=0)) / data.noise).max())

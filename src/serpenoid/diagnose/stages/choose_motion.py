@@ -10,7 +10,7 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import path_draws, path_error
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -84,14 +84,6 @@ def choose_on_tracks(
     return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
 
-def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
-    """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
-    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
-    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
-    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
-    return tuple(numbers[name] for name in names)
-
-
 def finding(found: Selection) -> MotionFinding:
     """The selection in words and intervals."""
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
@@ -139,7 +131,8 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     after_m = path_error(motion, predictions, mend)
     draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
     chance = float(np.exp(CERTAIN * np.hypot(draws.std(), NOISE_UNCERTAIN)))
-    return pattern(motion, predictions, after_m / found.noise_level_m, chance)
+    visible_m = VISIBLE * found.noise_level_m
+    return pattern(motion, predictions, after_m / found.noise_level_m, chance, visible_m)
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:

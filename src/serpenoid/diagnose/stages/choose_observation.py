@@ -3,31 +3,102 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.observation import Observation, columns_of
+from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
-from serpenoid.diagnose.stages.marker_evidence import Sample, apart, evidence, misfit, sample, signature
+from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
+from serpenoid.diagnose.stages.marker_evidence import Sample, apart, evidence, misfit, sample, signature, structure
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import catalogue
 from serpenoid.files.store import remembered
 
-AT_MOST = 3
+AT_MOST = 7
+FULL_FITS = 6
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
-GAIN = 80.0  # chi squared: thousands of frames; servo creep and smoothing alone reach 30
-SHARE, MORE = 0.2, 0.4  # of what is left above chance, the first and each further one: less, and the cause is another
-VISIBLE = 1.6  # times the noise level
-SETTLED = 1.35  # chi squared per marker coordinate
+VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
+QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 Key = tuple[str, int | None]
 
 
-def all_keys(body: Body) -> list[Key]:
-    """Every effect that moves markers against the servos' chain."""
-    joints, vertices = range(1, body.joint_count + 1), range(body.vertices)
-    unread: list[Key] = [(name, j) for name in ("zero_offset", "loose_joint") for j in joints]
-    return [*unread, *(("marker_offset", k) for k in vertices), ("length_scale", None)]
+@dataclass(frozen=True)
+class Looked:
+    """Some effects of the observation model, fitted beside one another.
+
+    before: the model without them. without: names that are no candidates.
+    """
+
+    data: Sample
+    now: Observation
+    before: Observation
+    keys: tuple[Key, ...] = ()
+    without: frozenset[str] = frozenset()
+
+    @property
+    def size(self) -> int:
+        """See `Explanation`."""
+        return len(self.keys)
+
+    @property
+    def own(self) -> list[int]:
+        """Columns of the effects."""
+        return [c for k in self.keys for c in columns_of(self.data.body, *k)]
+
+    @property
+    def others(self) -> list[Key]:
+        """What else might be there."""
+        return [k for k in all_keys(self.data.body) if k not in self.keys and k[0] not in self.without]
+
+    @cached_property
+    def sums(self) -> Evidence:
+        """All columns, about this model."""
+        return evidence(self.data, self.now)
+
+    @cached_property
+    def priced(self) -> Priced:
+        """See `Explanation`."""
+        return Priced(misfit(self.data, self.now), len(self.own), self.data.count)
+
+    @cached_property
+    def needed(self) -> float:
+        """Chi squared that an effect must take away: the best of all candidates takes as much by chance."""
+        body, order = self.data.body, [*self.own, *(c for k in self.others for c in columns_of(self.data.body, *k))]
+        matrix = self.sums.matrix[:, order][:, :, order]
+        summed = replace(self.sums, matrix=matrix, vector=self.sums.vector[:, order])
+        ends = np.cumsum([len(self.own), *(len(columns_of(body, *k)) for k in self.others)])
+        groups = tuple(tuple(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+        return largest_by_chance([Scored(summed, len(self.own), groups)])
+
+    def beside(self, key: Key) -> Looked:
+        """One more effect, all fitted."""
+        keys = (*self.keys, key)
+        return replace(self, now=solved(self.data, self.now, keys), keys=keys)
+
+    def without_one(self, index: int) -> Looked:
+        """One less, the others fitted again."""
+        kept = tuple(k for i, k in enumerate(self.keys) if i != index)
+        now = self._cleared(self.keys[index])
+        return replace(self, now=solved(self.data, now, kept) if kept else now, keys=kept)
+
+    def _cleared(self, key: Key) -> Observation:
+        """The model with one effect's numbers as they were before."""
+        now, body = self.now, self.data.body
+        values, former = (values_of(body, model, *key) for model in (now, self.before))
+        for column, value, old in zip(columns_of(body, *key), values, former, strict=True):
+            now = now.with_column(column, old - value)
+        return now
+
+    def strength(self, key: Key) -> float:
+        """The worst channel's RMS of one effect alone, over the noise level."""
+        return float(signature(self.data, only(self.data.body, self.now, key)).max())
 
 
 @remembered
@@ -38,79 +109,68 @@ def choose_observation(
 
     without: effects that are no candidates.
     """
-    data = sample(recordings)
-    chosen: list[Key] = []
+    bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
     for _ in range(AT_MOST):
-        found = _next(data, now, chosen, without)
+        found = _next(best)
         if found is None:
             break
-        chosen, now = found
-    shown: list[Named] = []
-    undetected: list[Named] = []
-    for key in chosen:
-        named = _named(data, now, chosen, key)
-        (shown if named.strength >= VISIBLE else undetected).append(named)
-    left = misfit(data, now) / data.count
-    clock = None if "clock_offset" in without else _clock(recordings, data)
-    if clock is not None:
-        (shown if clock.strength >= VISIBLE else undetected).append(clock)
-    words = (
-        () if left < SETTLED else (f"markers stand {np.sqrt(left):.1f} times their noise from where shapes put them",)
-    )
-    visible = [k for k in chosen if k in {n.effect.key for n in shown}]
-    rivals = tuple(r for k in visible for r in rivals_of(data, now, chosen, k, without))
-    return Stage("observation", tuple(shown), rivals, tuple(undetected), left, words), now
+        best = found
+        if best.strength(best.keys[-1]) < VISIBLE:
+            break
+    best = earned(best, bare, Looked.without_one, lambda tried: tried.needed)
+    every = [_named(best, key) for key in best.keys]
+    clock = _clock(recordings, best)
+    every += [] if clock is None else [clock]
+    named = tuple(n for n in every if n.strength >= VISIBLE)
+    undetected = tuple(n for n in every if n.strength < VISIBLE)
+    rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
+    return Stage("observation", named, rivals, undetected, *_left_over(best)), best.now
 
 
-def _next(data: Sample, now: Observation, chosen: list[Key], without: Set[str]) -> tuple[list[Key], Observation] | None:
-    """One more effect, or None: of those that do as well, the one with fewest numbers."""
-    body = data.body
-    own = [c for k in chosen for c in columns_of(body, *k)]
-    sums = evidence(data, now)
-    before = sums.held_out(own)
-    gains = []
-    for key in all_keys(body):
-        if key in chosen or key[0] in without:
-            continue
-        columns = columns_of(body, *key)
-        gains.append((before - sums.held_out([*own, *columns]), key))
-    gains.sort(key=lambda g: -g[0])
-    share = MORE if chosen else SHARE  # what the law of the first gets wrong looks like a second
-    if gains[0][0] < max(GAIN, share * (before - SETTLED * data.count)):
+def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
+    """Of the worst channel, its noise included, what is more than chance makes; and that in words, where visible."""
+    squares, chance = structure(best.data, best.now)
+    by_chance = ndtri(1 - ERROR / max(int(np.isfinite(squares).sum()), 1)) * chance
+    told = np.where(squares > by_chance, squares, 0.0)
+    worst, size = int(told.argmax()), float(np.sqrt(told.max()))
+    joints = best.data.body.joint_count
+    what = f"joint {worst + 1} bent" if worst < joints else f"the edge from vertex {worst - joints} as long"
+    words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",) if size > VISIBLE else ()
+    return float(np.hypot(1.0, size)), words
+
+
+def _next(best: Looked) -> Looked | None:
+    """With one more effect, or None."""
+    own, others = best.own, best.others
+    left = [(best.sums.chi2([*own, *columns_of(best.data.body, *k)]), k) for k in others]
+    priced = [Priced(chi2, len(own) + len(columns_of(best.data.body, *k)), best.data.count) for chi2, k in left]
+    if cheapest(best.priced, priced, len(others)) is None:
         return None
-    tries = []
-    for gain, key in gains[:6]:
-        if gain > 0.3 * gains[0][0]:
-            fitted = solved(data, now, [*chosen, key])
-            tries.append((misfit(data, fitted), len(columns_of(body, *key)), key, fitted))
-    least = min(t[0] for t in tries)
-    close = [t for t in tries if not excludable(t[0], least, data.count)]
-    _, _, key, fitted = min(close, key=lambda t: (t[1], t[0]))
-    return [*chosen, key], fitted
+    tries = [best.beside(k) for _, k in sorted(left, key=lambda pair: pair[0])[:FULL_FITS]]
+    found = cheapest(best.priced, [t.priced for t in tries], len(others))
+    return None if found is None else tries[found]
 
 
-def rivals_of(
-    data: Sample, now: Observation, chosen: Sequence[Key], key: Key, without: Set[str] = frozenset()
-) -> list[Rival]:
+def rivals_of(best: Looked, key: Key) -> list[Rival]:
     """What else could stand in the place of one chosen effect, the others kept: scored linearly, then fitted."""
-    body = data.body
-    kept = [k for k in chosen if k != key]
-    base = cleared(body, now, key)
-    base = solved(data, base, kept) if kept else base
-    sums, least, count = evidence(data, base), misfit(data, now), data.count
-    slack = FIRST_ORDER * (float(sums.constant.sum()) - least)
+    data, body, least = best.data, best.data.body, best.priced
+    base = best.without_one(best.keys.index(key))
+    slack = FIRST_ORDER * (base.priced.chi2 - least.chi2)
     found = []
-    for other in all_keys(body):
-        columns = [c for k in (*kept, other) for c in columns_of(body, *k)]
-        if other in chosen or other[0] in without or excludable(sums.chi2(columns), least, count, slack):
+    for other in best.others:
+        columns = [*base.own, *columns_of(body, *other)]
+        if excludable(base.sums.chi2(columns), least.chi2, least.count, slack):
             continue
-        fitted = solved(data, base, [*kept, other])
-        effect = ActiveEffect.neutral(*other).with_coordinates(values_of(body, fitted, other))
-        mine = ActiveEffect.neutral(*key).with_coordinates(values_of(body, now, key))
-        rival = Rival(effect, mine, apart(data, now, fitted))
-        if not rival.separable and not excludable(misfit(data, fitted), least, count):
+        fitted = base.beside(other)
+        rival = Rival(effect_of(fitted, other), effect_of(best, key), apart(data, best.now, fitted.now))
+        if not rival.separable and not excludable(fitted.priced.chi2, least.chi2, least.count):
             found.append(rival)
     return found
+
+
+def effect_of(found: Looked, key: Key) -> ActiveEffect:
+    """One of the effects with its values."""
+    return ActiveEffect.neutral(*key).with_coordinates(values_of(found.data.body, found.now, *key))
 
 
 def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
@@ -123,60 +183,42 @@ def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4)
     return now
 
 
-def cleared(body: Body, now: Observation, key: Key) -> Observation:
-    """An observation model without one of its effects."""
-    for column, value in zip(columns_of(body, *key), values_of(body, now, key), strict=True):
-        now = now.with_column(column, -value)
-    return now
-
-
 def only(body: Body, now: Observation, key: Key) -> Observation:
     """An observation model with this one effect of `now`."""
     alone = Observation.neutral(body)
-    for column, value in zip(columns_of(body, *key), values_of(body, now, key), strict=True):
+    for column, value in zip(columns_of(body, *key), values_of(body, now, *key), strict=True):
         alone = alone.with_column(column, value)
     return alone
 
 
-def values_of(body: Body, now: Observation, key: Key) -> list[float]:
-    """Parameters of one effect in an observation model."""
-    if key[0] == "zero_offset":
-        return [float(now.zeros[int(key[1] or 1) - 1])]
-    if key[0] == "loose_joint":
-        return [float(now.gaps[int(key[1] or 1) - 1])]
-    return [float(v) for v in now.markers[int(key[1] or 0)]] if key[0] == "marker_offset" else [now.scale]
-
-
-def _named(data: Sample, now: Observation, chosen: list[Key], key: Key) -> Named:
-    own = [c for k in chosen for c in columns_of(data.body, *k)]
-    sums = evidence(data, now, own)
-    _, covariance = sums.solve(range(len(own)))
-    spread = np.sqrt(sums.constant.sum() / sums.count.sum())
-    values = values_of(data.body, now, key)
-    effect = ActiveEffect.neutral(key[0], key[1]).with_coordinates(values)
+def _named(best: Looked, key: Key) -> Named:
+    """Intervals from the curvature, and no less than what gaits disagree about."""
+    spread = float(np.sqrt(best.priced.chi2 / best.priced.count))
+    covariance = best.sums.covariance(best.own, spread)
+    effect = effect_of(best, key)
     ends = {}
-    for p, value, column in zip(effect.effect.parameters, values, columns_of(data.body, *key), strict=True):
-        half = 2.1 * np.sqrt(covariance[own.index(column), own.index(column)]) * spread + SYSTEMATIC[p.name]
-        ends[p.name] = interval((value - half, value + half))
-    return Named(effect, ends, float(signature(data, only(data.body, now, key)).max()))
+    for p, column in zip(effect.effect.parameters, columns_of(best.data.body, *key), strict=True):
+        at = best.own.index(column)
+        half = QUANTILE * float(np.sqrt(covariance[at, at])) + p.resolution
+        ends[p.name] = interval((effect.parameters[p.name] - half, effect.parameters[p.name] + half))
+    return Named(effect, ends, best.strength(key))
 
 
-QUARTER_TICK = 2 * np.pi / 4096 / 4  # rad: jitter that smoothed readings keep, and that crosses this much of a gap
-SYSTEMATIC = {"offset": 5e-5, "width": QUARTER_TICK, "along": 2e-5, "left": 2e-5, "error": 3e-5}  # servo creep
-
-
-def _clock(recordings: Sequence[Recording], data: Sample) -> Named | None:
+def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:
+    """The rate between two clocks, if it is more than chance."""
+    (kind,) = [k for k in catalogue().values() if k.marks == "rate"]
     weights = np.array([1 / r.clock.rate_sd**2 for r in recordings])
     rates = np.array([r.clock.rate for r in recordings])
     rate, sd = float((weights * rates).sum() / weights.sum()), float(1 / np.sqrt(weights.sum()))
-    if abs(rate) < 5 * sd:
+    if kind.name in best.without or (rate / sd) ** 2 < best.needed:
         return None
-    squares = [_drifted(r) for r in recordings]
-    levels = data.levels[: data.body.joint_count]
-    strength = abs(rate) * float((np.sqrt(np.mean(squares, axis=0)) / levels).max())
-    effect = ActiveEffect.neutral("clock_offset").with_coordinates([rate])
-    half = 2.1 * sd + 1e-5
-    return Named(effect, {"rate": interval((rate - half, rate + half))}, strength)
+    levels = best.data.levels[: best.data.body.joint_count]
+    squares = np.mean([_drifted(r) for r in recordings], axis=0)
+    (parameter,) = kind.parameters
+    half = QUANTILE * sd + parameter.resolution
+    effect = ActiveEffect.neutral(kind.name).with_coordinates([rate])
+    ends = {parameter.name: interval((rate - half, rate + half))}
+    return Named(effect, ends, abs(rate) * float((np.sqrt(squares) / levels).max()))
 
 
 def _drifted(r: Recording) -> Floats:

@@ -24,9 +24,9 @@ from serpenoid.diagnose.data.noise import residuals, total
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.actuation import Plays
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.diagnose.stages.marker_evidence import sample
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.whole import whole_errors
 
 

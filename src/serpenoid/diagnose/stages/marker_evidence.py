@@ -17,7 +17,7 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
-from serpenoid.diagnose.data.observation import Observation, across, columns_of
+from serpenoid.diagnose.data.observation import Observation, across, column_count
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.measure.chain import link_of_edge, marker_angles
@@ -46,6 +46,12 @@ class Sample:
     def seen(self) -> np.ndarray:
         """Whether a marker was (F, N, 1)."""
         return np.isfinite(self.markers[..., 0])[..., None]
+
+    @cached_property
+    def following(self) -> np.ndarray:
+        """Whether each frame but the first follows one of its own trial (F - 1,)."""
+        first = np.cumsum([len(taken) for _, taken in self.trials])[:-1]
+        return ~np.isin(np.arange(1, len(self.markers)), first)
 
     @cached_property
     def gaits(self) -> list[np.ndarray]:
@@ -115,7 +121,7 @@ def misfit(data: Sample, now: Observation) -> float:
 def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = None) -> Evidence:
     """Residuals and columns (all, or those given) of the sample at an observation model, in units of marker noise."""
     body, seen = data.body, data.seen
-    chosen = range(columns_of(body, "loose_joint", body.joint_count)[0] + 1) if columns is None else columns
+    chosen = range(column_count(body)) if columns is None else columns
     angles = data.angles(now)
     base, rows = _left_by(data, now, angles)
     slopes = now.derivatives(body, angles, lambda joint: data.by_gap(now, joint), chosen)
@@ -128,6 +134,25 @@ def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = Non
         vectors.append(x @ r)
         constants.append(r @ r)
     return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), data.counts)
+
+
+def structure(data: Sample, now: Observation) -> tuple[Floats, Floats]:
+    """What an observation model leaves of marker angles and link lengths, over the noise level (2 m + 1,), and the mean
+    square of what chance alone makes of its square.
+
+    White noise is not in it: mean products of successive frames are no squares. NaN: a channel is never seen twice.
+    """
+    body, seen = data.body, now.seen(data.body, data.angles(now))
+    angle = np.mod(marker_angles(body, data.markers) - marker_angles(body, seen) + np.pi, 2 * np.pi) - np.pi
+    length = np.linalg.norm(np.diff(data.markers, axis=1), axis=2) - np.linalg.norm(np.diff(seen, axis=1), axis=2)
+    left = np.concatenate([angle, length], axis=1) / data.levels
+    products = (left[1:] * left[:-1])[data.following]
+    count = np.isfinite(products).sum(axis=0)
+    known = count > 1
+    mean, chance = np.full((2, left.shape[1]), np.nan)
+    mean[known] = np.nanmean(products[:, known], axis=0)
+    chance[known] = np.nanmean(left[:, known] ** 2, axis=0) / np.sqrt(count[known])
+    return mean, chance
 
 
 def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Floats]:

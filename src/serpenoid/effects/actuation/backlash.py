@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import casadi as ca
+import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Wave
+
+FIRST_WIDTH = 0.02  # rad: where a fit begins
 
 
 class Backlash(ActuationEffect):
@@ -18,6 +22,10 @@ class Backlash(ActuationEffect):
         pushed_down = ca.if_else(angle > after + half, after + half, angle)
         played = ca.if_else(angle < after - half, after - half, pushed_down)
         return ca.if_else(p.present > 0, played, after)
+
+    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+        """A gap that is crossed."""
+        return [np.full(readings.shape[1], FIRST_WIDTH)]
 
     def in_gait(self, wave: Wave, p: Symbols) -> Wave:
         """Held at the highest row, followed on the way down; the same upwards. Kinks: where a row begins to follow."""

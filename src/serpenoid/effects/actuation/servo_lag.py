@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import casadi as ca
+import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Wave
 
+FIRST_LAG = 0.03  # s: where a fit begins
 INSTANT = 1e-12  # s: keeps the division defined at a lag of zero, where the answer is the set-point to the last bit
 
 
@@ -19,6 +22,10 @@ class ServoLag(ActuationEffect):
         behind = p.lag * (after - before) / duration
         decay = ca.exp(-duration / (p.lag + INSTANT))
         return after - behind + (angle - before + behind) * decay
+
+    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+        """At rest nothing says which way a memory works."""
+        return [np.full(readings.shape[1], FIRST_LAG)]
 
     def in_gait(self, wave: Wave, p: Symbols) -> Wave:
         """A sine comes out smaller and later: with z = exp(2 pi i / steps) by the factor (c + b / z) / (1 - a / z)."""

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Values, Wave
+
+SATURATED = (0.9, 0.7, 0.5, 0.3)  # of the quickest set-point: where fits begin
 
 
 class SpeedSaturation(ActuationEffect):
@@ -15,6 +19,10 @@ class SpeedSaturation(ActuationEffect):
         wanted = after - angle
         excess = ca.fmax(1.0, p.max_speed * ca.fabs(wanted) / duration)
         return ca.if_else(excess > 1, angle + wanted / excess, after)
+
+    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+        """Above the quickest set-point a saturation changes nothing."""
+        return [np.full(readings.shape[1], self.parameters[0].coordinate(share * quickest)) for share in SATURATED]
 
     def in_gait(self, wave: Wave, p: Symbols) -> Wave:
         """Unchanged: an optimised gait keeps the speed limit, so that it is played as it is commanded."""

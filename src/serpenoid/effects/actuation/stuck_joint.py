@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
 
 
@@ -13,6 +15,10 @@ class StuckJoint(ActuationEffect):
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Replace, where it is present."""
         return after + p.present * (p.angle - after)
+
+    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+        """Where each joint is most of the time."""
+        return [np.median(readings, axis=0)]
 
 
 EFFECT = StuckJoint(

@@ -18,10 +18,11 @@ class ZeroOffset(ActuationEffect):
 EFFECT = ZeroOffset(
     name="zero_offset",
     place="joint",
-    parameters=(Parameter("offset", "rad", -3.2, 3.2, 0.0, 0.05, "true angle minus the servo's"),),
+    parameters=(Parameter("offset", "rad", -3.2, 3.2, 0.0, 0.05, "true angle minus the servo's", resolution=5e-5),),
     looks_like="all gaits turn to the same side; the markers show a constant bend that the servo log does not",
     what_to_do="mount the horn again, or put the offset into the servo's zero",
     needs=frozenset({"servos"}),
     rank=5,
     shown=False,
+    marks="zeros",
 )

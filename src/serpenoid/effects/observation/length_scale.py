@@ -19,9 +19,10 @@ class LengthScale(ObservationEffect):
 EFFECT = LengthScale(
     name="length_scale",
     place=None,
-    parameters=(Parameter("error", "1", -0.5, 0.5, 0.0, 0.01, "> 0: everything looks larger"),),
+    parameters=(Parameter("error", "1", -0.5, 0.5, 0.0, 0.01, "> 0: everything looks larger", resolution=3e-5),),
     looks_like="all links are too long or too short by the same share",
     what_to_do="calibrate the cameras again",
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=2,
+    marks="scale",
 )

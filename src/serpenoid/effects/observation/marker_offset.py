@@ -29,11 +29,12 @@ EFFECT = MarkerOffset(
     name="marker_offset",
     place="vertex",
     parameters=(
-        Parameter("along", "m", -0.2, 0.2, 0.0, 5e-3, "> 0: towards the head"),
-        Parameter("left", "m", -0.2, 0.2, 0.0, 3e-3, "> 0: to the left"),
+        Parameter("along", "m", -0.2, 0.2, 0.0, 5e-3, "> 0: towards the head", resolution=2e-5),
+        Parameter("left", "m", -0.2, 0.2, 0.0, 3e-3, "> 0: to the left", resolution=2e-5),
     ),
     looks_like="two neighbouring links seem to have wrong lengths, or their joints constant wrong angles",
     what_to_do="glue the marker over its axis, or enter where it sits",
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=0,
+    marks="markers",
 )

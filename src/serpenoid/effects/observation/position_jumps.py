@@ -33,4 +33,5 @@ EFFECT = PositionJumps(
     ),
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=3,
+    marks="jumps",
 )

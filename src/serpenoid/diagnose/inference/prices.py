@@ -1,0 +1,69 @@
+"""What an explanation must be worth: the same on every stage.
+
+While effects are looked for, the extended Bayesian information criterion (Chen and Chen, Biometrika 95, 759, 2008): chi
+squared and ln n for each parameter, 2 ln M for M candidates; in units of what the best fit leaves per number, where
+that is more than chance. In the end each must take away more than the best of all candidates would take of what is left
+if none were a cause (null.py), and all together more than they leave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Priced:
+    """A fit's chi squared, number of parameters and number of residuals."""
+
+    chi2: float
+    parameters: int
+    count: float
+
+
+class Explanation(Protocol):
+    """Some effects and what they leave."""
+
+    @property
+    def priced(self) -> Priced:
+        """What it leaves."""
+
+    @property
+    def size(self) -> int:
+        """How many effects it has."""
+
+
+E = TypeVar("E", bound=Explanation)
+
+
+def gained_by_chance(tries: int) -> float:
+    """Chi squared, beyond the price of its parameters, that the best of so many candidates gains by chance."""
+    return float(2 * np.log(max(tries, 1)))
+
+
+def cheapest(base: Priced, fits: Sequence[Priced], tries: int) -> int | None:
+    """Index of the best fit, None if the base is as good."""
+    spread = max(1.0, min(f.chi2 for f in (base, *fits)) / max(base.count, 1.0))
+    toll = float(np.log(max(base.count, 2.0)))
+    prices = [f.chi2 + spread * toll * f.parameters for f in (base, *fits)]
+    best = int(np.argmin(prices[1:])) if fits else 0
+    return best if fits and prices[0] - prices[1 + best] > spread * gained_by_chance(tries) else None
+
+
+def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E], float]) -> E:
+    """Without effects that gain no more, beside the others, than the null of what is left; the least first.
+
+    bare: no effect at all; without: a fit without one of its effects, by index.
+    """
+    while best.size:
+        bases = [bare] if best.size == 1 else [without(best, i) for i in range(best.size)]
+        gains = [b.priced.chi2 - best.priced.chi2 for b in bases]
+        least = int(np.argmin(gains))
+        outweighed = bare.priced.chi2 - best.priced.chi2 < best.priced.chi2 - best.priced.count
+        if not outweighed and gains[least] > needed(best):
+            break
+        best = bases[least]
+    return best

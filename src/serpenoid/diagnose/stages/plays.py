@@ -1,0 +1,216 @@
+"""What was commanded beside what the servos read of it, and what they are expected to do.
+
+The set-point runs linearly from row to row, or jumps to each when it is due, or is what the log itself says that the
+servos were told: whichever the readings follow best, as they are or with one law for all servos. A log says when a
+trial began to a part of its interval only, and its rate beside the cameras' clock is known as well as noisy markers
+show it: every trial has a shift and a rate of its own within these bounds.
+
+Legend: R log rows of all trials, m joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.shape_in_time import Course, spacing
+from serpenoid.effects.active import ActiveEffect, joined
+from serpenoid.measure.schedule import Schedule
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.simulation.servos import realise_all
+
+TICK = 2 * np.pi / 4096
+SMOOTHED_ROWS = 9
+ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
+SURE = 2.0  # standard deviations of a clock's rate
+JUMP_S = 1e-6  # before a row is due: a jump takes no time
+KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
+WITHIN_ROW = 4  # steps in which servos are followed from row to row
+
+
+@dataclass(frozen=True)
+class Plays:
+    """The servos' readings (R, m) [rad], trial numbers (R,), and set-points on meshes that meet every row.
+
+    noise (m,) [rad]: of a reading. known: effects that are no news; habit (R, m) [rad]: what readings are known to
+    differ by from what these make of the set-points. without: effects that are no candidates. told: whether the
+    set-points are the log's own.
+    """
+
+    recordings: tuple[Recording, ...]
+    readings: Floats
+    trials: np.ndarray
+    times: tuple[Floats, ...]
+    meshes: tuple[Floats, ...]
+    setpoints: tuple[Floats, ...]
+    where: tuple[np.ndarray, ...]
+    noise: Floats
+    known: tuple[ActiveEffect, ...] = ()
+    habit: Floats | float = 0.0
+    without: frozenset[str] = frozenset()
+    told: bool = False
+
+    @property
+    def held(self) -> bool:
+        """Whether the rows of the tables jump."""
+        return self.recordings[0].schedule.held
+
+    @property
+    def quickest(self) -> float:
+        """Largest speed [rad/s] from one row of a table to the next."""
+        steps = [np.abs(np.diff(s.table, axis=0, append=s.table[:1])).max() for s in self._schedules]
+        rows = [len(s.table) / s.cycle_duration_s for s in self._schedules]
+        return float(np.multiply(steps, rows).max())
+
+    @property
+    def _schedules(self) -> list[Schedule]:
+        return [r.schedule for r in self.recordings]
+
+    def left(self, played: Floats) -> Floats:
+        """Readings minus what is played (R, m), each trial's clock moved as far as that is worth it."""
+        found, speed = self.readings - played, self.speed(played)
+        for number, (shift, rate) in enumerate(self._moves(found, speed)):
+            mine = self.trials == number
+            found[mine] -= (shift + rate * self.times[number])[:, None] * speed[mine]
+        return found
+
+    def chi2(self, played: Floats) -> Floats:
+        """Of each joint (m,)."""
+        return np.asarray((self.left(played) ** 2).sum(axis=0) / self.noise**2)
+
+    def _moves(self, found: Floats, speed: Floats) -> list[tuple[float, float]]:
+        """Of each trial, shift [s] and rate: the best that what is known of its clock allows."""
+        moves = []
+        for number, (r, time) in enumerate(zip(self.recordings, self.times, strict=True)):
+            v, miss = (x[self.trials == number] / self.noise for x in (speed, found))
+            power, pull = (v**2).sum(axis=1), (v * miss).sum(axis=1)
+            once, late, later = (max(float((power * time**n).sum()), 1e-12) for n in range(3))
+            now, then = float(pull.sum()), float((pull * time).sum())
+            most = SURE * float(np.hypot(r.clock.rate, r.clock.rate_sd))  # whose clock commands follow is not known
+            apart = max(once * later - late**2, 1e-9 * once * later)
+            rate = float(np.clip((then * once - now * late) / apart, -most, most))
+            near = unsure_start(r) + abs(rate) * float(time[-1])  # labels bound both together
+            moves.append((float(np.clip((now - rate * late) / once, -near, near)), rate))
+        return moves
+
+    def speed(self, played: Floats) -> Floats:
+        """Rates (R, m) [rad/s] of what is played."""
+        parts = zip(range(len(self.recordings)), self.times, strict=True)
+        return np.concatenate([np.gradient(played[self.trials == n], time, axis=0) for n, time in parts])
+
+    def slope(self, played: Floats, moved: Floats, step: float) -> Floats:
+        """By which `left` (R, m) falls with a parameter whose `step` moves what is played."""
+        return np.asarray((self.left(played) - self.left(moved)) / step)
+
+    def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
+        """What the servos would read (R, m) with these effects, in place of or after the known ones."""
+        played = realise_all(self.model(effects), self.setpoints, self.meshes)
+        return np.concatenate([p.readings[where] for p, where in zip(played, self.where, strict=True)]) + self.habit
+
+    def model(self, effects: Sequence[ActiveEffect]) -> Model:
+        """The robot with the known effects and these."""
+        return Model(self.recordings[0].body, Medium(anisotropy_ratio=0.2), joined(self.known, effects))
+
+    def channels(self, played: Floats) -> Floats:
+        """RMS of what is left in units of noise, of each joint (m,)."""
+        return np.asarray(np.sqrt((self.left(played) ** 2).mean(axis=0)) / self.noise)
+
+    def measured(self, played: Floats) -> Plays:
+        """The same with the noise that readings have about what is played, if it is less."""
+        left = self.readings - played
+        found = [_scatter(left[self.trials == n], r.by_servos) for n, r in enumerate(self.recordings)]
+        least = TICK / np.sqrt(12) if self.recordings[0].by_servos else 0.0
+        return replace(self, noise=np.minimum(self.noise, np.maximum(np.percentile(found, 25, axis=0), least)))
+
+
+def unsure_start(r: Recording) -> float:
+    """How far t0 may be off [s]."""
+    return r.t0_spread + ACTED_ON_S
+
+
+def ways(recordings: Sequence[Recording]) -> Iterator[Plays]:
+    """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them."""
+    recordings = list({r.setting: r for r in recordings}.values())  # one of each kind tells what there is to tell
+    yield _plays(recordings, told=False)
+    jumping = [replace(r, schedule=replace(r.schedule, held=True)) for r in recordings]
+    yield _plays(jumping, told=False)
+    if all(r.commands is not None for r in recordings):
+        yield _plays(jumping, told=True)
+
+
+def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
+    readings, labels, times, meshes, setpoints, where = [], [], [], [], [], []
+    for number, r in enumerate(recordings):
+        time = r.read_at
+        inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
+        mesh = np.unique(np.concatenate([[0.0], time[inside], [] if told else _corners(r)]))
+        course = Course(time, r.commands) if told and r.commands is not None else None
+        setpoints.append(r.schedule.commanded(mesh) if course is None else course.at(mesh))
+        times.append(time[inside])
+        meshes.append(mesh)
+        where.append(np.searchsorted(mesh, time[inside]))
+        readings.append(r.position[inside])
+        labels.append(np.full(len(readings[-1]), number))
+    noise = np.full(recordings[0].body.joint_count, np.inf)
+    found = Plays(
+        tuple(recordings), np.concatenate(readings), np.concatenate(labels), tuple(times), tuple(meshes),
+        tuple(setpoints), tuple(where), noise, told=told,
+    )  # fmt: skip
+    return found.measured(np.zeros_like(found.readings)).measured(found.realised([]))
+
+
+def _corners(r: Recording, within: int = 1) -> Floats:
+    """Times from 0 on at which rows are due, and just before where they jump; `within` steps a row."""
+    s, steps = r.schedule, len(r.schedule.table) * within
+    corners = [n * s.period_s + np.arange(steps + 1) / steps * s.cycle_duration_s for n in range(s.cycles)]
+    jumps = [c[::within] - JUMP_S for c in corners] if s.held else []
+    every = np.concatenate([*corners, *jumps])
+    return np.asarray(every[every >= 0])
+
+
+def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Recording, ...]:
+    """Recordings with what their servos are expected to do, joint by joint where readings are smoother about it."""
+    recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
+    model = found.model(effects)
+    meshes = [np.unique(np.concatenate([[0.0], _corners(r, WITHIN_ROW if effects else 1)])) for r in recordings]
+    played = realise_all(model, [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)], meshes)
+    pairs = zip(recordings, meshes, played, strict=True)
+    return tuple(_carried(r, Course(time, p.readings)) for r, time, p in pairs)
+
+
+def _carried(r: Recording, course: Course) -> Recording:
+    rows = 2 * int(KNOTS * spacing(r.schedule.cycle_duration_s) / np.median(np.diff(r.read_at))) + 1
+    rows = max(rows, SMOOTHED_ROWS)
+    if len(r.position) < rows:
+        return r
+    bare, about = (roughness(values, rows) for values in (r.position, r.position - course.at(r.read_at)))
+    return replace(r, carrier=replace(course, angles=np.where(about < bare, course.angles, 0.0)))
+
+
+def _scatter(readings: Floats, pooled: bool) -> Floats:
+    """RMS about local parabolas [rad], corrected for what they swallow: of each joint (m,), or pooled: the median's."""
+    if len(readings) < SMOOTHED_ROWS:
+        return np.full(readings.shape[1], TICK)
+    squares = roughness(readings, SMOOTHED_ROWS) ** 2 / (1 - 2.25 / SMOOTHED_ROWS)
+    return np.asarray(np.sqrt(np.full_like(squares, np.median(squares)) if pooled else squares))
+
+
+def roughness(values: Floats, rows: int) -> Floats:
+    """RMS of `values` (R, m) about local parabolas (m,)."""
+    return np.asarray(np.sqrt(((values - local_parabolas(values, rows)) ** 2).mean(axis=0)))
+
+
+def local_parabolas(values: Floats, rows: int) -> Floats:
+    """Each of `values` (R, m) by the parabola through the `rows` about it (Savitzky and Golay, 1964), R >= rows.
+
+    SciPy's, without its package for signals, whose import takes as long as all others together.
+    """
+    powers, middle = np.vander(np.arange(rows) - rows // 2, 3), rows // 2
+    smoother = powers @ np.linalg.pinv(powers)
+    inside = np.lib.stride_tricks.sliding_window_view(values, rows, axis=0) @ smoother[middle]
+    return np.concatenate([smoother[:middle] @ values[:rows], inside, smoother[middle + 1 :] @ values[-rows:]])
