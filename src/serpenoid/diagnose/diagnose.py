@@ -118,7 +118,7 @@ def concluded(
     """The verdict of three stages, and the gain."""
     say("gain on held-out gaits")
     found = motion.selection
-    jumps = any(n.effect.name == "position_jumps" for n in motion.stage.named)
+    jumps = any(n.effect.effect.marks == "jumps" for n in motion.stage.named)
     if unclear(found.best):
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(held_out(found.motion, found.null, leave_out))

@@ -52,4 +52,4 @@ def fixed_to_the_room(tracks: Sequence[Track]) -> dict[str, str]:
     spread = np.degrees(np.sqrt(-2 * np.log(resultant)))
     reason = f"fixed to the room, and the body heads one way all the time (SD {spread:.0f} degrees)"
     placed = {k.name for k in catalogue().values() if isinstance(k, MediumEffect) and "place" in k.knows}
-    return dict.fromkeys(sorted(placed | {"frame_drift"}), reason)
+    return dict.fromkeys(sorted(placed | {k.name for k in catalogue().values() if k.marks == "drift"}), reason)

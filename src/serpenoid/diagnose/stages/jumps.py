@@ -16,6 +16,7 @@ from serpenoid.diagnose.data.noise import gap_steps
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import catalogue
 
 CERTAIN, DROP = 12.0, 2.2  # log-likelihood: ratio that names it, drop at the ends of the interval
 MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
@@ -33,9 +34,11 @@ def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.n
 
 
 def find_jumps(motion: Motion, predictions: Sequence[Prediction], noise_level_m: float) -> Named | None:
-    """The effect `position_jumps`, if the gaps show it."""
+    """Steps across gaps, if they show them."""
+    (kind,) = [k for k in catalogue().values() if k.marks == "jumps"]
+    (parameter,) = kind.parameters
     lengths, noises = gap_lengths(motion, predictions)
-    if len(lengths) < 3 or "position_jumps" in motion.untestable:
+    if len(lengths) < 3 or kind.name in motion.untestable:
         return None
 
     def log_likelihood(size: float) -> float:
@@ -50,5 +53,5 @@ def find_jumps(motion: Motion, predictions: Sequence[Prediction], noise_level_m:
     if best - log_likelihood(0.0) < CERTAIN:
         return None
     ends = [brentq(lambda x: log_likelihood(x) - best + DROP, size, end) for end in (0.0, size + 2 * most)]
-    effect = ActiveEffect.neutral("position_jumps").with_coordinates([size])
-    return Named(effect, {"size": interval(ends)}, MEAN_SHARE * size / noise_level_m)
+    effect = ActiveEffect.neutral(kind.name).with_coordinates([size])
+    return Named(effect, {parameter.name: interval(ends)}, MEAN_SHARE * size / noise_level_m)

@@ -40,7 +40,7 @@ def whole_errors(
     extended = _with(_with(found.best.model, known), actuators)
     drift = found.best.drift
     velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
-    jumps = any(n.effect.name == "position_jumps" for n in motion.stage.named)
+    jumps = any(n.effect.effect.marks == "jumps" for n in motion.stage.named)
     played = [r.schedule for r in recordings]
     before = [path_rms(t, from_command(_with(found.null.model, known), t, s)) for t, s in zip(raw, played, strict=True)]
     after = [path_rms(t, from_command(extended, t, s, velocity), jumps) for t, s in zip(tracks, played, strict=True)]
