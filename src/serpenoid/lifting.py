@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds
 from serpenoid.gaits.fourier import FourierBounds, FourierGait
 from serpenoid.gaits.lifted import Lift
@@ -31,6 +32,12 @@ def fault(lift: Lift, gait: Gait, model: Model, bounds: GaitBounds, goals: Seque
             "`sharpness` or the upper bound of `xi`."
         )
     return None
+
+
+def flat_only(lift: Lift | None, name: str) -> None:
+    """Refuse a problem of this name where its robot would have to play yaw and pitch."""
+    if lift is not None:
+        raise InputError(f"{name}: [lift]: robots and arenas play one angle a joint; leave [lift] out.")
 
 
 def _steepest(lift: Lift, model: Model, bounds: GaitBounds) -> float:

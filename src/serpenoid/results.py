@@ -34,13 +34,17 @@ def default_folder(problem: Problem, verb: str, *options: Any) -> Path:
 def write_simulation(folder: str | Path, simulation: Simulation, figures: bool = True) -> dict[str, Any]:
     """Write a simulation's folder and return its record."""
     problem, trajectory = simulation.problem, simulation.trajectory
-    record = _record(problem, trajectory, problem.gait, "simulation", trajectory.status.name, trajectory.status.value)
+    gait = problem.family_of().like  # as it is lifted, where it is
+    record = _record(problem, trajectory, gait, "simulation", trajectory.status.name, trajectory.status.value)
     record["provenance"] = provenance(problem=problem.name, problem_hash=problem.hash)
     _write(Path(folder), record, simulation.table, trajectory)
     if figures:
-        from serpenoid.plot.figures import simulation_figures
+        from serpenoid.plot.figures import simulation_figures, spatial_figures
 
-        simulation_figures(Path(folder), problem, trajectory, simulation.table, problem.gait)
+        if isinstance(trajectory, LiftedTrajectory):
+            spatial_figures(folder, problem, trajectory, simulation.table)
+        else:
+            simulation_figures(Path(folder), problem, trajectory, simulation.table, problem.gait)
     return record
 
 

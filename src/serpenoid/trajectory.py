@@ -111,6 +111,13 @@ class LiftedTrajectory(Trajectory):
         return held / len(self.vertices)
 
 
+def floor_lines(motion: Trajectory) -> list[str]:
+    """A line for a summary; none for a body that lies flat."""
+    if not isinstance(motion, LiftedTrajectory) or not motion.status.ok:
+        return []
+    return [f"on the floor      {floor_words(motion.sideways_deg, motion.tilt, motion.standing)}"]
+
+
 def floor_words(sideways_deg: float, tilt: float, standing: float) -> str:
     """One line of a lifted body: its way, how flat it lies [rad], and whether gravity holds it."""
     return (

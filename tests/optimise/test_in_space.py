@@ -14,6 +14,7 @@ import pytest
 
 from optimise.test_free_gaits import LINE, differences
 from serpenoid.body import Body, Floats
+from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait
 from serpenoid.gaits.fourier import FourierGait
@@ -37,7 +38,7 @@ from serpenoid.simulation.lifted import simulate_lifted
 from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
 from serpenoid.trajectory import LiftedTrajectory
-from specimens import nlp_of, problem, uneven
+from specimens import PROBLEMS, nlp_of, problem, uneven
 
 SMALL = "body.vertices=10", "task.steps=24"
 SIDEWINDER = {"a": 8.0, "xi": 1.2}
@@ -238,6 +239,20 @@ def test_what_gaits_in_space_cannot_do_is_refused_when_the_file_is_read(change: 
         small(change, *bounds)
 
 
-def test_a_problem_in_space_is_not_simulated_as_if_it_were_flat() -> None:
-    with pytest.raises(InputError, match=r"\[lift\]"):
-        simulate(small())
+def test_a_gait_in_space_is_simulated_as_it_is_lifted_and_cycles_repeat() -> None:
+    """Two cycles are one, moved by what one does."""
+    exact = small("lift.phase=[0.1,0.1]", "lift.bias=[0.2,0.2]", "gait.a=8.0", "gait.xi=1.2")
+    once, twice = (simulate(exact.model_copy(update={"task": exact.task.model_copy(update={"cycles": n})})).trajectory
+                   for n in (1, 2))  # fmt: skip
+    assert isinstance(once, LiftedTrajectory)
+    assert isinstance(twice, LiftedTrajectory)
+    np.testing.assert_allclose(once.poses, played(exact.model, wave()).poses, atol=1e-12)
+    moved = once.vertices @ once.rotations[-1].T + once.poses[-1, [0, 1, 3]]
+    np.testing.assert_allclose(twice.vertices[24:], moved, atol=1e-12)
+    np.testing.assert_allclose(twice.contact[24:], once.contact, atol=1e-12)
+
+
+def test_what_plays_one_angle_a_joint_refuses_a_problem_in_space(tmp_path: Path) -> None:
+    for kind in ("protocol", "campaign"):
+        words = ["new", kind, str(tmp_path / kind), "--problem", str(PROBLEMS / "sidewinding.toml"), "--yes"]
+        assert main(words) == 2

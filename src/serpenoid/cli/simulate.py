@@ -4,6 +4,8 @@
     serpenoid simulate problems/snake10.toml --set gait.a=4 --set task.cycles=3
     serpenoid simulate problems/snake10.toml --model extended-model.toml    # with effects: see `serpenoid effects`
 
+With [lift] in space, lifted in the middle of `phase` and of `bias`: equal ends say it exactly.
+
 Writes solution.json, joint_table.csv, trajectory.csv and figures. Lengths are in body lengths, dissipation is the
 normalised T * E (weights sum to one): it converges as the number of steps T grows, the raw energy falls as 1 / T.
 """
@@ -32,6 +34,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.problem import load
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_simulation
     from serpenoid.simulation.problem import simulate
+    from serpenoid.trajectory import floor_lines
 
     problem = load(args.problem, args.set, args.model)
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
@@ -49,6 +52,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {options.signed(motion.heading_change)} rad",
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
+        *floor_lines(motion),
         *limit_lines(problem, result.table),
         *crossing_warning(motion),
         *weight_warning(problem),

@@ -173,6 +173,7 @@ def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
 def _lines(best: Solution, result: MultiStart) -> list[str]:
     from serpenoid.objectives.term import Played
     from serpenoid.performance import lighthill_efficiency
+    from serpenoid.trajectory import floor_lines
 
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
@@ -190,7 +191,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
         *(f"goal              {words}" for words in outcomes if words),
         *_case_lines(best),
-        *_floor_lines(best),
+        *floor_lines(best.trajectory),
         f"gait              {best.gait.words}",
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
@@ -213,16 +214,6 @@ def _case_lines(best: Solution) -> list[str]:
         f"lengths, {case.trajectory.heading_change:+.4f} rad"
         for i, case in enumerate(best.cases)
     ]
-
-
-def _floor_lines(best: Solution) -> list[str]:
-    """What there is to say of a body that is lifted."""
-    from serpenoid.trajectory import LiftedTrajectory, floor_words
-
-    motion = best.trajectory
-    if not isinstance(motion, LiftedTrajectory) or not motion.status.ok:
-        return []
-    return [f"on the floor      {floor_words(motion.sideways_deg, motion.tilt, motion.standing)}"]
 
 
 def _improve(args: argparse.Namespace, problem: Problem) -> int:

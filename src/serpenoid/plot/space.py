@@ -26,7 +26,7 @@ SECONDS = 2.5  # a cycle of the film
 
 
 def lifted_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
-    """Bodies of one cycle over their shadows; dots where they rest. Heights are drawn three times as large."""
+    """Bodies along the way over their shadows; dots where they rest. Heights are drawn three times as large."""
     fig = figure(7.4, 5.6)
     ax: Any = fig.add_subplot(projection="3d")
     rows = np.linspace(0, len(motion.vertices) - 1, BODIES).round().astype(int)
@@ -41,12 +41,13 @@ def lifted_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
     for target in _targets(problem):
         ax.plot(*target, "x", zs=0, color=RED, markersize=9)
     _room(ax, motion.vertices)
-    way = f"moves {motion.displacement:.3f} body lengths, {motion.sideways_deg:.0f}° off the axis"
-    words = f"A cycle {way}, turns {np.rad2deg(motion.heading_change):.1f}°".replace("-", "−")
+    x, y, turn = (motion.poses[motion.steps_per_cycle] - motion.poses[0])[:3]
+    way = f"moves {np.hypot(x, y):.3f} body lengths, {motion.sideways_deg:.0f}° off the axis"
+    words = f"A cycle {way}, turns {np.rad2deg(turn):.1f}°".replace("-", "−")
     fig.suptitle(
         f"{words}\nDots rest on the floor; large dot: head; heights threefold", fontsize=LARGE, x=0.02, ha="left"
     )
-    colour_bar(ax, PHASE_MAP, 0, 1, "phase [cycles]", pad=0.02, aspect=25, shrink=0.8)
+    colour_bar(ax, PHASE_MAP, 0, _cycles(motion), "phase [cycles]", pad=0.02, aspect=25, shrink=0.8)
     return fig
 
 
@@ -55,7 +56,7 @@ def prints_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
     fig = figure(8.6, 3.6)
     when, where = fig.subplots(1, 2)
     share = motion.contact / motion.contact.max()
-    extent = (0, 1, -0.5, share.shape[1] - 0.5)
+    extent = (0, _cycles(motion), -0.5, share.shape[1] - 0.5)
     when.imshow(share.T, origin="lower", aspect="auto", extent=extent, cmap="Greys", vmin=0, vmax=1)
     dress(when, "On the floor: dark", "phase [cycles]", "vertex, tail to head", grid=False)
     resting = share > RESTING
@@ -91,6 +92,10 @@ def film(path: Path, motion: LiftedTrajectory) -> None:
         canvas.draw()
         images.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     write_gif(path, images, CYCLES * SECONDS / FRAMES)
+
+
+def _cycles(motion: LiftedTrajectory) -> float:
+    return len(motion.step_energy) / motion.steps_per_cycle
 
 
 def _places(motion: LiftedTrajectory) -> Floats:

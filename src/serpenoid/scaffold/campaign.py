@@ -37,10 +37,12 @@ QUESTIONS = (
 
 def write(path: Path, answers: Answers) -> str:
     """Write campaign.toml (or the named file) with the example's files; returns a command to begin with."""
+    from serpenoid.lifting import flat_only
     from serpenoid.problem import load
     from serpenoid.simulation.problem import simulate
 
     problem = load(answers["problem"] or examples() / "snake10.toml")
+    flat_only(problem.lift, problem.name)
     result = simulate(problem)
     if not result.trajectory.status.ok:
         raise InputError(f"{problem.name}: its gait cannot be simulated: {result.trajectory.status.value}.")

@@ -23,6 +23,7 @@ QUESTIONS = (
 
 def write(path: Path, answers: Answers) -> str:
     """Write the file and the joint table of the problem's own gait; returns a command to begin with."""
+    from serpenoid.lifting import flat_only
     from serpenoid.problem import load
     from serpenoid.simulation.problem import gait_table
 
@@ -30,6 +31,7 @@ def write(path: Path, answers: Answers) -> str:
     problem = load(source)
     if problem.body.mass_kg is None:
         raise InputError(f"{source}: [body] mass_kg: the arena needs the robot's mass.")
+    flat_only(problem.lift, str(source))
     named = "" if answers["problem"] is None else f"problem = {json.dumps(_relative(source, path.parent))}"
     write_table(path.parent / "gaits" / f"{path.stem}.csv", gait_table(problem))
     write_text(path, _text(write_schema(path.parent, "protocol"), path.stem, named, answers))

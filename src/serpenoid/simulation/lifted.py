@@ -30,40 +30,40 @@ TURNS = 16  # of a step whose root is not near rest
 
 @dataclass(frozen=True)
 class _Played:
-    """rotations (B, R, 3, 3) and places (B, R, 3); energies, residuals, soundness of steps (B, T); of the rows points
-    (B, R, N, 3) and shares (B, R, N)."""
+    """Of steps (B, T): relative poses (B, T, 6), energies, residuals, soundness; of rows points (B, R, N, 3) and shares
+    (B, R, N)."""
 
-    rotations: Floats
-    places: Floats
+    relative: Floats
     energies: Floats
     residuals: Floats
     sound: np.ndarray
     points: Floats
     shares: Floats
 
-    @property
-    def poses(self) -> Floats:
-        """(B, R, 6)."""
-        return group.spatial_poses(self.rotations, self.places)
 
-
-def simulate_lifted(model: Model, family: LiftedFamily, q: Floats) -> LiftedTrajectory:
-    """The motion of gait q (n,), from the origin."""
+def simulate_lifted(model: Model, family: LiftedFamily, q: Floats, cycles: int = 1) -> LiftedTrajectory:
+    """The motion of gait q (n,) from the origin, over some cycles; a transient is played once."""
     played = _play(model, family, q[None])
-    steps, weights = len(played.energies[0]), model.body.vertex_weights
-    status = Status.SOLVED if played.sound.all() else Status.STEP_UNSOLVED
-    vertices = np.einsum("rij,rnj->rni", played.rotations[0], played.points[0]) + played.places[0][:, None]
+    times, steps, weights = cycles if family.closed else 1, len(played.energies[0]), model.body.vertex_weights
+    points, shares = (np.concatenate([np.tile(x[0, :-1], (times, *[1] * (x.ndim - 2))), x[0, -1:]])
+                      for x in (played.points, played.shares))  # fmt: skip
+    rotations, places = _frames(np.tile(played.relative[0], (times, 1))[None])
+    vertices = np.einsum("rij,rnj->rni", rotations[0], points) + places[0][:, None]
     return LiftedTrajectory(
-        status, played.poses[0], vertices, played.energies[0], float(played.residuals.max()), steps,
-        contact=played.shares[0] / weights, weights=weights,
+        Status.SOLVED if played.sound.all() else Status.STEP_UNSOLVED, group.spatial_poses(rotations, places)[0],
+        vertices, np.tile(played.energies[0], times), float(played.residuals.max()), steps,
+        contact=shares / weights, weights=weights,
     )  # fmt: skip
 
 
 def simulate_lifted_gaits(model: Model, family: LiftedFamily, gaits: Floats) -> Batch:
-    """The motions of gaits (B, n)."""
+    """The motions of gaits (B, n), over a cycle."""
     played = _play(model, family, gaits)
-    dissipation = played.energies.shape[1] * played.energies.sum(1)
-    return Batch(played.poses, dissipation, played.residuals.max(1), np.asarray(played.sound.all(1)))
+    dissipation, poses = (
+        played.energies.shape[1] * played.energies.sum(1),
+        group.spatial_poses(*_frames(played.relative)),
+    )
+    return Batch(poses, dissipation, played.residuals.max(1), np.asarray(played.sound.all(1)))
 
 
 def _play(model: Model, family: LiftedFamily, gaits: Floats) -> _Played:
@@ -85,10 +85,10 @@ def _play(model: Model, family: LiftedFamily, gaits: Floats) -> _Played:
             relative[step], sound[step] = found[0], True
             state.put(np.array([step]), found[1], np.array([0]))
     by_gait = (count, steps)
-    rotations, places = _frames(np.where(sound[:, None], relative, np.nan).reshape(*by_gait, POSE))
+    relative = np.where(sound[:, None], relative, np.nan).reshape(*by_gait, POSE)
     energies = np.where(sound, state.more[0], np.nan)
     energies, residuals, good = (x.reshape(by_gait) for x in (energies, state.size, sound))
-    return _Played(rotations, places, energies, residuals, good, points, shares)
+    return _Played(relative, energies, residuals, good, points, shares)
 
 
 def _sound(state: State) -> np.ndarray:

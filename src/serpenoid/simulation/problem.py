@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily, TableGait
+from serpenoid.gaits.lifted import LiftedFamily
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
+from serpenoid.simulation.lifted import simulate_lifted
 from serpenoid.simulation.rollout import simulate_joint_angles
 from serpenoid.table_file import read_table
 from serpenoid.trajectory import Trajectory
@@ -49,10 +51,10 @@ def gait_parameters(problem: Problem, family: GaitFamily) -> Floats:
 
 
 def simulate(problem: Problem) -> Simulation:
-    """Simulate the gait of a problem in the plane."""
-    if problem.lift is not None:
-        raise InputError("[lift]: gaits in space are solved (`solve`), not simulated; leave [lift] out for the plane.")
-    table = gait_table(problem)
-    task = problem.task
+    """Simulate the gait of a problem; with `[lift]` in space, lifted in the middle of its `phase` and `bias`."""
+    table, task, family = gait_table(problem), problem.task, problem.family_of()
+    if isinstance(family, LiftedFamily):
+        lifted = simulate_lifted(problem.model, family, family.start(), task.cycles)
+        return Simulation(problem, table, lifted)
     motion = simulate_joint_angles(problem.model, table, task.cycles, closed=not task.transient)
     return Simulation(problem, table, motion)
