@@ -2,7 +2,8 @@
 
 An effect earns its name if, beside all others, it takes away more than the best of all candidates would take of what
 is left if none of them were a cause (null.py), and if what it accounts for is no mere error of the law of the others
-(discrepancy.py). All that is named together takes away more than it leaves. Its trace in the path must stand above the
+(discrepancy.py), and if its interval, which holds what gaits disagree about, leaves out the value that changes nothing.
+All that is named together takes away more than it leaves. Its trace in the path must stand above the
 noise level.
 """
 
@@ -15,10 +16,19 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import strength
 from serpenoid.diagnose.inference.discrepancy import outdoes
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit_guided, fit_without, predicted_without
+from serpenoid.diagnose.inference.medium import (
+    TO_THE_END,
+    Fit,
+    fit_guided,
+    fit_without,
+    linearised,
+    predicted_without,
+)
 from serpenoid.diagnose.inference.ranking import needed
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
+
+NORMAL = 1.96  # standard deviations: 95 %
 
 
 @dataclass(frozen=True)
@@ -80,13 +90,25 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
         gains = [b.chi2 - best.chi2 for b in bases]
         outweighed = null.chi2 - best.chi2 < best.chi2 - best.evidence.count.sum()
         most = np.inf if outweighed else needed(motion, best)
-        idle = [i for i, b in enumerate(bases) if gains[i] <= most or not outdoes(motion, best, b)]
+        sure = certain(motion, best)
+        idle = [i for i, b in enumerate(bases) if gains[i] <= most or not sure[i] or not outdoes(motion, best, b)]
         if not idle:
             break
         least = min(idle, key=lambda i: gains[i])
         refused.append(Refused(best.effects[least], gains[least] / bases[least].chi2, best))
         best = fit_guided(motion, bases[least], TO_THE_END)
     return best, tuple(refused)
+
+
+def certain(motion: Motion, best: Fit) -> list[bool]:
+    """Of each effect, whether a value lies farther from the one that changes nothing than its 95 % interval reaches."""
+    evidence, _, _ = linearised(motion, best.model, best.effects, best.drift, near=best.predictions, hold=False)
+    spread = max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
+    reach = NORMAL * np.sqrt(np.diag(evidence.covariance(range(len(best.coordinates)), spread)))
+    resting = [np.nan if p.neutral is None else p.resting for e in best.effects for p in e.effect.parameters]
+    apart = np.abs(best.coordinates[1:] - resting) > reach[1:]  # never of what has no such value
+    ends = np.cumsum([len(e.effect.parameters) for e in best.effects])[:-1]
+    return [bool(part.any()) for part in np.split(apart, ends)]
 
 
 def visible(
