@@ -120,7 +120,7 @@ def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
     """K = 1 / eps and its 95 % interval, of noise or robust, whichever is wider; within the bounds of eps."""
     i = found.names.index("anisotropy_ratio")
     eps, wider = float(found.values[i]), Z95 * float(found.robust_sd[i])
-    least, most = model.medium.limits(LOWEST, HIGHEST)
+    least, most = (float(bound[i]) for bound in bounds(found.names, model))  # those of the fit: it may end there
     low, high = found.interval[i]
     return 1 / eps, 1 / min(max(float(high), eps + wider), most), 1 / max(min(float(low), eps - wider), least)
 

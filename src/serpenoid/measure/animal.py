@@ -1,4 +1,4 @@
-"""What is said of a recording of points alone before any work: which end leads, which way bends run, how long it lasts.
+"""What is said of a recording of points alone before any work: which end leads, where bends run, whether it stretches.
 
 run of the bends = sum (k_{j+1} k_j' - k_j k_{j+1}') / sum |.|        > 0: from head to tail, k: joint angles
 """
@@ -8,12 +8,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
 
 SHORT = 2.0  # periods: under that, nothing shows what one beat has of its own
 LEAST_EDGES = 5.0  # a wave: docs/measuring.md has what K comes out as with fewer
 LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
+SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and its points do not only scatter
 
 
 def leading(motion: Motion) -> float:
@@ -48,6 +51,29 @@ def edges_per_wave(motion: Motion) -> float:
     return 2 * np.pi / phase if phase > 0 else np.inf
 
 
+def stretching(motion: Motion) -> tuple[float, float, float]:
+    """SD of the body's length, SD of its white noise [body lengths], and the share of the path (0 ..) that a body could
+    crawl with it: forward by as much as it lengthens, never back,
+
+        sum |dL| / 2 / sum |dx|      L: smoothed lengths, x: the centroid
+    """
+    lengths = np.linalg.norm(np.diff(motion.markers, axis=1), axis=2).sum(axis=1)
+    variance = float(Signal(motion.time_s, lengths[:, None]).noise_variance[0])
+    runs = [r for run in motion.runs if len(r := np.arange(run.start, run.stop)[np.isfinite(lengths[run])])]
+    crawled = sum(float(np.abs(np.diff(_smoothed(motion.time_s[r], lengths[r], variance))).sum()) for r in runs) / 2
+    path = sum(
+        float(np.linalg.norm(np.diff(motion.smooth_poses[run, :2], axis=0), axis=1).sum()) for run in motion.runs
+    )
+    spread = float(lengths[np.concatenate(runs)].std()) if runs else 0.0
+    return spread, float(np.sqrt(variance)), crawled / path if path > 0 else 0.0
+
+
+def _smoothed(time_s: Floats, lengths: Floats, variance: float) -> Floats:
+    column = lengths[:, None]
+    window = best_window(time_s, column, np.full_like(column, variance))
+    return smooth(column, *smoother(time_s, window))[:, 0]
+
+
 def remarks(motion: Motion) -> tuple[str, ...]:
     """Sentences on direction and length; what looks wrong comes with its cure."""
     head_first, run = leading(motion), bends_run(motion)
@@ -58,7 +84,7 @@ def remarks(motion: Motion) -> tuple[str, ...]:
         found.append(
             "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
         )
-    return (*found, *_sampling(motion), *_length(motion))
+    return (*found, *_sampling(motion), *_stretching(motion), *_length(motion))
 
 
 def _sampling(motion: Motion) -> list[str]:
@@ -67,7 +93,19 @@ def _sampling(motion: Motion) -> list[str]:
         return []
     return [
         f"{points} points show {(points - 1) / edges:.2g} waves, {edges:.2g} edges a wave: under {LEAST_EDGES:g} the "
-        "curve between them is guessed, K comes out too large and what is left looks like a cause; track more points"
+        "curve between them is guessed, K comes out too large and what is left looks like a cause; track more points "
+        "(2 edges a wave are also what the scatter of single points along a body makes)"
+    ]
+
+
+def _stretching(motion: Motion) -> list[str]:
+    spread, noise, share = stretching(motion)
+    frames = sum(run.stop - run.start for run in motion.runs)
+    if spread**2 <= noise**2 * (1 + SURE * np.sqrt(2 / frames)):
+        return []
+    return [
+        f"its length varies by {spread:.1%} (SD; noise {noise:.1%}), and links of the model are rigid: by lengthening "
+        f"and shortening (peristalsis) a body could crawl {min(share, 1):.0%} of this path, which no fit accounts for"
     ]
 
 
