@@ -1,0 +1,119 @@
+"""What servos were told and did: set-points in every way to take them, shapes about them, names that are earned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.protocol import usual
+from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.plays import TICK, carried
+
+SEED, SETTINGS = 71, 2
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
+    folder = tmp_path_factory.mktemp("servos")
+    write(make(SEED, [], combinations=COMBINATIONS[:SETTINGS]), folder)
+    return read_recordings(folder)[1]
+
+
+def test_shapes_about_what_is_commanded_keep_corners_and_cross_a_hole() -> None:
+    rng, time = np.random.default_rng(0), np.arange(0, 8, 1 / 60)
+    corners = np.arange(0, 8.01, 0.25)
+    course = Course(corners, np.sin(2 * np.pi * corners / 2)[:, None])  # eight rows a cycle of two seconds
+    off, noise = 0.05, 0.01
+    seen = course.at(time) + off + noise * rng.normal(size=(len(time), 1))
+    seen[(time > 3) & (time < 4)] = np.nan
+    source = Source(time, seen, np.full(1, noise))
+    about, plain = (fitted([source], np.empty(0), 0.072, True, c) for c in (course, None))
+    wrong = [np.abs(shape.at(time) - off - course.at(time)).max() for shape in (about, plain)]
+    assert wrong[0] < noise  # a constant, known from four hundred readings
+    assert wrong[1] > 5 * noise  # half a cycle is guessed
+
+
+def test_healthy_servos_carry_their_shapes_and_have_no_names(recordings: tuple[Recording, ...]) -> None:
+    data = plays(recordings)
+    assert not data.held
+    assert not data.told
+    stage = choose_actuation(data)
+    assert not stage.named
+    assert stage.settled
+    # rounding and a flicker of 0.4 ticks
+    np.testing.assert_allclose(data.noise, TICK * np.sqrt(1 / 12 + 0.4**2), rtol=0.1)
+    assert all(r.carrier is not None and r.carrier.angles.any(axis=0).all() for r in carried(recordings, data, []))
+
+
+def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[Recording, ...]) -> None:
+    rng, late = np.random.default_rng(1), 0.15  # s, at most: every third of a second another delay
+
+    def delayed(r: Recording) -> Recording:
+        delay = late * rng.uniform(size=1000)[(r.read_at * 3).astype(int)]
+        told = r.schedule.commanded(r.read_at - delay)
+        return replace(r, commands=told, position=np.round(told / TICK) * TICK)
+
+    data = plays([delayed(r) for r in recordings])
+    assert data.told
+    assert choose_actuation(data).settled
+
+
+def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
+    hidden = Effect("speed_saturation", None, {"max_speed": 0.6})
+    protocol = replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)
+    write(make(SEED, [hidden], protocol=protocol), tmp_path)
+    data = plays(read_recordings(tmp_path)[1])
+    assert data.held
+    (named,) = choose_actuation(data).named
+    assert named.effect.name == hidden.name
+    low, high = named.intervals["max_speed"]
+    assert low is not None
+    assert high is not None
+    assert low < 0.6 < high
+
+
+@dataclass(frozen=True)
+class Worth:
+    """Effects that take away so much each of what there is, and nothing of one another's."""
+
+    gains: tuple[float, ...]
+    there: float = 1000.0
+
+    @property
+    def size(self) -> int:
+        return len(self.gains)
+
+    @property
+    def priced(self) -> Priced:
+        return Priced(self.there - sum(self.gains), self.size, 100.0)
+
+
+def without(found: Worth, index: int) -> Worth:
+    return replace(found, gains=found.gains[:index] + found.gains[index + 1 :])
+
+
+def test_effects_that_gain_no_more_than_the_null_are_dropped() -> None:
+    best = earned(Worth((500.0, 30.0, 200.0)), Worth(()), without, lambda found: 40.0)
+    assert best.gains == (500.0, 200.0)
+
+
+def test_effects_that_together_take_away_less_than_they_leave_are_no_causes() -> None:
+    assert earned(Worth((200.0, 150.0)), Worth(()), without, lambda found: 40.0).gains == ()
+
+
+def test_a_fit_must_pay_for_its_parameters_and_its_rivals() -> None:
+    base, toll = Priced(100.0, 1, 100.0), float(np.log(100))
+    dear = 2 * np.log(50)  # for fifty candidates
+    assert cheapest(base, [Priced(100 - toll - dear + 0.1, 2, 100.0)], 50) is None
+    assert cheapest(base, [Priced(90.0, 2, 100.0), Priced(100 - toll - dear - 0.1, 2, 100.0)], 50) == 1
+    assert cheapest(base, [], 50) is None
