@@ -269,6 +269,13 @@ def test_the_place_after_several_cycles_is_where_they_lead() -> None:
     assert found.cost == pytest.approx(value, abs=1e-9)
 
 
+def test_demands_alone_are_met_by_any_gait_that_meets_them() -> None:
+    found = solve(problem("steer", "body.vertices=6", "task.steps=12", "task.objectives=[]", "task.c=0"), starts=1).best
+    assert found.residuals.largest <= 1e-8
+    assert found.cost == 0
+    assert found.trajectory.heading_change == pytest.approx(0.3, abs=1e-8)
+
+
 def test_faults_in_objectives_name_their_place() -> None:
     path = PROBLEMS / "reach.toml"
     with pytest.raises(InputError, match="unknown key"):

@@ -24,7 +24,7 @@ class CriteriaRows:
     def value(self) -> tuple[ca.MX, ca.MX]:
         """Objective and constraints."""
         f, g = self.criteria.function(*self._at)
-        return f, g
+        return ca.densify(f), g  # nothing but demands is asked for: no entry
 
     @property
     def count(self) -> int:
