@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from optimise.test_free_gaits import LINE, differences
+from serpenoid import group
 from serpenoid.body import Body, Floats
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
@@ -24,6 +25,7 @@ from serpenoid.mechanics.wide import Columns
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Demand, Term, demands, terms
+from serpenoid.objectives.term import after
 from serpenoid.optimise.multistart import solve_one
 from serpenoid.optimise.nlp import gait_nlp
 from serpenoid.optimise.solution import Solution
@@ -181,6 +183,19 @@ def test_no_objective_or_demand_is_left_out_but_those_that_are_refused() -> None
     parts = [part["kind"] for group in (*ASKED.values(), DEMANDED) for part in group]
     kinds: list[type[Term | Demand]] = [*terms(), *demands()]
     assert set(parts) == {str(kind.model_fields["kind"].default) for kind in kinds if not kind.flat}
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.03])
+def test_headings_count_turns_in_space_and_cycles_compose(tilt: float) -> None:
+    motion = np.array([0.1, 0.2, 2.0, tilt, tilt, -tilt])
+    there = after(np.array([np.zeros(6), motion]), 5)
+    turn, place = group.spatial_rotation(motion), motion[[0, 1, 3]]
+    np.testing.assert_allclose(group.spatial_rotation(there), np.linalg.matrix_power(turn, 5), atol=1e-12)
+    expected = sum(np.linalg.matrix_power(turn, k) @ place for k in range(5))
+    np.testing.assert_allclose(there[[0, 1, 3]], expected, atol=1e-12)
+    assert there[2] == pytest.approx(10.0, abs=2 * tilt)  # beyond three half turns
+    flat = after(np.array([np.zeros(3), motion[:3]]), 5)
+    np.testing.assert_allclose(there[:3], flat, atol=1e-12 if tilt == 0 else 2 * tilt)
 
 
 @pytest.fixture(scope="module")
