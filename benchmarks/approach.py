@@ -2,9 +2,9 @@
 
 Every constant of `optimise/easier.py` and `optimise/watch.py` at its value and at others, the rest as they are: the
 reach problem for the rows of the rough table, dry ground for softer friction, the disc obstacle for what is watched;
-and how many iterations IPOPT looks ahead, for free gaits that keep off themselves or stay in a corridor. A seed counts
-as certified as in `free_gaits.py`. Ratios are of processor seconds to those with the package's own values, the same
-seeds, each seed with all values in turn.
+for ellipses the rows that carry limits at first; and how many iterations IPOPT looks ahead, for free gaits that keep
+off themselves or stay in a corridor. A seed counts as certified as in `free_gaits.py`. Ratios are of processor seconds
+to those with the package's own values, the same seeds, each seed with all values in turn.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from unittest.mock import patch
 import numpy as np
 from bench import clock, report, table
 
-from serpenoid.optimise import easier, ipopt, watch
+from serpenoid.optimise import easier, ipopt, prepared, watch
 from serpenoid.optimise.multistart import as_solution
 from serpenoid.optimise.prepared import Carried, PreparedNLPs
 from serpenoid.optimise.robust import solver_of
@@ -64,6 +64,13 @@ CASES: dict[str, tuple[tuple[tuple[str, ...], int], list[dict[str, float]]]] = {
     "what is near (NEAR)": (DISC, [{"NEAR": 0.1}, OWN, {"NEAR": 1.0}]),
     "what is kept (MARGIN)": (DISC, [{"MARGIN": 1e-4}, OWN, {"MARGIN": 1e-2}]),
     "what is watched then (DEEP)": (DISC, [{"DEEP": 1e-3}, OWN, {"DEEP": 2e-2}]),
+    **{
+        f"rows that carry limits at first (FIRST_ROWS), {name}": (
+            ((name,), 12),
+            [{"FIRST_ROWS": 3}, {"FIRST_ROWS": 5}, OWN, {"FIRST_ROWS": 20}],
+        )
+        for name in ("reference-optimum", "snake10")
+    },
     "softer friction (SOFTER, SOFTEST)": (
         FRICTION,
         [{"SOFTER": 10**0.25}, OWN, {"SOFTER": 10.0}, {"SOFTEST": 0.1}, {"SOFTEST": 10.0}, {"SOFTEST": 0.0}],
@@ -106,7 +113,8 @@ def using(values: dict[str, float]) -> Iterator[None]:
             elif name == AHEAD:
                 stack.enter_context(patch.dict(ipopt.OPTIONS, {f"ipopt.{name}": int(value)}))
             else:
-                stack.enter_context(patch.object(easier if hasattr(easier, name) else watch, name, value))
+                place = next(module for module in (easier, watch, prepared) if hasattr(module, name))
+                stack.enter_context(patch.object(place, name, value))
         yield
 
 
@@ -172,6 +180,7 @@ def main() -> None:
         "approach",
         "What the constants of hard problems are worth",
         own + f"DEEP = {watch.DEEP:g}, SOFTER = {easier.SOFTER:.3g}, SOFTEST = {easier.SOFTEST:g}, "
+        f"FIRST_ROWS = {prepared.FIRST_ROWS}, "
         f"{AHEAD} = {ipopt.OPTIONS[f'ipopt.{AHEAD}']} (IPOPT's own 3). Time: ratio to the package's own values.",
         table(header, lines),
     )

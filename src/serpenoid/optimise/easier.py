@@ -21,7 +21,7 @@ from serpenoid.problem import Problem
 # all measured beside other values in results/benchmarks/approach.md (benchmarks/approach.py):
 SOFTEST = 1.0  # of the element's own way; softer still is linear drag
 SOFTER = 10**0.5  # from one friction to the next
-FEWER = 4  # rows of the table to one of the rough table: beside a disc two take 1.5 times as long, eight 1.7 times
+FEWER = 4  # rows of the table to one of the rough table: beside a disc two take 1.5 times as long, eight 1.8 times
 LEAST = 20  # rows of a rough table: from ten, the search on all rows takes longer than the rough one saves
 
 

@@ -17,7 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.problem import Problem
 
-FIRST_ROWS = 10
+FIRST_ROWS = 10  # beside other numbers in results/benchmarks/approach.md (benchmarks/approach.py)
 TOLERANCE = 1e-9
 BINDING = -1e-4  # rad: as near to its limit as this, a row is held by it
 

@@ -22,7 +22,7 @@ NEAR = 0.3  # body lengths: with less, a body leaps between rows to where nothin
 SHARES = PLACES = (0.0, 0.25, 0.5, 0.75)  # where it is looked: in every step, on every edge
 # an edge of length l goes l^2 / (8 r) into a disc of radius r between vertices that keep clear of it: 2.5e-3 for ten
 # edges and r = 0.5
-MARGIN = 1e-3  # body lengths kept at watched points: a tenth takes twice the time, in exchanges; more costs objective
+MARGIN = 1e-3  # body lengths kept at watched points: a tenth takes as long; ten times as much costs objective
 DEEP = 5e-3  # twice that depth: what is nearer is mended by a wider margin, what is deeper by watching the point
 
 
