@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import platform
+import subprocess
 import sys
 import tempfile
 import time
@@ -105,12 +106,18 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
 
 
+def commit() -> str:
+    """Of the sources that ran."""
+    found = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True)
+    return found.stdout.strip()
+
+
 def report(name: str, title: str, *parts: str, measure: str = "processor seconds, one core") -> None:
     """Print the report and write it to results/benchmarks/<name>.md; measure: what seconds are."""
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     versions = f"Python {platform.python_version()}, CasADi {casadi.__version__}, NumPy {np.__version__}"
     versions += f", SciPy {scipy.__version__}; {os.cpu_count()} cores, load {load} when written;"
-    versions += f" {measure}"
+    versions += f" {measure}; at commit {commit()}"
     command = f"    PYTHONPATH=src:tests python benchmarks/{name}.py"
     text = "\n\n".join([f"# {title}", command, versions, *(part.strip() for part in parts)]) + "\n"
     write_text(REPORTS / f"{name}.md", text)

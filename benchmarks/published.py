@@ -16,7 +16,6 @@ the same version of the package. Words of the command line choose lines ("box", 
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -187,12 +186,6 @@ def sawtooth(edges: int) -> list[str]:
     ]  # fmt: skip
 
 
-def commit() -> str:
-    """Of the sources that ran."""
-    found = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True)
-    return found.stdout.strip()
-
-
 def main() -> None:
     header = ["problem", "file", "source", "here", "objective", "reach it", "other optima", "certified", "otherwise",
               "simulators differ: poses", "objective"]  # fmt: skip
@@ -217,7 +210,6 @@ def main() -> None:
     report(
         "published",
         "Published problems",
-        f"Ran at commit {commit()}.",
         OBJECTIVES,
         table(header, rows),
         SWIMMERS,
