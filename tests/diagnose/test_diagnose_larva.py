@@ -38,12 +38,16 @@ def crawl() -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def larva(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder, (time, points) = tmp_path_factory.mktemp("larva"), crawl()
-    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(POINTS))
+    return written(tmp_path_factory.mktemp("larva"))
+
+
+def written(folder: Path) -> Path:
+    time, points = crawl()
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(points.shape[1]))
     rows = np.column_stack([time, 4 * points.reshape(len(time), -1)])
     np.savetxt(folder / "larva.csv", rows, fmt="%.5f", delimiter=",", header=header, comments="")
     (folder / "campaign.toml").write_text(
-        f'format = 1\nname = "larva"\n[body]\nvertices = {POINTS}\nkind = "crawler"\n'
+        f'format = 1\nname = "larva"\n[body]\nvertices = {points.shape[1]}\nkind = "crawler"\n'
         '[motion]\nformat = "tidy"\nlength_unit = "mm"\n[[trial]]\nname = "crawl"\nmotion = "larva.csv"\n'
     )
     return folder
@@ -62,13 +66,30 @@ def test_what_a_larva_lengthens_is_its_whole_path(trial: Trial) -> None:
     assert any("peristalsis" in note for note in trial.notes)
 
 
+def diagnosed(campaign: Path, out: Path) -> dict[str, Any]:
+    command = [sys.executable, "-m", "serpenoid", "diagnose", str(campaign), "--out", str(out)]
+    subprocess.run([*command, "--no-figures", "--quiet"], check=True)
+    found: dict[str, Any] = json.loads((out / "diagnosis.json").read_text())
+    return found
+
+
 @pytest.mark.slow
 def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "serpenoid", "diagnose", str(larva), "--out", str(tmp_path / "out")]
-    subprocess.run([*command, "--no-figures", "--quiet"], check=True)
-    found: dict[str, Any] = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    found = diagnosed(larva, tmp_path / "out")
     assert found["verdict"] == "unexplained"
     assert not found["effects"]
     assert found["gain"]["path_rms_m"]["after"] == found["gain"]["path_rms_m"]["before"]
     low, high = found["drag_ratio"]["interval"]
     assert low <= found["drag_ratio"]["value"] <= high
+
+
+@pytest.mark.slow
+def test_where_points_are_too_unsure_to_show_motion_drag_is_not_called_the_explanation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coarse = {"POINTS": 8, "RATE": 16, "SECONDS": 8, "LAG": 0.8, "SWING": 0.2, "NOISE": 0.006}
+    for name, value in coarse.items():
+        monkeypatch.setattr(sys.modules[__name__], name, value)
+    found = diagnosed(written(tmp_path), tmp_path / "out")
+    assert found["verdict"] == "unexplained"
+    assert any("nothing can be told" in words for words in found["residual_pattern"])

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from serpenoid.diagnose.data.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.data.untestable import fixed_to_the_room
 from serpenoid.diagnose.inference.held_out import LeaveOut, fitted_again, held_out_error
@@ -19,6 +21,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_on_tracks, finding
 
 RULE = Unseen(fitted_again, worth=0.2)
+HIDDEN = "a body that stood still would leave no more: the points' noise hides what moves it, and nothing can be told"
 MAJOR = 0.5  # of the error of the path: all of them together
 
 
@@ -30,7 +33,16 @@ def choose_tracked(
     tracks = track(baseline.model)
     labels = tuple(range(len(tracks)))
     found = choose_on_tracks(track, labels, baseline, say, fixed_to_the_room(tracks), RULE)
-    return causes(found, MAJOR, RULE.leave_out)
+    return moving(causes(found, MAJOR, RULE.leave_out))
+
+
+def moving(found: MotionFinding) -> MotionFinding:
+    """The finding; "nothing is missing" is said of a model that leaves less than a body that stands still would."""
+    motion, null = found.selection.motion, found.selection.null
+    still = np.concatenate([(t.displacement / motion.noise.of(t))[t.usable].ravel() for t in motion.tracks])
+    if found.stage.named or not found.stage.settled or null.chi2 + null.evidence.toll(1) < still @ still:
+        return found
+    return replace(found, stage=replace(found.stage, words=(*found.stage.words, HIDDEN)))
 
 
 def causes(found: MotionFinding, least: float, leave_out: LeaveOut) -> MotionFinding:
