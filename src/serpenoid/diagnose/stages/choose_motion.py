@@ -30,6 +30,7 @@ from serpenoid.effects.base import MediumEffect
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
+TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
 CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
@@ -97,7 +98,7 @@ def finding(found: Selection) -> MotionFinding:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
     if words:
-        words = (*words, *(_refusal(r) for r in found.refused))
+        words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
     if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
         named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
     if jumps is not None and jumps in named:
