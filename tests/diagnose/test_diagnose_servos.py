@@ -15,9 +15,10 @@ from blind.protocol import usual
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
-from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.plays import TICK, carried
+from serpenoid.effects.active import ActiveEffect
 
 SEED, SETTINGS = 71, 2
 
@@ -53,6 +54,14 @@ def test_healthy_servos_carry_their_shapes_and_have_no_names(recordings: tuple[R
     # rounding and a flicker of 0.4 ticks
     np.testing.assert_allclose(data.noise, TICK * np.sqrt(1 / 12 + 0.4**2), rtol=0.1)
     assert all(r.carrier is not None and r.carrier.angles.any(axis=0).all() for r in carried(recordings, data, []))
+
+
+def test_an_effect_that_every_joint_has_is_tried_nowhere_else(recordings: tuple[Recording, ...]) -> None:
+    data = plays(recordings)
+    base = [ActiveEffect.typical("gain_loss", joint + 1) for joint in range(data.readings.shape[1])]
+    start = np.zeros(data.readings.shape[1])
+    assert fit_everywhere(data, "gain_loss", base, [start]) == []
+    assert len(fit_everywhere(data, "gain_loss", base[1:], [start])) == 1
 
 
 def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[Recording, ...]) -> None:

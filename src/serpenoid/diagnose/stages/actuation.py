@@ -83,6 +83,8 @@ def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], starts:
     parameter = kind.parameters[0]
     taken = {e.place for e in base if e.name == name}
     places = [p for p in places_of(kind, data) if p not in taken]
+    if not places:  # every joint has it
+        return []
     columns = slice(0, 1) if kind.place is None else np.array([j - 1 for j in places if j is not None])
 
     def play(x: Floats) -> Floats:
