@@ -130,6 +130,8 @@ def test_jumps_of_position_are_found_in_gaps(tmp_path: Path) -> None:
     assert found is not None
     low, high = found.intervals["size"]
     assert low < JUMPS.parameters["size"] < high
+    missed = JUMPS.parameters["size"]  # a law that errs as much in every window does so in gaps as well
+    assert find_jumps(motion, null.predictions, path_noise(motion, null.predictions), missed) is None
 
 
 def test_a_fast_clock_is_found(tmp_path: Path) -> None:
@@ -141,7 +143,7 @@ def test_a_fast_clock_is_found(tmp_path: Path) -> None:
 def test_jumps_far_above_their_noise_have_a_narrow_interval(monkeypatch: pytest.MonkeyPatch) -> None:
     noises = np.full(16, 1e-5)
     lengths = np.hypot(0.03 + np.random.default_rng(1).normal(0, 1e-5, 16), 1e-5)
-    monkeypatch.setattr(jumps, "gap_lengths", lambda motion, predictions: (lengths, noises))
+    monkeypatch.setattr(jumps, "gap_lengths", lambda motion, predictions, missed_m: (lengths, noises))
     motion = SimpleNamespace(untestable={})
     found = find_jumps(motion, (), 1e-3)  # type: ignore[arg-type]
     assert found is not None

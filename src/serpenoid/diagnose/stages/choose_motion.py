@@ -92,11 +92,12 @@ def finding(found: Selection) -> MotionFinding:
     after = path_error(motion, best.predictions)
     named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
-    jumps = find_jumps(motion, best.predictions, noise_level)
+    missed_m = discrepancy(*_fullest(found))
+    jumps = find_jumps(motion, best.predictions, noise_level, missed_m)
     undetected = [undetected_of(f.attempt, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
-    words, missed_m = _left_over(found, mend=jumps is not None), discrepancy(*_fullest(found))
+    words = _left_over(found, mend=jumps is not None)
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
     if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes

@@ -22,22 +22,29 @@ CERTAIN, DROP = 12.0, 2.2  # log-likelihood: ratio that names it, drop at the en
 MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
 
 
-def gap_lengths(motion: Motion, predictions: Sequence[Prediction]) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths of unaccounted displacement across gaps [m], and their noise (SD of one component) [m]."""
+def gap_lengths(
+    motion: Motion, predictions: Sequence[Prediction], missed_m: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths of unaccounted displacement across gaps [m], and the SD of one component without steps [m]: noise, and in
+    each window the discrepancy `missed_m` that windows without gaps leave.
+    """
     lengths, noises = [], []
     for track, p in zip(motion.tracks, predictions, strict=True):
         noise = motion.noise.of(track)
         for first, last, step in gap_steps(track, p):
             lengths.append(np.hypot(step[0], step[1]))
-            noises.append(np.sqrt((noise[first:last, :2] ** 2).sum() / 2))
+            chance = (noise[first:last, :2] ** 2).sum() / 2
+            noises.append(np.sqrt(chance + ((last - first) * missed_m) ** 2 / 2))
     return np.array(lengths), np.array(noises)
 
 
-def find_jumps(motion: Motion, predictions: Sequence[Prediction], noise_level_m: float) -> Named | None:
-    """Steps across gaps, if they show them."""
+def find_jumps(
+    motion: Motion, predictions: Sequence[Prediction], noise_level_m: float, missed_m: float = 0.0
+) -> Named | None:
+    """Steps across gaps, if they show them; missed_m: see `gap_lengths`."""
     (kind,) = [k for k in catalogue().values() if k.marks == "jumps"]
     (parameter,) = kind.parameters
-    lengths, noises = gap_lengths(motion, predictions)
+    lengths, noises = gap_lengths(motion, predictions, missed_m)
     if len(lengths) < 3 or kind.name in motion.untestable:
         return None
 
