@@ -144,3 +144,16 @@ def agree(motion: Trajectory, run: Run, tolerance: float) -> None:
     np.testing.assert_allclose(motion.poses, run.poses, atol=tolerance, rtol=0)
     np.testing.assert_allclose(motion.vertices, run.vertices, atol=tolerance, rtol=0)
     np.testing.assert_allclose(motion.step_energy, run.energies, atol=tolerance, rtol=0)
+
+
+def animal_campaign(folder: Path, name: str, time: np.ndarray, points: np.ndarray, unit: str) -> Path:
+    """A campaign of one crawler, whose points (F, N, 2) at times (F,) are in `unit`."""
+    count = points.shape[1]
+    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(count))
+    rows = np.column_stack([time, points.reshape(len(time), -1)])
+    np.savetxt(folder / f"{name}.csv", rows, fmt="%.5f", delimiter=",", header=header, comments="")
+    (folder / "campaign.toml").write_text(
+        f'format = 1\nname = "{name}"\n[body]\nvertices = {count}\nkind = "crawler"\n'
+        f'[motion]\nformat = "tidy"\nlength_unit = "{unit}"\n[[trial]]\nname = "crawl"\nmotion = "{name}.csv"\n'
+    )
+    return folder

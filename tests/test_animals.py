@@ -15,6 +15,7 @@ from serpenoid.diagnose.data.tracked import MOST_PERIODS, tracked_recordings
 from serpenoid.diagnose.data.untestable import not_on_offer
 from serpenoid.effects.catalogue import catalogue, find
 from serpenoid.measure.load import load_campaign
+from specimens import animal_campaign
 
 K = 12.0
 POINTS, FINE = 12, 89  # points seen; 8 pieces of the curve between two of them
@@ -68,14 +69,7 @@ def turning(angle: float) -> np.ndarray:
 def write(folder: Path, time: np.ndarray, points: np.ndarray) -> Path:
     """A campaign of a crawler in micrometres, a millimetre long."""
     folder.mkdir()
-    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(POINTS))
-    rows = np.column_stack([time, 1000 * points.reshape(len(time), -1)])
-    np.savetxt(folder / "worm.csv", rows, fmt="%.5f", delimiter=",", header=header, comments="")
-    (folder / "campaign.toml").write_text(
-        f'format = 1\nname = "worm"\n[body]\nvertices = {POINTS}\nkind = "crawler"\n'
-        '[motion]\nformat = "tidy"\nlength_unit = "um"\n[[trial]]\nname = "crawl"\nmotion = "worm.csv"\n'
-    )
-    return folder
+    return animal_campaign(folder, "worm", time, 1000 * points, "um")
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ import pytest
 from serpenoid.measure.animal import stretching
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import Trial
+from specimens import animal_campaign
 
 POINTS, RATE, SECONDS = 6, 30.0, 4.0
 STRIDE, BEAT = 0.2, 1.3  # body lengths a wave; waves a second
@@ -43,14 +44,7 @@ def larva(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def written(folder: Path) -> Path:
     time, points = crawl()
-    header = "t_s," + ",".join(f"x_{k},y_{k}" for k in range(points.shape[1]))
-    rows = np.column_stack([time, 4 * points.reshape(len(time), -1)])
-    np.savetxt(folder / "larva.csv", rows, fmt="%.5f", delimiter=",", header=header, comments="")
-    (folder / "campaign.toml").write_text(
-        f'format = 1\nname = "larva"\n[body]\nvertices = {points.shape[1]}\nkind = "crawler"\n'
-        '[motion]\nformat = "tidy"\nlength_unit = "mm"\n[[trial]]\nname = "crawl"\nmotion = "larva.csv"\n'
-    )
-    return folder
+    return animal_campaign(folder, "larva", time, 4 * points, "mm")
 
 
 @pytest.fixture(scope="module")

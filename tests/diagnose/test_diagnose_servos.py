@@ -12,12 +12,13 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
+from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.plays import TICK, carried
+from serpenoid.diagnose.stages.plays import carried
 from serpenoid.effects.active import ActiveEffect
 
 SEED, SETTINGS = 71, 2

@@ -18,6 +18,7 @@ from functools import lru_cache
 import casadi as ca
 
 from serpenoid.mechanics import energy
+from serpenoid.mechanics.chain_rule import packed, upper
 from serpenoid.mechanics.functions import CSE
 from serpenoid.mechanics.lifted import ELEMENT
 from serpenoid.objectives import frames
@@ -64,11 +65,6 @@ def element_functions(coordinates: int) -> list[ca.Function]:
     ]  # fmt: skip
 
 
-def upper(n: int) -> list[tuple[int, int]]:
-    """Index pairs (i, j), i <= j, column by column."""
-    return [(i, j) for j in range(n) for i in range(j + 1)]
-
-
 def _energies(h: ca.SX, before: ca.SX, after: ca.SX, weight: ca.SX, eps: ca.SX) -> tuple[ca.SX, ca.SX]:
     """E and S."""
     moved = ca.vertcat(frames.placed(h, after[:3]), frames.rotation(h) @ after[3:6])
@@ -85,5 +81,4 @@ def _chained(inputs: list[ca.SX], to_z: ca.SX, gradient: ca.SX, hessian: ca.SX, 
         begin = POSE + coordinates * end
         for (i, j), value in zip(upper(coordinates), ca.vertsplit(bends.T @ force), strict=True):
             total[begin + i, begin + j] += value
-    packed = ca.vertcat(*(total[i, j] for i, j in upper(POSE + 2 * coordinates)))
-    return [ca.densify(to_z.T @ gradient), ca.densify(packed)]
+    return [ca.densify(to_z.T @ gradient), ca.densify(packed(total))]

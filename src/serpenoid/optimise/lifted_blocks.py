@@ -16,6 +16,7 @@ import casadi as ca
 
 from serpenoid.gaits.lifted import Lift
 from serpenoid.mechanics import functions, spatial
+from serpenoid.mechanics.chain_rule import composed, upper
 from serpenoid.mechanics.compile import compiled
 from serpenoid.mechanics.functions import CSE, element_parameters
 from serpenoid.mechanics.wide import Columns, over_columns
@@ -92,7 +93,7 @@ def _row(structure: Structure, lift: Lift, order: int) -> ca.Function:
     if order:
         parts += ca.horzsplit(ca.jacobian(parts[0], v))
     if order == 2:
-        parts += [ca.jacobian(parts[1 + j], v[i]) for i, j in spatial.upper(COORDINATES)]
+        parts += [ca.jacobian(parts[1 + j], v[i]) for i, j in upper(COORDINATES)]
     stacked = ca.vertcat(*(ca.reshape(part, found.shape) for part in parts))
     return ca.Function(f"lifted_row_{order}", [v, parameters], [ca.densify(stacked)], CSE)
 
@@ -137,14 +138,8 @@ def _composition() -> list[ca.Function]:
     h, outer = frames.relative(inputs[0], inputs[1]), ca.vertcat(*inputs)
     z = ca.vertcat(h, *inputs[2:])
     sensitivity = ca.jacobian(z, outer)
-    slope, packed = ca.SX.sym("slope", LOCAL), ca.SX.sym("packed", len(spatial.upper(LOCAL)))
-    inner = ca.SX.zeros(LOCAL, LOCAL)
-    for (i, j), value in zip(spatial.upper(LOCAL), ca.vertsplit(packed), strict=True):
-        inner[i, j] = inner[j, i] = value
-    total = sensitivity.T @ inner @ sensitivity + ca.hessian(ca.dot(slope, z), outer)[0]
-    outputs = [ca.densify(sensitivity.T @ slope), ca.densify(total)]
     return [
         ca.Function("spatial_local", inputs, [ca.densify(h)], CSE),
         ca.Function("spatial_local_jacobian", inputs, [ca.densify(sensitivity)], CSE),
-        ca.Function("spatial_compose", [*inputs, slope, packed], outputs, CSE),
+        composed("spatial_compose", inputs, z),
     ]

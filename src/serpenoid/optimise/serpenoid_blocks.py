@@ -16,6 +16,7 @@ from functools import lru_cache
 import casadi as ca
 
 from serpenoid.mechanics import energy
+from serpenoid.mechanics.chain_rule import composed, packed
 from serpenoid.mechanics.functions import CSE, element_parameters
 from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.model import Structure
@@ -59,11 +60,6 @@ class SerpenoidBlocks:
 @lru_cache(maxsize=16)
 def _functions(structure: Structure, portable: bool) -> list[Columns]:
     return over_columns(_steps(structure), portable=portable)
-
-
-def upper(n: int) -> list[tuple[int, int]]:
-    """Index pairs (i, j), i <= j, column by column."""
-    return [(i, j) for j in range(n) for i in range(j + 1)]
 
 
 def _steps(structure: Structure) -> list[ca.Function]:
@@ -130,9 +126,8 @@ def _element_hessian() -> ca.Function:
     found = plain_element.chained(z, ca.vertcat(h, *places), *by_inner)
     here = ca.vertcat(h, *(row[:3] for row in rows))
     slope, curvature = (ca.substitute(ca.substitute(x, z, ca.vertcat(h, ca.SX.zeros(6))), inner, here) for x in found)
-    packed = ca.vertcat(*(curvature[i, j] for i, j in upper(LOCAL)))
     inputs = [*rows, h, multipliers, factor, w, eps]
-    return ca.Function("element_hessian", inputs, [ca.densify(slope), ca.densify(packed)], CSE)
+    return ca.Function("element_hessian", inputs, [ca.densify(slope), ca.densify(packed(curvature))], CSE)
 
 
 def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:
@@ -142,14 +137,8 @@ def _composition() -> tuple[ca.Function, ca.Function, ca.Function]:
     back = energy.planar_rotation(g0[2]).T @ (g1[:2] - g0[:2])
     z, outer = ca.vertcat(back, g1[2] - g0[2], a0, a1), ca.vertcat(*inputs)
     sensitivity = ca.jacobian(z, outer)
-    slope, packed = ca.SX.sym("slope", LOCAL), ca.SX.sym("packed", len(upper(LOCAL)))
-    inner = ca.SX.zeros(LOCAL, LOCAL)
-    for (i, j), value in zip(upper(LOCAL), ca.vertsplit(packed), strict=True):
-        inner[i, j] = inner[j, i] = value
-    total = sensitivity.T @ inner @ sensitivity + ca.hessian(ca.dot(slope, z), outer)[0]
-    outputs = [ca.densify(sensitivity.T @ slope), ca.densify(total)]
     return (
         ca.Function("local", inputs, [z], CSE),
         ca.Function("local_jacobian", inputs, [ca.densify(sensitivity)], CSE),
-        ca.Function("compose", [*inputs, slope, packed], outputs, CSE),
+        composed("compose", inputs, z),
     )

@@ -11,6 +11,8 @@ a = b = 0, and this is chi squared.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import minimize
 
@@ -24,11 +26,17 @@ STARTS = ((-16.0, -4.0), (-4.0, -16.0), (0.0, 0.0))  # ln a^2, ln b^2: one error
 SMALLEST, LARGEST = -20.0, 16.0
 
 
-def outdoes(motion: Motion, full: Fit, base: Fit) -> bool:
-    """Whether a fit is more likely than one with an effect less by more than its parameters and tries are by chance."""
-    more = len(full.coordinates) - len(base.coordinates)
-    (after, count), (before, _) = deviance(motion, full), deviance(motion, base)
-    return before - after > more * np.log(max(count, 2)) + gained_by_chance(len(candidates_of(base)))
+def outdone(motion: Motion, full: Fit, bases: Sequence[Fit]) -> list[bool]:
+    """Which fits with an effect less are as likely as a fit: it gains no more than parameters and tries by chance."""
+    if not bases:
+        return []
+    after, count = deviance(motion, full)
+
+    def price(base: Fit) -> float:
+        more = len(full.coordinates) - len(base.coordinates)
+        return more * float(np.log(max(count, 2))) + gained_by_chance(len(candidates_of(base)))
+
+    return [deviance(motion, base)[0] - after <= price(base) for base in bases]
 
 
 def deviance(motion: Motion, found: Fit) -> tuple[float, int]:

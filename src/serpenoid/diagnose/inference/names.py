@@ -15,7 +15,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import strength
-from serpenoid.diagnose.inference.discrepancy import outdoes
+from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.medium import (
     TO_THE_END,
     Fit,
@@ -24,6 +24,7 @@ from serpenoid.diagnose.inference.medium import (
     linearised,
     predicted_without,
 )
+from serpenoid.diagnose.inference.prices import outweighed
 from serpenoid.diagnose.inference.ranking import needed
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
@@ -80,18 +81,18 @@ def kept(
 
 
 def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
-    """Without effects that are no causes, what takes away least first.
-
-    What is left above chance when all together take away less than they leave is an error of another kind.
-    """
+    """Without effects that are no causes, what takes away least first."""
     refused: list[Refused] = []
     while best.effects:
         bases = bases_of(motion, null, best)
         gains = [b.chi2 - best.chi2 for b in bases]
-        outweighed = null.chi2 - best.chi2 < best.chi2 - best.evidence.count.sum()
-        most = np.inf if outweighed else needed(motion, best)
+        too_little = outweighed(null.chi2, best.chi2, float(best.evidence.count.sum()))
+        most = np.inf if too_little else needed(motion, best)
         sure = certain(motion, best)
-        idle = [i for i, b in enumerate(bases) if gains[i] <= most or not sure[i] or not outdoes(motion, best, b)]
+        likely = [i for i, gain in enumerate(gains) if gain > most and sure[i]]
+        mended = outdone(motion, best, [bases[i] for i in likely])
+        named = {i for i, done in zip(likely, mended, strict=True) if not done}
+        idle = [i for i in range(len(bases)) if i not in named]
         if not idle:
             break
         least = min(idle, key=lambda i: gains[i])

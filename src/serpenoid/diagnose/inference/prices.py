@@ -53,6 +53,11 @@ def cheapest(base: Priced, fits: Sequence[Priced], tries: int) -> int | None:
     return best if fits and prices[0] - prices[1 + best] > spread * gained_by_chance(tries) else None
 
 
+def outweighed(bare: float, best: float, count: float) -> bool:
+    """Whether effects take away less chi squared than they leave above chance: that is an error of another kind."""
+    return bool(bare - best < best - count)
+
+
 def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E], float]) -> E:
     """Without effects that gain no more, beside the others, than the null of what is left; the least first.
 
@@ -62,8 +67,8 @@ def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E
         bases = [bare] if best.size == 1 else [without(best, i) for i in range(best.size)]
         gains = [b.priced.chi2 - best.priced.chi2 for b in bases]
         least = int(np.argmin(gains))
-        outweighed = bare.priced.chi2 - best.priced.chi2 < best.priced.chi2 - best.priced.count
-        if not outweighed and gains[least] > needed(best):
+        too_little = outweighed(bare.priced.chi2, best.priced.chi2, best.priced.count)
+        if not too_little and gains[least] > needed(best):
             break
         best = bases[least]
     return best

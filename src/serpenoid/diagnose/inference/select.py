@@ -136,10 +136,16 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
 def resited(motion: Motion, best: Fit) -> Fit:
     """With effects of one name where they are likeliest together: two beside a place may have come before the place."""
     names = [e.name for e in best.effects if e.place is not None]
-    twins = [e for e in best.effects if names.count(e.name) > 1]
-    fits = [t.fit for e in twins for t in elsewhere(motion, best, e)]
-    likelier = min(fits, key=lambda f: deviance(motion, f)[0], default=best)
-    return resited(motion, likelier) if deviance(motion, likelier)[0] < deviance(motion, best)[0] else best
+    if len(set(names)) == len(names):
+        return best
+    least = deviance(motion, best)[0]
+    while True:
+        twins = [e for e in best.effects if names.count(e.name) > 1]
+        fits = [t.fit for e in twins for t in elsewhere(motion, best, e)]
+        found = [deviance(motion, f)[0] for f in fits]
+        if not fits or min(found) >= least:
+            return best
+        least, best = min(found), fits[int(np.argmin(found))]
 
 
 def elsewhere(motion: Motion, best: Fit, effect: ActiveEffect) -> list[Try]:

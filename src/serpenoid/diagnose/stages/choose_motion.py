@@ -72,9 +72,8 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why.
     """
-    barred = {**left_out(baseline.without), **beyond_bounds(baseline.model), **(untestable or {})}
-
     model = baseline.model
+    barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
     absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course, spacing
 from serpenoid.effects.active import ActiveEffect, joined
@@ -24,7 +25,6 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise_all
 
-TICK = 2 * np.pi / 4096
 SMOOTHED_ROWS = 9
 ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 SURE = 2.0  # standard deviations of a clock's rate
