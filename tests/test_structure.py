@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import serpenoid
+from serpenoid.effects.catalogue import SITES, catalogue
 
 SOURCE = Path(serpenoid.__file__).parent
 FILES = sorted(SOURCE.rglob("*.py"))
@@ -117,6 +118,15 @@ def test_no_module_imports_itself_through_others() -> None:
 
     for name in names:
         walk(name, ())
+
+
+def test_the_diagnosis_knows_no_effect_by_name() -> None:
+    """What it must know of an effect stands in the effect's own file, so that one more file is one more candidate."""
+    names, rooms = set(catalogue()), tuple(f"serpenoid.effects.{site}" for site in SITES)
+    for path in (SOURCE / "diagnose").rglob("*.py"):
+        texts = {n.value for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Constant)}
+        assert not texts & names, f"{path.relative_to(SOURCE)} names an effect"
+        assert not {m for m in imports(path) if m.startswith(rooms)}, f"{path.relative_to(SOURCE)} imports an effect"
 
 
 def test_nothing_but_the_command_line_imports_the_command_line() -> None:

@@ -31,7 +31,7 @@ def explained(eps: float, spread: tuple[float, ...], *effects: ActiveEffect) -> 
     matrix = np.diag(1 / np.square(spread))[None]
     evidence = Evidence(matrix, np.zeros((1, len(spread))), np.zeros(1), np.ones(1))
     model = Model(BODY, Medium(anisotropy_ratio=eps), effects)
-    return Fit(model, None, evidence, (), 0.0)
+    return Fit(model, evidence, (), 0.0)
 
 
 def apart(one: Fit, other: Fit, plan: Plan = PLAN) -> float:

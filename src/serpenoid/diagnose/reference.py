@@ -130,7 +130,7 @@ def reference_of(d: Diagnosis) -> Reference:
     """From the diagnosis of the earlier campaign."""
     found = d.motion.selection
     motion, model = found.motion, d.extension.model
-    errors = residuals(motion.tracks, linearised(motion, model, model.effects, None)[1])
+    errors = residuals(motion.tracks, linearised(motion, model, model.effects)[1])
     playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
     others = tuple(n.effect for n in d.named if n.effect not in model.effects)
     shown = tuple(e for e in others if isinstance(e.effect, ActuationEffect) and e.effect.shown)

@@ -15,8 +15,9 @@ from typing import Any, Self
 from pydantic import Field, model_validator
 
 from serpenoid.body import Body
-from serpenoid.effects.base import Effect, Parameter
+from serpenoid.effects.base import Effect, ObservationEffect, Parameter
 from serpenoid.effects.catalogue import find, places
+from serpenoid.effects.view import View
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
 
@@ -94,6 +95,12 @@ class ActiveEffect(Record):
         values = {p.name: min(max(p.value(float(c)), p.lower), p.upper) for p, c in pairs}
         return ActiveEffect.model_construct(name=self.name, place=self.place, parameters=values)
 
+    def on_body(self, body: Body, coordinates: Sequence[float]) -> ActiveEffect:
+        """The same with other coordinates (P), clipped to the bounds that this body sets."""
+        bounds = self.effect.coordinate_bounds(body, self.place)
+        inside = [min(max(float(c), low), high) for c, (low, high) in zip(coordinates, bounds, strict=True)]
+        return self.with_coordinates(inside)
+
     def words(self) -> str:
         """One line: name, place, values with units."""
         where = "" if self.place is None else f" at {self.effect.place} {self.place}"
@@ -105,6 +112,14 @@ def joined(known: Sequence[ActiveEffect], new: Sequence[ActiveEffect]) -> tuple[
     """Known effects and new ones; a new one takes the place of a known one of its name and place."""
     given = {e.key for e in new}
     return (*(e for e in known if e.key not in given), *new)
+
+
+def seen(view: View, effects: Sequence[ActiveEffect]) -> View:
+    """What is seen where effects of observation are at work, one after the other; others change nothing here."""
+    for active in sorted(effects, key=lambda e: (e.effect.rank, e.name)):
+        if isinstance(active.effect, ObservationEffect):
+            view = active.effect.on_view(view, active.place, active.parameters)
+    return view
 
 
 def check(effects: Sequence[ActiveEffect], body: Body) -> None:

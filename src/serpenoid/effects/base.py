@@ -17,10 +17,11 @@ import numpy as np
 
 from serpenoid.body import Body, Floats, Part
 from serpenoid.effects.element import Drag, Element
+from serpenoid.effects.scan import Scan
 from serpenoid.effects.view import View
 
 Site = Literal["actuation", "medium", "observation"]
-Marks = Literal["zeros", "gaps", "markers", "scale", "rate", "drift", "jumps"]
+Marks = Literal["zeros", "gaps", "markers", "scale", "rate", "frame", "jumps"]
 Values = Mapping[str, float]
 Symbols = SimpleNamespace
 USES = ("simulate", "nlp", "fit", "diagnose")
@@ -79,8 +80,9 @@ class Effect:
     needs: what must be there for it to act (see `Body.parts`). of_animals: its words where a body is one; None: the
     same. reasons: for each use (simulate, nlp, fit, diagnose) that does not apply, why not. rank: in what order
     contributions are applied where it matters. marks: which numbers between the servos' chain and the data are its own:
-    the joints' `zeros`, their `gaps`, where `markers` sit, the `scale`, the clock's `rate`, the frame's `drift`, its
-    `jumps` across gaps; None: none, it changes how the body moves.
+    the joints' `zeros`, their `gaps`, where `markers` sit, the `scale`, the clock's `rate`, how the `frame` moves that
+    positions are seen in, its `jumps` across gaps; None: none, it changes how the body moves. scan: how a diagnosis
+    looks for it where it lies somewhere on the floor; None: by derivatives about its neutral values.
     """
 
     name: str
@@ -93,11 +95,31 @@ class Effect:
     reasons: Mapping[str, str] = field(default_factory=dict)
     rank: int = 10
     marks: Marks | None = None
+    scan: Scan | None = None
 
     @property
     def site(self) -> Site:
         """Where it sits between command and data."""
         raise NotImplementedError
+
+    @property
+    def moves(self) -> bool:
+        """Whether the motion that cameras see shows it: as a change of how the body moves, or their frame."""
+        return self.marks == "frame"
+
+    @property
+    def remembers(self) -> bool:
+        """Whether what happened before matters."""
+        return False
+
+    @property
+    def of_the_room(self) -> bool:
+        """Whether it depends on where on the floor the body is, or on its heading there."""
+        return self.marks == "frame"
+
+    def acts_in(self, law: str) -> bool:
+        """Whether it can be there in a medium of this law."""
+        return True
 
     def words(self, animal: bool) -> Advice:
         """What it looks like and what to do, of a robot or of an animal."""
@@ -145,6 +167,25 @@ class MediumEffect(Effect):
     def site(self) -> Site:
         """Medium."""
         return "medium"
+
+    @property
+    def moves(self) -> bool:
+        """The body."""
+        return True
+
+    @property
+    def remembers(self) -> bool:
+        """Momentum of the steps before."""
+        return "history" in self.knows
+
+    @property
+    def of_the_room(self) -> bool:
+        """By its law."""
+        return "place" in self.knows
+
+    def acts_in(self, law: str) -> bool:
+        """See `laws`."""
+        return law in self.laws
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Change what meets the floor at one vertex."""

@@ -8,7 +8,7 @@ import pkgutil
 from functools import cache
 
 from serpenoid.body import Body
-from serpenoid.effects.base import ActuationEffect, Effect, MediumEffect, ObservationEffect
+from serpenoid.effects.base import ActuationEffect, Effect, Marks, MediumEffect
 from serpenoid.errors import InputError
 
 SITES = ("actuation", "medium", "observation")
@@ -53,14 +53,19 @@ def medium_effects() -> tuple[MediumEffect, ...]:
 
 
 @cache
-def actuation_effects() -> tuple[ActuationEffect, ...]:
-    """Effects from command to shape, in the order in which they are applied."""
-    found = [e for e in catalogue().values() if isinstance(e, ActuationEffect)]
-    return tuple(sorted(found, key=lambda e: e.rank))
+def motion_effects() -> tuple[Effect, ...]:
+    """Effects that a diagnosis looks for in the motion that cameras see, in the catalogue's order."""
+    return tuple(e for e in catalogue().values() if e.moves and e.applies_to("diagnose"))
 
 
 @cache
-def observation_effects() -> tuple[ObservationEffect, ...]:
-    """Effects from motion to data, in the order in which they are applied."""
-    found = [e for e in catalogue().values() if isinstance(e, ObservationEffect)]
+def marking(marks: Marks) -> tuple[Effect, ...]:
+    """Effects whose numbers are of this kind."""
+    return tuple(e for e in catalogue().values() if e.marks == marks)
+
+
+@cache
+def actuation_effects() -> tuple[ActuationEffect, ...]:
+    """Effects from command to shape, in the order in which they are applied."""
+    found = [e for e in catalogue().values() if isinstance(e, ActuationEffect)]
     return tuple(sorted(found, key=lambda e: e.rank))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from serpenoid.body import Floats
-from serpenoid.effects.base import ObservationEffect
-from serpenoid.effects.catalogue import observation_effects
+from serpenoid.effects.active import seen
 from serpenoid.effects.view import View
 from serpenoid.model import Model
 
@@ -19,9 +18,4 @@ def observe(
     gaps: when each gap of all markers ends [s]; directions: where a jump across it goes [rad]. The result is linear in
     every parameter.
     """
-    view = View.true(vertices_m, times, gaps, directions)
-    for kind in observation_effects():
-        for active in model.observation_effects:
-            if active.name == kind.name and isinstance(kind, ObservationEffect):
-                view = kind.on_view(view, active.place, active.parameters)
-    return view
+    return seen(View.true(vertices_m, times, gaps, directions), model.observation_effects)

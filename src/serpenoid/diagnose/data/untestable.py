@@ -26,7 +26,7 @@ def not_on_offer(body: Body) -> frozenset[str]:
 
 def of_other_laws(law: str) -> frozenset[str]:
     """Names of effects that do not act in a medium of this law: dry friction is none on top of Coulomb's."""
-    return frozenset(k.name for k in catalogue().values() if isinstance(k, MediumEffect) and law not in k.laws)
+    return frozenset(k.name for k in catalogue().values() if not k.acts_in(law))
 
 
 def left_out(names: Collection[str]) -> dict[str, str]:
@@ -51,5 +51,4 @@ def fixed_to_the_room(tracks: Sequence[Track]) -> dict[str, str]:
         return {}
     spread = np.degrees(np.sqrt(-2 * np.log(resultant)))
     reason = f"fixed to the room, and the body heads one way all the time (SD {spread:.0f} degrees)"
-    placed = {k.name for k in catalogue().values() if isinstance(k, MediumEffect) and "place" in k.knows}
-    return dict.fromkeys(sorted(placed | {k.name for k in catalogue().values() if k.marks == "drift"}), reason)
+    return dict.fromkeys(sorted(k.name for k in catalogue().values() if k.of_the_room), reason)

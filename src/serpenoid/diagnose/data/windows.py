@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.frame import added, added_by, of_frame
 from serpenoid.diagnose.data.lead import Lead, Recorded, free_run, led
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import accumulate, relative
@@ -106,14 +107,34 @@ def predictions(
     candidates: Sequence[ActiveEffect] = (),
     near: Sequence[Prediction] | None = None,
 ) -> list[Prediction]:
-    """What a model makes of trials' shapes, window by window, and its derivatives.
+    """What a model makes of trials' shapes, window by window, as cameras see it, and its derivatives.
 
     near: what a model much like this one makes of them: where the search for roots begins.
     """
+    inside = [c for c in candidates if c.effect.site == "medium"]
     if model.knows("history"):
         begin = [None] * len(tracks) if near is None else [p.steps for p in near]
-        return [coasting(model, t, candidates, steps) for t, steps in zip(tracks, begin, strict=True)]
-    return balanced(model, tracks, candidates, near)
+        found = [coasting(model, t, inside, steps) for t, steps in zip(tracks, begin, strict=True)]
+    else:
+        found = balanced(model, tracks, inside, near)
+    mine, keys = of_frame(model.effects), {e.key for e in model.effects}
+    more = [c for c in of_frame(candidates) if c.key not in keys]
+    return [in_frame(t, p, mine, more) for t, p in zip(tracks, found, strict=True)] if mine or more else found
+
+
+def in_frame(track: Track, p: Prediction, mine: Sequence[ActiveEffect], more: Sequence[ActiveEffect]) -> Prediction:
+    """With what a moving frame adds, and columns for it; more: effects that might be there."""
+    ends = track.poses[track.boundaries], track.time[track.boundaries]
+    by = [p.jacobian, *(added_by(mine, e, *ends) for e in (*mine, *more))]
+    moved = p.displacement + added(mine, *ends)
+    return replace(
+        p, displacement=moved, jacobian=np.concatenate(by, axis=2), columns=(*p.columns, *columns_of((*mine, *more)))
+    )
+
+
+def columns_of(effects: Sequence[ActiveEffect]) -> tuple[Column, ...]:
+    """Of their coordinates, in their order."""
+    return tuple(Column(e.name, e.place, p.name) for e in effects for p in e.effect.parameters)
 
 
 def balanced(

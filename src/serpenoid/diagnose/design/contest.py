@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import shapes, turn
+from serpenoid.diagnose.data.frame import added, of_frame
+from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.diagnose.data.motion import Noise
 from serpenoid.diagnose.data.windows import predicted_path
 from serpenoid.diagnose.inference.medium import Fit, with_values
-from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule
@@ -71,12 +71,12 @@ class Explanation:
 
     def predicted(self, plan: Plan) -> Floats:
         """Window displacements (W, 3) [m, m, rad] of one period."""
-        return _displacements(self.fit.model, self.fit.drift, plan)
+        return _displacements(self.fit.model, plan)
 
     def spread(self, plan: Plan, middle: Floats) -> Floats:
         """What they move by along each axis (P, W, 3)."""
         x, effects = self.fit.coordinates, self.fit.effects
-        moved = [_displacements(*with_values(self.fit.model, effects, x + PART * a), plan) for a in self.axes]
+        moved = [_displacements(with_values(self.fit.model, effects, x + PART * a), plan) for a in self.axes]
         return (np.array(moved) - middle) / PART
 
 
@@ -99,17 +99,14 @@ def _outer(columns: Floats) -> Floats:
     return np.asarray(flat.T @ flat)
 
 
-def _displacements(model: Model, drift: ActiveEffect | None, plan: Plan) -> Floats:
+def _displacements(model: Model, plan: Plan) -> Floats:
     time, bounds, _ = plan.mesh
     vertices = shapes(model.body, plan.schedule.commanded(time))
     try:
         path = predicted_path(model, vertices, time, plan.start)[bounds]
     except (InputError, np.linalg.LinAlgError) as error:
         raise Unplayable(str(error)) from error
-    moved = relative(path[:-1], path[1:])
-    if drift is not None:
-        velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]])
-        moved[:, :2] += turn(-path[:-1, 2], velocity) * np.diff(time[bounds])[:, None]
+    moved = relative(path[:-1], path[1:]) + added(of_frame(model.effects), path, time[bounds])
     if not np.isfinite(moved).all():
         raise Unplayable("no root")
     return moved

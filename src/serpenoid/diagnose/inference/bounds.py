@@ -47,7 +47,7 @@ def _sides(model: Model, effect: ActiveEffect) -> list[tuple[bool, bool]]:
     return [(x <= low + size, x >= high - size) for x, (low, high), size in trios]
 
 
-def at_values(model: Model, effects: Sequence[ActiveEffect], drift: ActiveEffect | None) -> list[ActiveEffect]:
+def at_values(model: Model, effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
     """The effects in their order with the values they have in the model."""
-    now = {e.key: e for e in (*model.effects, *(() if drift is None else (drift,)))}
+    now = {e.key: e for e in model.effects}
     return [now[e.key] for e in effects]

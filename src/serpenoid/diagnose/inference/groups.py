@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from serpenoid.diagnose.data.noise import strength
 from serpenoid.diagnose.inference.finding import Rival, excludable
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit
-from serpenoid.diagnose.inference.patches import Ranked
 from serpenoid.diagnose.inference.ranking import score, shortlist
+from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.diagnose.inference.select import SCREENING, Selection, attempt, finished
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes

@@ -58,9 +58,9 @@ def each_held_out(motion: Motion, found: Fit, leave_out: LeaveOut) -> list[Unsee
 def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unseen:
     effects = list(found.effects)
     index = [i for i, own in enumerate(motion.labels) if own == label]
-    model, drift = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
+    model = with_values(found.model, effects, leave_out(motion, found, label), motion.held)
     near = [found.predictions[i] for i in index]
-    evidence, predictions, _ = linearised(part(motion, index), model, effects, drift, near=near)
+    evidence, predictions = linearised(part(motion, index), model, effects, near=near)
     return Unseen(index, evidence, predictions)
 
 

@@ -13,7 +13,6 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import MediumEffect
 from serpenoid.model import Model
 
 ROOTLESS = 0.02  # share of windows: a few steps about rest have no root on dry friction
@@ -60,7 +59,7 @@ def on_dry_friction(model: Model) -> Model | None:
 
 def _acting(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
     """Effects that act on dry friction."""
-    return [e for e in effects if not isinstance(e.effect, MediumEffect) or "coulomb" in e.effect.laws]
+    return [e for e in effects if e.effect.acts_in("coulomb")]
 
 
 def _fitted(found: Selection, dry: Model, effects: Sequence[ActiveEffect]) -> Fit | None:

@@ -11,16 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.windows import Prediction, Track, predictions
+from serpenoid.diagnose.data.windows import Prediction, columns_of, predictions
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, at_values, held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.effects.active import ActiveEffect, joined
-from serpenoid.effects.base import MediumEffect, Parameter
-from serpenoid.effects.catalogue import catalogue
+from serpenoid.effects.base import Parameter
+from serpenoid.effects.catalogue import motion_effects, places
 from serpenoid.files.store import remembered
 from serpenoid.model import Model
+from serpenoid.simulation.sensitivity import EPS
 
 STEPS = 8
 TO_THE_END = 60  # steps of what was chosen: along curved valleys (eps against dry friction) eight are not enough
@@ -29,14 +29,13 @@ CONVERGED = 0.02  # chi squared
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model with its effects (frame_drift is one of them, though the model's motion does not know it).
+    """A fitted model with its effects, of the medium and of the cameras' frame.
 
     evidence: linearised about the fit; its columns: eps first, then each fitted effect's coordinates. held: how many of
     the model's effects, the first ones, were known and not fitted.
     """
 
     model: Model
-    drift: ActiveEffect | None
     evidence: Evidence
     predictions: tuple[Prediction, ...]
     chi2: float
@@ -45,7 +44,7 @@ class Fit:
     @property
     def effects(self) -> tuple[ActiveEffect, ...]:
         """All that were fitted."""
-        return (*self.model.effects[self.held :], *(() if self.drift is None else (self.drift,)))
+        return self.model.effects[self.held :]
 
     @property
     def coordinates(self) -> Floats:
@@ -63,27 +62,13 @@ class Fit:
         return evidence.shrinking(range(len(rest)), np.zeros(len(rest)), rest - self.coordinates)
 
 
-def with_values(
-    model: Model, effects: Sequence[ActiveEffect], x: Floats, held: Sequence[ActiveEffect] = ()
-) -> tuple[Model, ActiveEffect | None]:
-    """Model (and drift) of eps and coordinates x (1 + P), after the held effects that are not among the fitted."""
+def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats, held: Sequence[ActiveEffect] = ()) -> Model:
+    """Model of eps and coordinates x (1 + P), after the held effects that are not among the fitted."""
     eps = float(np.clip(x[0], *model.medium.limits(LEAST_EPS, MOST_EPS)))
-    found, drift, at = [], None, 1
-    for e in effects:
-        size = len(e.effect.parameters)
-        new = e.with_coordinates(x[at : at + size].tolist())
-        at += size
-        if e.name == "frame_drift":
-            drift = new
-        elif e.name == "load":
-            least = -float(model.body.vertex_weights[e.place or 0])
-            new = e.with_coordinates([max(new.parameters["share"], least)])
-            found.append(new)
-        else:
-            found.append(new)
+    ends = np.cumsum([1, *(len(e.effect.parameters) for e in effects)])
     # a neutral value would drop the effect from the model, and with it the derivative
-    kept = [_awake(e) for e in found]
-    return Model(model.body, model.medium.with_ratio(eps), joined(held, kept)), drift
+    fitted = [_awake(e.on_body(model.body, x[a:b].tolist())) for e, a, b in zip(effects, ends, ends[1:], strict=False)]
+    return Model(model.body, model.medium.with_ratio(eps), joined(held, fitted))
 
 
 def _awake(effect: ActiveEffect) -> ActiveEffect:
@@ -94,53 +79,33 @@ def _awake(effect: ActiveEffect) -> ActiveEffect:
     return effect.with_coordinates(nudged)
 
 
-def drift_columns(track: Track) -> Floats:
-    """Displacement of each window by a unit velocity of the frame, (B - 1, 3, 2)."""
-    heading = track.poses[track.boundaries[:-1], 2]
-    x = turn(-heading, np.tile([1.0, 0.0], (len(heading), 1))) * track.duration[:, None]
-    y = turn(-heading, np.tile([0.0, 1.0], (len(heading), 1))) * track.duration[:, None]
-    zero = np.zeros(len(heading))
-    return np.stack([np.column_stack([x, zero]), np.column_stack([y, zero])], axis=2)
-
-
 def linearised(
     motion: Motion,
     model: Model,
     effects: Sequence[ActiveEffect],
-    drift: ActiveEffect | None,
     candidates: Sequence[ActiveEffect] = (),
     hold: bool = True,
     near: Sequence[Prediction] | None = None,
-) -> tuple[Evidence, tuple[Prediction, ...], tuple[tuple[str, int | None], ...]]:
+) -> tuple[Evidence, tuple[Prediction, ...]]:
     """Evidence at a model: columns eps, then the effects in the order given, then candidates; and predictions.
 
     hold: without what sits at a bound and is pushed outwards. near: what a model much like this one predicts.
     """
-    rows, columns, labels, found = [], [], [], []
-    names: list[tuple[str, int | None]] = []
-    listed = [*at_values(model, effects, drift), *candidates]
-    inside = [c for c in candidates if isinstance(c.effect, MediumEffect)]
-    plain = predictions(model, motion.tracks, inside, near)
-    for track, label, p in zip(motion.tracks, motion.labels, plain, strict=True):
-        by = {(c.effect, c.place, c.parameter): p.jacobian[..., i] for i, c in enumerate(p.columns)}
-        own = drift_columns(track)
-        velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
-        moved = p.displacement + own @ velocity
-        found.append(replace(p, displacement=moved))
-        stacked, names = [by[None, None, "anisotropy_ratio"]], [("anisotropy_ratio", None)]
-        for e in listed:
-            for i, parameter in enumerate(e.effect.parameters):
-                stacked.append(own[..., i] if e.name == "frame_drift" else by[e.name, e.place, parameter.name])
-                names.append(e.key)
+    rows, columns, labels = [], [], []
+    listed = [*at_values(model, effects), *candidates]
+    found = predictions(model, motion.tracks, candidates, near)
+    at = {column: i for i, column in enumerate(found[0].columns)}
+    order = [at[column] for column in (EPS, *columns_of(listed))]
+    for track, label, p in zip(motion.tracks, motion.labels, found, strict=True):
         use, noise = track.usable, motion.noise.of(track)
-        jacobian = np.stack(stacked, axis=-1)
-        good = use & np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(moved).all(axis=1)
-        rows.append(((track.displacement - moved) / noise)[good].ravel())
-        columns.append((jacobian / noise[..., None])[good].reshape(-1, len(names)))
+        jacobian = p.jacobian[..., order]
+        good = use & np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(p.displacement).all(axis=1)
+        rows.append(((track.displacement - p.displacement) / noise)[good].ravel())
+        columns.append((jacobian / noise[..., None])[good].reshape(-1, len(order)))
         labels.append(np.full(len(rows[-1]), label))
     joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
     evidence = held_at_bounds(model, listed, joined) if hold else joined
-    return evidence, tuple(found), tuple(names)
+    return evidence, tuple(found)
 
 
 @remembered
@@ -153,11 +118,10 @@ def fit(
     near: Sequence[Prediction] | None = None,
 ) -> Fit:
     """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded; near: see `linearised`."""
-    effects = sorted(effects, key=lambda e: e.name == "frame_drift")
-    model, drift = with_values(start, effects, x, motion.held)
-    held = len(model.effects) - len(effects) + (drift is not None)
-    evidence, predicted, _ = linearised(motion, model, effects, drift, near=near)
-    x = _values(model.effects[held:], model, drift)
+    model = with_values(start, effects, x, motion.held)
+    held = len(model.effects) - len(effects)
+    evidence, predicted = linearised(motion, model, effects, near=near)
+    x = _coordinates(model, model.effects[held:])
     best, damping = float(evidence.constant.sum()), 1e-4
     for _ in range(steps):
         if _at_the_end(evidence):
@@ -166,20 +130,20 @@ def fit(
         scale = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
         regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
         step = np.linalg.solve(regular, vector / scale) / scale
-        trial, trial_drift = with_values(start, effects, x + step, motion.held)
-        new, elsewhere, _ = linearised(motion, trial, effects, trial_drift, near=predicted)
+        trial = with_values(start, effects, x + step, motion.held)
+        new, elsewhere = linearised(motion, trial, effects, near=predicted)
         cost = float(new.constant.sum()) if new.count.sum() == evidence.count.sum() else np.inf
         if cost < best:
             gained = best - cost
-            model, drift, evidence, predicted, best = trial, trial_drift, new, elsewhere, cost
-            x, damping = _values(model.effects[held:], model, drift), max(damping / 10, 1e-9)
+            model, evidence, predicted, best = trial, new, elsewhere, cost
+            x, damping = _coordinates(model, model.effects[held:]), max(damping / 10, 1e-9)
             if gained < CONVERGED * max(1.0, 1e-5 * best):
                 break
         else:
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    found = Fit(model, drift, evidence, predicted, best, held)
+    found = Fit(model, evidence, predicted, best, held)
     return replace(found, evidence=found.shrinking(evidence))
 
 
@@ -213,22 +177,18 @@ def fit_without(motion: Motion, found: Fit, effect: ActiveEffect) -> Fit:
 def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple[Prediction, ...]:
     """What a fit predicts with one effect taken out and nothing fitted again."""
     kept = _others(found, effect)
-    model, drift = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
-    return linearised(motion, model, kept, drift, near=found.predictions)[1]
+    model = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
+    return linearised(motion, model, kept, near=found.predictions)[1]
 
 
 def predicted_bare(motion: Motion, found: Fit) -> tuple[Prediction, ...]:
     """What a fit predicts with all its effects taken out and nothing fitted again."""
-    model, _ = with_values(found.model, [], found.coordinates[:1], motion.held)
-    return linearised(motion, model, [], None, near=found.predictions)[1]
+    model = with_values(found.model, [], found.coordinates[:1], motion.held)
+    return linearised(motion, model, [], near=found.predictions)[1]
 
 
 def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:
     return [e for e in found.effects if e.key != effect.key]
-
-
-def _values(fitted: Sequence[ActiveEffect], model: Model, drift: ActiveEffect | None) -> Floats:
-    return _coordinates(model, [*fitted, *(() if drift is None else (drift,))])
 
 
 def _coordinates(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
@@ -237,15 +197,12 @@ def _coordinates(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
 
 
 def candidates_of(base: Fit) -> list[ActiveEffect]:
-    """Every medium effect at every place, and frame_drift, neutral; those held, as they are; not those fitted."""
+    """Every effect that the motion shows, at every place, neutral; those held, as they are; not those fitted."""
     model, held = base.model, base.model.effects[: base.held]
-    found = list(held)
-    for kind in catalogue().values():
-        if kind.name != "frame_drift" and not isinstance(kind, MediumEffect):
-            continue
-        if any(p.neutral is None for p in kind.parameters) or not kind.applies_to("diagnose"):
-            continue
-        places = range(model.body.vertices) if kind.place == "vertex" else [None]
-        present = {e.key for e in (*held, *base.effects)}
-        found += [ActiveEffect.neutral(kind.name, p) for p in places if (kind.name, p) not in present]
+    found, present = list(held), {e.key for e in model.effects}
+    for kind in motion_effects():
+        if kind.scan is None:
+            found += [
+                ActiveEffect.neutral(kind.name, p) for p in places(kind, model.body) if (kind.name, p) not in present
+            ]
     return found

@@ -103,7 +103,7 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
 
 def certain(motion: Motion, best: Fit) -> list[bool]:
     """Of each effect, whether a value lies farther from the one that changes nothing than its 95 % interval reaches."""
-    evidence, _, _ = linearised(motion, best.model, best.effects, best.drift, near=best.predictions, hold=False)
+    evidence, _ = linearised(motion, best.model, best.effects, near=best.predictions, hold=False)
     spread = max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     reach = NORMAL * np.sqrt(np.diag(evidence.covariance(range(len(best.coordinates)), spread)))
     resting = [np.nan if p.neutral is None else p.resting for e in best.effects for p in e.effect.parameters]

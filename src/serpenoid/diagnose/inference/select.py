@@ -27,10 +27,10 @@ from serpenoid.diagnose.inference.medium import (
     fit_without,
 )
 from serpenoid.diagnose.inference.names import Refused, Try, Undetected, each_without, kept, trace
-from serpenoid.diagnose.inference.patches import Ranked
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
+from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
@@ -201,7 +201,7 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
     """Effects without a place or a memory, from moderate values: neutral ones are too far off to tell."""
     barred = motion.untestable | {e.name for e in base.effects}
     absent = (c for c in candidates_of(base) if c.place is None and c.name not in barred)
-    typical = [ActiveEffect.typical(c.name) for c in absent if "history" not in getattr(c.effect, "knows", ())]
+    typical = [ActiveEffect.typical(c.name) for c in absent if not c.effect.remembers]
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 
@@ -213,15 +213,10 @@ def finished(motion: Motion, base: Fit, t: Try, steps: int = STEPS) -> Try:
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
     """Fit the base's effects and one more in full; its strength is what the path loses without it."""
-    order = [*base.effects, added]
-    moved = sorted(range(len(order)), key=lambda i: order[i].name == "frame_drift")
-    sizes = [len(e.effect.parameters) for e in order]
-    starts = np.cumsum([1, *sizes])
     neutral = np.concatenate([base.coordinates, added.coordinates[:-1]])
     for share in SHARES:
         start = neutral + share * (x - neutral)
-        start = np.concatenate([start[:1], *(start[starts[i] : starts[i] + sizes[i]] for i in moved)])
-        found = fit(motion, base.model, [order[i] for i in moved], start, steps, base.predictions)
+        found = fit(motion, base.model, [*base.effects, added], start, steps, base.predictions)
         if found.evidence.count.sum() >= base.evidence.count.sum():
             break
     return Try(found, added, strength(motion, found.predictions, base.predictions))

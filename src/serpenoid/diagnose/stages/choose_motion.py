@@ -26,7 +26,6 @@ from serpenoid.diagnose.residuals.residual_words import discrepancy, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.jumps import find_jumps
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import MediumEffect
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
@@ -100,7 +99,7 @@ def finding(found: Selection) -> MotionFinding:
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
     if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
-        named = [replace(n, stand_in=isinstance(n.effect.effect, MediumEffect)) for n in named]
+        named = [replace(n, stand_in=n.effect.effect.site == "medium") for n in named]
     if jumps is not None and jumps in named:
         after = path_error(motion, best.predictions, mend=True)
     rivals = tuple(s.rival for s in swaps)
@@ -153,7 +152,7 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         value = effect.parameters[p.name]
         if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
             bound.append(p.name)  # how far it may be from there: the fit itself held it
-            held, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
+            held, _ = linearised(found.motion, best.model, best.effects, hold=False)
             covariance = held.covariance(columns, spread)
         half = QUANTILE * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
         ends[p.name] = interval(
@@ -167,7 +166,7 @@ def ratio_interval(found: Selection) -> tuple[float, float]:
     best, columns = found.best, range(len(found.best.coordinates))
     evidence = best.evidence
     if ratio_at_bound(best.model):  # the fit itself held it
-        evidence, _, _ = linearised(found.motion, best.model, best.effects, best.drift, hold=False)
+        evidence, _ = linearised(found.motion, best.model, best.effects, hold=False)
     spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     eps, covariance = best.model.medium.anisotropy_ratio, evidence.covariance(columns, spread)
     half = QUANTILE * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps

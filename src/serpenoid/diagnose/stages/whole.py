@@ -6,14 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from serpenoid.body import Floats
+from serpenoid.diagnose.data.frame import added, of_frame
 from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.diagnose.data.noise import path_rms, total
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Prediction, Track, predicted_path
-from serpenoid.diagnose.inference.medium import drift_columns
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.group import relative
@@ -38,24 +37,21 @@ def whole_errors(
     neutral = Observation.neutral(recordings[0].body)
     raw = make_tracks(recordings, neutral, found.null.model) if seen.corrects else tracks
     extended = _with(_with(found.best.model, known), actuators)
-    drift = found.best.drift
-    velocity = np.array([drift.parameters["velocity_x"], drift.parameters["velocity_y"]]) if drift else np.zeros(2)
     jumps = any(n.effect.effect.marks == "jumps" for n in motion.stage.named)
     played = [r.schedule for r in recordings]
     before = [path_rms(t, from_command(_with(found.null.model, known), t, s)) for t, s in zip(raw, played, strict=True)]
-    after = [path_rms(t, from_command(extended, t, s, velocity), jumps) for t, s in zip(tracks, played, strict=True)]
+    after = [path_rms(t, from_command(extended, t, s), jumps) for t, s in zip(tracks, played, strict=True)]
     return total(before), total(after)
 
 
-def from_command(
-    model: Model, track: Track, schedule: Schedule, drift: Floats | tuple[float, float] = (0.0, 0.0)
-) -> Prediction:
-    """Window displacements of a trial as commanded: set-points, servos, motion from the first measured pose."""
+def from_command(model: Model, track: Track, schedule: Schedule) -> Prediction:
+    """Window displacements of a trial as commanded: set-points, servos, motion from the first measured pose, frame."""
     # set-points are laid on the recording's mesh, so its error is the one that `offset` takes out
     commanded = schedule.commanded(track.time)
     vertices = shapes(model.body, realise(model, commanded, track.time).angles)
     path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
-    moved = relative(path[:-1], path[1:]) + track.offset + drift_columns(track) @ np.asarray(drift)
+    seen = added(of_frame(model.effects), track.poses[track.boundaries], track.time[track.boundaries])
+    moved = relative(path[:-1], path[1:]) + track.offset + seen
     return Prediction(np.asarray(moved), np.zeros((*moved.shape, 0)), ())
 
 

@@ -5,9 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import casadi as ca
+import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
+from serpenoid.effects.medium import load
+from serpenoid.effects.scan import Grid, Scan
+
+RADII, MARGIN = (0.14, 0.24, 0.38), 0.27  # body lengths: sizes that are tried, and how far beyond the visited floor
 
 
 class FrictionPatch(MediumEffect):
@@ -18,6 +24,24 @@ class FrictionPatch(MediumEffect):
         away = element.place - ca.vertcat(p.x, p.y)
         factor = 1 + p.strength * ca.exp(-ca.dot(away, away) / (2 * p.radius**2))
         return replace(element, grip=element.grip * factor)
+
+
+def grids(low: Floats, high: Floats, length: float) -> list[Grid]:
+    """Patches over a piece of floor, a radius apart."""
+    low, high = low - MARGIN * length, high + MARGIN * length
+    return [grid(length * radius, low, high) for radius in RADII]
+
+
+def grid(radius: float, low: Floats, high: Floats) -> Grid:
+    """Of one radius [m]: exp(-|p - (x, y)|^2 / (2 radius^2)) is a product of one of x and one of y."""
+    counts = np.maximum(np.ceil((high - low) / radius).astype(int), 2)
+    x, y = (np.linspace(low[i], high[i], counts[i]) for i in range(2))
+
+    def felt(places: Floats) -> tuple[Floats, Floats]:
+        away = places[..., :1] - x, places[..., 1:] - y
+        return np.exp(-(away[0] ** 2) / (2 * radius**2)), np.exp(-(away[1] ** 2) / (2 * radius**2))
+
+    return Grid(tuple({"x": float(a), "y": float(b), "radius": radius} for a in x for b in y), felt)
 
 
 EFFECT = FrictionPatch(
@@ -38,4 +62,5 @@ EFFECT = FrictionPatch(
     ),
     rank=25,
     knows=frozenset({"place"}),
+    scan=Scan(made_of=load.EFFECT.name, size="radius", begins=(-0.9, 3.0), grids=grids),
 )

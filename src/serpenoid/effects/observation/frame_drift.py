@@ -35,5 +35,5 @@ EFFECT = FrameDrift(
     ),
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=1,
-    marks="drift",
+    marks="frame",
 )

@@ -1,0 +1,115 @@
+"""Effects that lie somewhere on the floor: grids of where they may be, and what weak ones would do, to first order.
+
+Legend: W windows, S steps and M vertices of a track, P columns of a fit, K candidates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.frame import added_by, of_frame
+from serpenoid.diagnose.data.geometry import turn
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.windows import at_ends, by_track, columns_of
+from serpenoid.diagnose.inference.bounds import held_at_bounds
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import motion_effects
+from serpenoid.effects.scan import Grid, Scan
+from serpenoid.simulation.sensitivity import EPS
+
+Ranked = tuple[ActiveEffect, float, np.ndarray]  # candidate, gain, where its full fit begins
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """A grid of candidates of one effect."""
+
+    name: str
+    scan: Scan
+    grid: Grid
+
+    @property
+    def candidates(self) -> list[ActiveEffect]:
+        """At their neutral strength."""
+        return [ActiveEffect.neutral(self.name, None, **values) for values in self.grid.values]
+
+    def felt(self, places: Floats, by: Floats, first: np.ndarray) -> Floats:
+        """What candidates of strength 1 do to windows (W, 3, K), from what the effect that they are made of does at
+        vertices (S, 3, M), which are at `places` (S, M, 2); each window's steps, from `first` (W,) on, summed."""
+        steps, _, vertices = by.shape
+        one, two = self.grid.felt(places)
+        windows = []
+        for begin, end in zip(first, [*first[1:], steps], strict=True):
+            rows = (end - begin) * vertices
+            weighted = by[begin:end].transpose(1, 0, 2).reshape(3, 1, rows) * one[begin:end].reshape(rows, -1).T
+            windows.append((weighted @ two[begin:end].reshape(rows, -1)).reshape(3, -1))
+        return np.stack(windows)
+
+
+def on_offer(motion: Motion, base: Fit) -> list[Scanned]:
+    """Grids over the floor that was visited, of every effect that may still be there."""
+    absent = {e.name for e in base.effects} | motion.untestable
+    length = motion.tracks[0].recording.body.total_length_m
+    place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
+    low, high = place.min(axis=0), place.max(axis=0)
+    kinds = [(k.name, k.scan) for k in motion_effects() if k.name not in absent]
+    return [Scanned(name, scan, g) for name, scan in kinds if scan is not None for g in scan.grids(low, high, length)]
+
+
+def score_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> list[Ranked]:
+    """Each candidate of the grids: gain to first order, and where its full fit begins."""
+    if not grids:
+        return []
+    own, evidence = range(len(base.coordinates)), with_scanned(motion, base, grids)
+    before, result = evidence.chi2(own), []
+    candidates = [(c, g.scan.begins) for g in grids for c in g.candidates]
+    for i, (candidate, begins) in enumerate(candidates, start=len(own)):
+        index = [*own, i]
+        values, _ = evidence.solve(index)
+        x = np.concatenate(
+            [base.coordinates + values[:-1], [np.clip(values[-1], *begins)], candidate.coordinates[1:-1]]
+        )
+        toll = evidence.toll(len(candidate.effect.parameters))
+        result.append((candidate, before - evidence.chi2(index) - toll, x))
+    return result
+
+
+def with_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Evidence:
+    """Evidence about a fit: its own columns, then the strength of each candidate of the grids."""
+    rows, columns, labels = [], [], []
+    found = zip(motion.tracks, motion.labels, base.predictions, _columns(motion, base, grids), strict=True)
+    for track, label, p, joined in found:
+        noise, use = motion.noise.of(track), track.usable
+        rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
+        columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
+        labels.append(np.full(len(rows[-1]), label))
+    evidence = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    return held_at_bounds(base.model, base.effects, evidence)
+
+
+def _columns(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Iterator[Floats]:
+    """Of each track, derivatives (W, 3, P + K) by the fit's own coordinates and by the strengths of K weak candidates:
+    sums of the vertices' own derivatives, by weight and by what is felt there."""
+    length, weights = base.model.body.total_length_m, base.model.body.vertex_weights
+    scale = np.array([[length], [length], [1.0]])
+    parts = {g.scan.made_of: [ActiveEffect.neutral(g.scan.made_of, k) for k in range(len(weights))] for g in grids}
+    frame = of_frame(base.model.effects)
+    for track, own, _ in by_track(base.model, motion.tracks, [e for p in parts.values() for e in p], base.predictions):
+        _, turned = at_ends(track, own.relative * scale[:, 0], own.jacobian * scale)
+        first, ends = track.boundaries[:-1], (track.poses[track.boundaries], track.time[track.boundaries])
+        by = {c: turned[..., i] for i, c in enumerate(own.columns)}
+        mine = {c: np.add.reduceat(d, first, axis=0) for c, d in by.items()}
+        for e in frame:
+            derivatives = added_by(frame, e, *ends)
+            mine |= {c: derivatives[..., i] for i, c in enumerate(columns_of([e]))}
+        world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+        middle = (world[1:] + world[:-1]) / 2
+        loads = {name: np.stack([by[c] for c in columns_of(p)], axis=-1) * weights for name, p in parts.items()}
+        fitted = np.stack([mine[c] for c in (EPS, *columns_of(base.effects))], axis=-1)
+        yield np.concatenate([fitted, *(g.felt(middle, loads[g.scan.made_of], first) for g in grids)], axis=2)
