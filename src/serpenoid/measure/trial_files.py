@@ -18,6 +18,7 @@ from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_serv
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
+from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")
@@ -55,17 +56,26 @@ def of_every_trial(
     entries: Sequence[TrialEntry], work: Callable[[TrialEntry], T], progress: Progress | None = None
 ) -> list[T]:
     """`work` of every trial, in order; one InputError that names every trial at fault."""
-    found, faults = [], []
-    for index, entry in enumerate(entries):
+
+    def begun(index: int) -> None:
         if progress is not None:
-            progress(index, len(entries), entry.name)
-        try:
-            found.append(work(entry))
-        except InputError as error:
-            faults.append(f"trial `{entry.name}`: {error}")
+            progress(index, len(entries), entries[index].name)
+
+    found = in_processes([(_or_fault, (work, entry)) for entry in entries], begun)
+    faults = [
+        f"trial `{entry.name}`: {one}" for entry, one in zip(entries, found, strict=True) if isinstance(one, InputError)
+    ]
     if faults:
         raise InputError("\n".join(faults))
     return found
+
+
+def _or_fault(work: Callable[[TrialEntry], T], entry: TrialEntry) -> T | InputError:
+    """What is wrong with a trial is said together with what is wrong with the others."""
+    try:
+        return work(entry)
+    except InputError as error:
+        return error
 
 
 def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:

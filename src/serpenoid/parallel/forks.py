@@ -21,20 +21,31 @@ Task = tuple[Callable[..., Any], tuple[Any, ...]]
 _tasks: list[Task] = []
 
 
-def in_processes(tasks: Sequence[Task]) -> list[Any]:
-    """Run every (function, arguments); forked where that exists, so that inputs need not be sent."""
+def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda index: None) -> list[Any]:
+    """Run every (function, arguments); forked where that exists, so that inputs need not be sent.
+
+    awaited: hears the index of the task whose result is the next to come.
+    """
     cores = min(len(tasks), _allowed, os.cpu_count() or 1)
     if multiprocessing.current_process().daemon:  # a worker that may have no children
         cores = 1
     if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        return [function(*arguments) for function, arguments in tasks]
+        return _collected((function(*arguments) for function, arguments in tasks), len(tasks), awaited)
     global _tasks
     _tasks = list(tasks)
     with _interrupts_later() as hear:
         pool = multiprocessing.get_context("fork").Pool(cores, _worker)
         with pool:
             hear()
-            return pool.map(_run, range(len(tasks)), chunksize=1)
+            return _collected(pool.imap(_run, range(len(tasks))), len(tasks), awaited)
+
+
+def _collected(results: Iterator[Any], count: int, awaited: Callable[[int], None]) -> list[Any]:
+    found = []
+    for index in range(count):
+        awaited(index)
+        found.append(next(results))
+    return found
 
 
 @contextmanager

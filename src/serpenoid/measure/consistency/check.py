@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.hypotheses import KINDS, SAME_TABLE, Fault, s
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
 from serpenoid.measure.consistency.signals import Sampled, Signal, moving_s, period_s, sample
 from serpenoid.measure.schedule import Schedule
+from serpenoid.parallel import in_processes
 
 FAULTY = 0.05  # of campaigns have something wrong in their file
 CERTAIN = 0.99  # posterior probability of a rival at which the contract is not believed
@@ -87,18 +88,24 @@ class Verdict:
 
 def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
     """Score every promise of every trial. `tables`: all joint tables of the campaign by label."""
+    judged = in_processes([(_judged, (claim, claims, tables)) for claim in claims])
+    rivals = [rival for one in judged for rival in one.rivals]
+    lost = [found for one in judged for found in one.contradictions]
+    return Verdict((*_certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals))
+
+
+def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
+    """One trial: its rivals, and what nothing explains."""
     rivals: list[Rival] = []
     lost: list[Contradiction] = []
     remarks: list[tuple[str, str]] = []
-    for claim in claims:
-        for compared in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
-            if compared is None:
-                continue
+    for compared in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
+        if compared is not None:
             contract, found, witness = compared
             rivals += found
             lost += _unexplained(claim, contract, found, witness)
             remarks += _weakness(claim, contract, witness)
-    return Verdict(tuple([*_certain(rivals), *lost]), tuple(remarks), tuple(rivals))
+    return Verdict(tuple(lost), tuple(remarks), tuple(rivals))
 
 
 Compared = tuple[Match, list[Rival], str]

@@ -20,6 +20,7 @@ from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial_files import Files, label_markers, neighbour_ratio, read_files
+from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
 MOST_TABLES = 100  # that a campaign is compared with
@@ -57,10 +58,17 @@ def contradictions(path: str | Path) -> tuple[Contradiction, ...]:
 
 def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]) -> Verdict:
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
-    markers = [fault for files in read for fault in _markers(file, body, files)]
+    seen = in_processes([(_seen, (file, body, files)) for files in read])
+    markers = [fault for faults, _ in seen for fault in faults]
     if markers:
         return Verdict(tuple(markers), (), ())
-    return check([_claim(body, files) for files in read], _tables(read, folder))
+    return check([claim for _, claim in seen if claim is not None], _tables(read, folder))
+
+
+def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradiction], Claim | None]:
+    """What is wrong with a trial's markers; else what it claims."""
+    faults = _markers(file, body, files)
+    return faults, None if faults else _claim(body, files)
 
 
 def _markers(file: CampaignFile, body: Body, files: Files) -> list[Contradiction]:
