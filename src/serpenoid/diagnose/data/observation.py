@@ -5,7 +5,7 @@ Legend: F frames, N vertices, m joints, C columns.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,38 +57,41 @@ class Observation:
         m, n = body.joint_count, body.vertices
         points = shapes(body, angles)
         along, left = directions(points)
-        bent = self._by_angles(body, left, along)
+        gaps = m + 2 * n + 1
+        bent = self._by_angles(body, left, along, {c % gaps for c in columns if c < m or c >= gaps})
         found = np.zeros((len(columns), len(angles), n, 2))
         for slot, column in enumerate(columns):
             if column < m:
-                found[slot] = bent(column)
+                found[slot] = bent[column]
             elif column < m + 2 * n:
                 vertex, side = divmod(column - m, 2)
                 found[slot, :, vertex] = (along, left)[side][:, vertex]
             elif column == m + 2 * n:
                 found[slot] = self._displaced(points, along, left) / (1 + self.scale)
             else:
-                joint = column - m - 2 * n - 1
-                found[slot] = by_gap(joint)[:, None, None] * bent(joint)
-        return found * (1 + self.scale)
+                joint = column - gaps
+                found[slot] = by_gap(joint)[:, None, None] * bent[joint]
+        found *= 1 + self.scale
+        return found
 
     def _displaced(self, points: Floats, along: Floats, left: Floats) -> Floats:
         """Markers about the vertices (F, N, 2), before the scale."""
         return points + self.markers[:, :1] * along + self.markers[:, 1:] * left
 
-    def _by_angles(self, body: Body, left: Floats, along: Floats) -> Callable[[int], Floats]:
-        """By which points and displaced markers move with one joint's angle (F, N, 2), before the scale."""
+    def _by_angles(self, body: Body, left: Floats, along: Floats, joints: Iterable[int]) -> dict[int, Floats]:
+        """By which points and displaced markers move with each joint's angle (F, N, 2), before the scale."""
         link = link_of_edge(body)
         reached = np.tri(body.vertices, body.vertices - 1, -1)  # edges between vertex 0 and each vertex
-        reached = reached - body.vertex_weights @ reached
-        moved = -self.markers[:, 1:] * along + self.markers[:, :1] * left
+        reached = (reached - body.vertex_weights @ reached) * body.edges_m
+        moved, displaced = -self.markers[:, 1:] * along + self.markers[:, :1] * left, np.any(self.markers)
+        ahead = np.ascontiguousarray(left[:, 1:].swapaxes(1, 2))  # (F, 2, N - 1)
 
         def bent(joint: int) -> Floats:
             turned = (link > joint) - np.mean(link > joint)
-            points = np.einsum("ke,fei->fki", reached * turned * body.edges_m, left[:, 1:], optimize=True)
-            return np.asarray(points + np.concatenate([turned[:1], turned])[:, None] * moved)
+            points = (ahead @ (reached * turned).T).swapaxes(1, 2)
+            return points + np.concatenate([turned[:1], turned])[:, None] * moved if displaced else points
 
-        return bent
+        return {joint: bent(joint) for joint in joints}
 
     def with_column(self, column: int, amount: float) -> Observation:
         """One number changed: zeros, then markers (along, left by vertex), scale, then gaps (none below zero)."""

@@ -23,6 +23,7 @@ from serpenoid.files.store import remembered
 
 AT_MOST = 7
 FULL_FITS = 6
+CONVERGED = 1e-4  # chi squared: the step that gains it is a hundredth of a standard deviation, the next far smaller
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
@@ -174,12 +175,15 @@ def effect_of(found: Looked, key: Key) -> ActiveEffect:
 
 
 def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
-    """Gauss-Newton in the numbers of the given effects."""
+    """Gauss-Newton in the numbers of the given effects, until a step gains next to nothing."""
     columns = [c for k in keys for c in columns_of(data.body, *k)]
     for _ in range(rounds):
-        step, _ = evidence(data, now, columns).solve(range(len(columns)))
+        sums = evidence(data, now, columns)
+        step, _ = sums.solve(range(len(columns)))
         for column, amount in zip(columns, step, strict=True):
             now = now.with_column(column, float(amount))
+        if sums.vector.sum(axis=0) @ step < CONVERGED:
+            break
     return now
 
 

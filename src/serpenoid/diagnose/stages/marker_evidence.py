@@ -125,12 +125,14 @@ def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = Non
     angles = data.angles(now)
     base, rows = _left_by(data, now, angles)
     slopes = now.derivatives(body, angles, lambda joint: data.by_gap(now, joint), chosen)
-    flat = np.where(seen, slopes, 0.0).reshape(len(chosen), *rows.shape) / data.noise
-    rigid = _rigid(base, seen) @ np.moveaxis(flat, 0, -1)  # (F, 3, C): taken away below, frame by frame
+    slopes *= seen / data.noise
+    flat = slopes.reshape(len(chosen), *rows.shape)
+    rigid = np.moveaxis(flat, 0, 1) @ np.swapaxes(_rigid(base, seen), 1, 2)  # (F, C, 3): taken away, frame by frame
     matrices, vectors, constants = [], [], []
     for mine in data.gaits:
-        x, inside, r = flat[:, mine].reshape(len(chosen), -1), rigid[mine].reshape(-1, len(chosen)), rows[mine].ravel()
-        matrices.append(x @ x.T - inside.T @ inside)
+        x, r = flat[:, mine].reshape(len(chosen), -1), rows[mine].ravel()
+        inside = np.moveaxis(rigid[mine], 1, 0).reshape(len(chosen), -1)
+        matrices.append(x @ x.T - inside @ inside.T)
         vectors.append(x @ r)
         constants.append(r @ r)
     return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), data.counts)
@@ -164,11 +166,15 @@ def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Fl
 
 
 def _rigid(points: Floats, seen: np.ndarray) -> Floats:
-    """Orthonormal rigid motions of the visible points, (F, 3, 2 N)."""
-    one, zero = np.ones(points.shape[:2]), np.zeros(points.shape[:2])
-    motions = [np.stack(x, axis=2) for x in ((one, zero), (zero, one), (-points[..., 1], points[..., 0]))]
-    stacked = np.stack([np.where(seen, m, 0.0).reshape(len(points), -1) for m in motions], axis=2)
-    return np.swapaxes(np.linalg.qr(stacked)[0], 1, 2)
+    """Orthonormal rigid motions of the visible points, (F, 3, 2 N): along x and y, and about the middle of them."""
+    share = seen / np.sqrt(seen.sum(axis=1, keepdims=True))
+    middle = (share**2 * points).sum(axis=1, keepdims=True)
+    arm = np.where(seen, points - middle, 0.0)
+    found = np.zeros((len(points), 3, *points.shape[1:]))
+    found[:, 0, :, 0] = found[:, 1, :, 1] = share[..., 0]
+    found[:, 2, :, 0], found[:, 2, :, 1] = -arm[..., 1], arm[..., 0]
+    found[:, 2] /= np.sqrt((arm**2).sum(axis=(1, 2), keepdims=True))
+    return found.reshape(len(points), 3, -1)
 
 
 def signature(data: Sample, effect: Observation) -> Floats:
