@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
@@ -16,6 +14,7 @@ from serpenoid.gaits import Gait
 from serpenoid.plot import joints, optima, space
 from serpenoid.plot.animate import animation
 from serpenoid.plot.body import shapes
+from serpenoid.plot.both import draw
 from serpenoid.plot.cases import cases_figure
 from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
@@ -37,17 +36,11 @@ ANIMATED_CYCLES = 2
 
 
 def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
-    """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names.
-
-    Each is drawn once: `Figure.savefig` draws twice for each, to measure text that the layout has measured already.
-    """
-    fig.dpi = PIXELS_PER_INCH
-    with atomic(Path(folder) / f"{name}.png") as temporary:
-        FigureCanvasAgg(fig).print_png(temporary)
-    fig.set_layout_engine("none")  # the layout is found: once is enough
-    with atomic(Path(folder) / f"{name}.svg") as temporary:
-        FigureCanvasSVG(fig).print_svg(temporary, metadata={"Date": None})
-    return [f"{name}.png", f"{name}.svg"]
+    """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names."""
+    png, svg = (Path(folder) / f"{name}.{kind}" for kind in ("png", "svg"))
+    with atomic(png) as pixels, atomic(svg) as lines:
+        draw(fig, PIXELS_PER_INCH, pixels, lines)
+    return [png.name, svg.name]
 
 
 def simulation_figures(
