@@ -111,7 +111,7 @@ class Both(RendererBase):
         own = self.new_gc()
         own.copy_properties(gc)
         if (box := gc.get_clip_rectangle()) is not None:
-            own.set_clip_rectangle(TransformedBbox(box, self._larger))
+            own.set_clip_rectangle(cast(Any, TransformedBbox(box, self._larger)))
         path, transform = cast(tuple[Any, Any], gc.get_clip_path())
         if path is not None:
             own.set_clip_path(TransformedPath(path, transform + self._larger))
