@@ -18,7 +18,6 @@ from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.inference.laws import on_dry_friction
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.reference import reference_of
-from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -58,9 +57,8 @@ def test_the_healthy_robot_is_not_what_the_model_says(then):
     assert "servo_lag" in {n.effect.name for n in then.named}  # soft servos, told to jump from row to row
     assert any("motion: what is left repeats" in text for text in then.words)  # Coulomb contacts
     assert then.motion.stage.discrepancy_m > 1e-3
-    medium = [n for n in then.named if isinstance(n.effect.effect, MediumEffect)]
-    assert all(n.stand_in for n in medium)  # no law of the catalogue is Coulomb's with loads that move about
-    assert not any(n.stand_in for n in then.named if n not in medium)
+    # no law of the catalogue is Coulomb's with loads that move about, or a motor's that gives way to a load
+    assert all(n.stand_in for n in then.named)
 
 
 def test_the_law_of_the_floor_is_asked(then):

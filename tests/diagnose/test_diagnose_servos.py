@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -90,6 +92,49 @@ def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     assert low is not None
     assert high is not None
     assert low < 0.6 < high
+
+
+def reading(r: Recording, joint: int, law: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Recording:
+    """The trial, one joint's readings being what a law (time, set-point) makes of its command."""
+    position, told = r.position.copy(), r.schedule.commanded(r.read_at)
+    position[:, joint - 1] = np.round(law(r.read_at, told[:, joint - 1]) / TICK) * TICK
+    return replace(r, position=position)
+
+
+def clipped(time: np.ndarray, told: np.ndarray) -> np.ndarray:
+    return np.clip(told, told.mean() - 0.5 * told.std(), told.mean() + 0.5 * told.std())
+
+
+def dead_from_half_time(time: np.ndarray, told: np.ndarray) -> np.ndarray:
+    return np.where(time < time.mean(), told, told[len(told) // 2])
+
+
+@pytest.mark.parametrize("law", [clipped, dead_from_half_time])
+def test_a_fault_of_one_servo_that_is_no_law_of_the_catalogue_gets_no_name(
+    recordings: tuple[Recording, ...], law: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> None:
+    stage = choose_actuation(plays([reading(recordings[0], 4, law)]))  # a law that is wrong in one trial is none
+    assert not stage.named
+    assert stage.words[0].startswith("joint 4 follows its command no better")
+
+
+def test_what_is_nearest_to_a_fault_that_is_no_law_is_told(recordings: tuple[Recording, ...]) -> None:
+    (told,) = choose_actuation(plays([reading(recordings[0], 4, clipped)])).words[1:]
+    assert re.fullmatch(r"gain_loss at joint 4 would leave \d+% of what it does: not its law", told)
+
+
+def test_a_servo_that_is_dead_in_one_of_two_repeats_is_no_stuck_joint(recordings: tuple[Recording, ...]) -> None:
+    settings: dict[tuple[str, float], int] = {}
+    trials = []
+    for r in recordings:
+        settings[r.setting] = settings.get(r.setting, 0) + 1
+        dead = settings[r.setting] == 1
+        trials.append(reading(r, 2, lambda time, told: np.full_like(told, told[0])) if dead else r)
+    data = plays(trials)
+    assert len(data.recordings) == len(trials)
+    stage = choose_actuation(data)
+    assert not stage.named
+    assert not stage.settled
 
 
 @dataclass(frozen=True)

@@ -25,13 +25,16 @@ STAND_IN = ", perhaps a stand-in"
 
 def inadequacy(record: Record) -> list[str]:
     """Where names may be stand-ins: by how much the model is inadequate, before all else."""
-    if not any(e["stand_in"] for e in record["effects"]):
-        return []
-    size = shown(record["discrepancy_m"], "m", 2)
-    return [
-        f"the model is inadequate by {size} a window, and what it misses repeats: names of the medium take a part "
-        "of that away, but may stand in for a cause that the catalogue does not hold"
-    ]
+    stand_ins = [e for e in record["effects"] if e["stand_in"]]
+    said = []
+    if any(e["site"] == "medium" for e in stand_ins):
+        size = shown(record["discrepancy_m"], "m", 2)
+        said.append(
+            f"the model is inadequate by {size} a window, and what it misses repeats: names of the medium take a part "
+            "of that away, but may stand in for a cause that the catalogue does not hold"
+        )
+    servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
+    return [*said, *(f"{name} is a part of what the servos do: their law is another" for name in servos)]
 
 
 def rival_law(record: Record) -> list[str]:

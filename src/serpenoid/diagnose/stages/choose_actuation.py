@@ -1,4 +1,8 @@
-"""Which actuation effects the servos' readings show, joint by joint."""
+"""Which actuation effects the servos' readings show, joint by joint.
+
+What a law gets wrong is in proportion to what it does. An effect at a joint that leaves more of it than LAW_ERROR is
+not what happens there, and has no name; one that all servos share is what is nearest to their law: a stand-in.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +14,13 @@ import numpy as np
 
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
-from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
+from serpenoid.diagnose.stages.actuation import FOLLOWED, Attempt, attempts, fit_everywhere, followed, needed, slopes_of
 from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
 AT_MOST = 7
+LAW_ERROR = 1 / 3  # of what an effect does: more than a law gets wrong
 VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
 
 
@@ -60,16 +65,42 @@ def choose_actuation(data: Plays) -> Stage:
         if _strength(data, tries[found].effect) < VISIBLE:
             break
     best = earned(best, bare, _without, lambda found: needed(data, found.effects))
+    best, refused = _lawful(best)
     left = data.channels(best.angles)
     worst = int(left.argmax())
     words: tuple[str, ...] = ()
     if left[worst] > VISIBLE:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
+    words += refused
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, float(left[worst]), words)
+
+
+def _lawful(best: Played) -> tuple[Played, tuple[str, ...]]:
+    """Without effects at a joint that are no law of what it does, and what is said of them; the others fitted again."""
+    refused: tuple[str, ...] = ()
+    while True:
+        errors = {i: _law_error(best, e) for i, e in enumerate(best.effects) if e.place is not None}
+        index = max(errors, key=lambda i: errors[i], default=None)
+        if index is None or errors[index] <= LAW_ERROR:
+            return best, refused
+        e = best.effects[index]
+        refused += (f"{e.name} at joint {e.place} would leave {errors[index]:.0%} of what it does: not its law",)
+        best = _without(best, index)
+
+
+def _law_error(best: Played, effect: ActiveEffect) -> float:
+    """What readings are off by, beyond noise and as much again, over what the effects of the same place do to them; of
+    an effect at all joints the median joint's."""
+    data, place = best.data, effect.place
+    bare = data.realised([e for e in best.effects if e.place != place])
+    done = (((best.angles - bare) / data.noise) ** 2).mean(axis=0)
+    missed = np.maximum(data.channels(best.angles) ** 2 - FOLLOWED, 0.0)
+    errors = np.sqrt(missed / np.maximum(done, 1e-12))
+    return float(np.median(errors)) if place is None else float(errors[place - 1])
 
 
 def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[Rival]:
@@ -118,7 +149,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
     value = effect.parameters[parameter.name]
     bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
-    return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound)
+    stand_in = _law_error(best, effect) > LAW_ERROR
+    return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound, stand_in)
 
 
 def _strength(data: Plays, effect: ActiveEffect) -> float:

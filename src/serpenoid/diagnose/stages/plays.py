@@ -28,6 +28,7 @@ from serpenoid.simulation.servos import realise_all
 SMOOTHED_ROWS = 9
 ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 SURE = 2.0  # standard deviations of a clock's rate
+UNLIKE = 1 / 9  # of what readings miss, squared: as much as a law gets wrong (`choose_actuation.LAW_ERROR`)
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
 WITHIN_ROW = 4  # steps in which servos are followed from row to row
@@ -135,12 +136,35 @@ def unsure_start(r: Recording) -> float:
 
 def ways(recordings: Sequence[Recording]) -> Iterator[Plays]:
     """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them."""
-    recordings = list({r.setting: r for r in recordings}.values())  # one of each kind tells what there is to tell
+    recordings = _telling(recordings)
     yield _plays(recordings, told=False)
     jumping = [replace(r, schedule=replace(r.schedule, held=True)) for r in recordings]
     yield _plays(jumping, told=False)
     if all(r.commands is not None for r in recordings):
         yield _plays(jumping, told=True)
+
+
+def _telling(recordings: Sequence[Recording]) -> list[Recording]:
+    """One of each setting, and its repeats in which a joint strays from the command by another amount."""
+    found: list[tuple[Recording, Floats, Floats]] = []
+    for r in reversed(recordings):
+        strays, unsure = _strays(r)
+        like = [(s, u) for other, s, u in found if other.setting == r.setting]
+        differs = (np.abs(s - strays) > UNLIKE * np.maximum(s, strays) + np.maximum(u, unsure) for s, u in like)
+        if all(d.any() for d in differs):
+            found.append((r, strays, unsure))
+    return [r for r, _, _ in reversed(found)]
+
+
+def _strays(r: Recording) -> tuple[Floats, Floats]:
+    """Mean square (m,) of what a trial's readings miss the command by, and how much of it may be its start's."""
+    time = r.read_at
+    inside = (time > 0) & (time < r.promised_s)
+    if not inside.any():
+        return np.zeros(r.body.joint_count), np.full(r.body.joint_count, np.inf)
+    told = r.schedule.commanded(time[inside])
+    late = r.schedule.commanded(time[inside] - unsure_start(r)) - told
+    return ((r.position[inside] - told) ** 2).mean(axis=0), (late**2).mean(axis=0) + TICK**2
 
 
 def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
