@@ -59,6 +59,13 @@ def motion_effects() -> tuple[Effect, ...]:
 
 
 @cache
+def view_effects() -> tuple[Effect, ...]:
+    """Effects of observation with no marks: a diagnosis looks for what they show of the body, by their law alone."""
+    found = (e for e in catalogue().values() if e.site == "observation" and e.marks is None)
+    return tuple(e for e in found if e.applies_to("diagnose"))
+
+
+@cache
 def marking(marks: Marks) -> tuple[Effect, ...]:
     """Effects whose numbers are of this kind."""
     return tuple(e for e in catalogue().values() if e.marks == marks)

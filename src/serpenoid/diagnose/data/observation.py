@@ -6,13 +6,15 @@ Legend: F frames, N vertices, m joints, C columns.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data import views
 from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.effects.catalogue import catalogue, find, places
+from serpenoid.effects.base import Marks
+from serpenoid.effects.catalogue import catalogue, find, places, view_effects
 from serpenoid.measure.chain import link_of_edge
 
 
@@ -20,23 +22,25 @@ from serpenoid.measure.chain import link_of_edge
 class Observation:
     """What lies between the chain and the data; all zero: nothing does.
 
-    zeros (m,) [rad], markers (N, 2) along and left [m], gaps (m,) of joints with play [rad], scale error, clock rate.
+    zeros (m,) [rad], markers (N, 2) along and left [m], gaps (m,) of joints with play [rad], scale error; views (V,):
+    coordinates of effects of observation that have none of these marks, and show what their own law (`on_view`) says.
     """
 
     zeros: Floats
     markers: Floats
     gaps: Floats
     scale: float = 0.0
-    rate: float = 0.0
+    views: Floats = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def neutral(cls, body: Body) -> Observation:
-        return cls(np.zeros(body.joint_count), np.zeros((body.vertices, 2)), np.zeros(body.joint_count))
+        joints, markers = body.joint_count, np.zeros((body.vertices, 2))
+        return cls(np.zeros(joints), markers, np.zeros(joints), views=views.resting(body))
 
     @property
     def corrects(self) -> bool:
         """Whether shapes are anything else than what servos read, or markers stand elsewhere."""
-        return bool(np.any(self.zeros) or np.any(self.markers) or np.any(self.gaps) or self.scale)
+        return bool(np.any(self.zeros) or np.any(self.markers) or np.any(self.gaps) or self.scale or np.any(self.views))
 
     def angles(self, readings: Floats) -> Floats:
         """True joint angles of one trial's servo readings (F, m), in order of time."""
@@ -48,7 +52,8 @@ class Observation:
     def seen(self, body: Body, angles: Floats) -> Floats:
         """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
         points = shapes(body, angles)
-        return self._displaced(points, *directions(points)) * (1 + self.scale)
+        points = self._displaced(points, *directions(points)) * (1 + self.scale)
+        return views.seen(body, points, self.views)
 
     def derivatives(
         self, body: Body, angles: Floats, by_gap: Callable[[int], Floats], columns: Sequence[int]
@@ -57,8 +62,8 @@ class Observation:
         m, n = body.joint_count, body.vertices
         points = shapes(body, angles)
         along, left = directions(points)
-        gaps = m + 2 * n + 1
-        bent = self._by_angles(body, left, along, {c % gaps for c in columns if c < m or c >= gaps})
+        gaps, others = _layout(body)["gaps"], _layout(body)[None]
+        bent = self._by_angles(body, left, along, {c % gaps for c in columns if c < m or gaps <= c < others})
         found = np.zeros((len(columns), len(angles), n, 2))
         for slot, column in enumerate(columns):
             if column < m:
@@ -68,9 +73,11 @@ class Observation:
                 found[slot, :, vertex] = (along, left)[side][:, vertex]
             elif column == m + 2 * n:
                 found[slot] = self._displaced(points, along, left) / (1 + self.scale)
-            else:
+            elif column < others:
                 joint = column - gaps
                 found[slot] = by_gap(joint)[:, None, None] * bent[joint]
+            else:
+                found[slot] = views.derivative(body, points, column - others)
         found *= 1 + self.scale
         return found
 
@@ -94,7 +101,7 @@ class Observation:
         return {joint: bent(joint) for joint in joints}
 
     def with_column(self, column: int, amount: float) -> Observation:
-        """One number changed: zeros, then markers (along, left by vertex), scale, then gaps (none below zero)."""
+        """One number changed: zeros, then markers (along, left by vertex), scale, gaps (none below zero), views."""
         zeros, markers, gaps = self.zeros.copy(), self.markers.copy(), self.gaps.copy()
         m, n = len(zeros), len(markers)
         if column < m:
@@ -103,6 +110,10 @@ class Observation:
             markers[(column - m) // 2, (column - m) % 2] += amount
         elif column == m + 2 * n:
             return replace(self, scale=self.scale + amount)
+        elif column > 2 * (m + n):
+            others = self.views.copy()
+            others[column - 2 * (m + n) - 1] += amount
+            return replace(self, views=others)
         else:
             gap = column - m - 2 * n - 1
             gaps[gap] = max(gaps[gap] + amount, 0.0)
@@ -138,29 +149,32 @@ def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
 def columns_of(body: Body, name: str, place: int | None) -> list[int]:
     """Column numbers of an effect that marks this model."""
     effect = find(name)
-    size = len(effect.parameters)
-    first = _layout(body)[effect.marks or ""] + size * places(effect, body).index(place)
+    first, size = _layout(body)[effect.marks], len(effect.parameters)
+    if effect.marks is None:
+        return [first + i for i in next(own for view, own in views.numbered(body) if view.key == (name, place))]
+    first += size * places(effect, body).index(place)
     return list(range(first, first + size))
 
 
 def values_of(body: Body, now: Observation, name: str, place: int | None) -> list[float]:
     """Parameters of one effect in an observation model."""
-    numbers = np.concatenate([now.zeros, now.markers.ravel(), [now.scale], now.gaps])
+    numbers = np.concatenate([now.zeros, now.markers.ravel(), [now.scale], now.gaps, now.views])
     return [float(numbers[column]) for column in columns_of(body, name, place)]
 
 
 def column_count(body: Body) -> int:
     """Of all columns."""
-    return 2 * body.joint_count + 2 * body.vertices + 1
+    return _layout(body)[None] + len(views.resting(body))
 
 
-def _layout(body: Body) -> dict[str, int]:
-    """First column of each kind of number."""
+def _layout(body: Body) -> dict[Marks | None, int]:
+    """First column of each kind of number; None: of the views."""
     m, n = body.joint_count, body.vertices
-    return {"zeros": 0, "markers": m, "scale": m + 2 * n, "gaps": m + 2 * n + 1}
+    return {"zeros": 0, "markers": m, "scale": m + 2 * n, "gaps": m + 2 * n + 1, None: 2 * m + 2 * n + 1}
 
 
 def all_keys(body: Body) -> list[tuple[str, int | None]]:
     """Name and place of every effect that moves markers against the servos' chain; fewest numbers first."""
-    kinds = sorted((k for k in catalogue().values() if k.marks in _layout(body)), key=lambda k: len(k.parameters))
+    marked = [k for k in catalogue().values() if k.marks and k.marks in _layout(body)]
+    kinds = sorted((*marked, *view_effects()), key=lambda k: len(k.parameters))
     return [(kind.name, place) for kind in kinds for place in places(kind, body)]

@@ -15,6 +15,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.windows import Prediction, columns_of, predictions
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, at_values, held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.prices import Priced
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.base import Parameter
 from serpenoid.effects.catalogue import motion_effects, places
@@ -50,6 +51,11 @@ class Fit:
     def coordinates(self) -> Floats:
         """eps and the coordinates of all fitted effects."""
         return _coordinates(self.model, self.effects)
+
+    @property
+    def priced(self) -> Priced:
+        """What it leaves, by how many numbers."""
+        return Priced(self.chi2, len(self.coordinates), float(self.evidence.count.sum()))
 
     @property
     def converged(self) -> bool:

@@ -9,7 +9,9 @@ noise level.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -24,7 +26,7 @@ from serpenoid.diagnose.inference.medium import (
     linearised,
     predicted_without,
 )
-from serpenoid.diagnose.inference.prices import outweighed
+from serpenoid.diagnose.inference.prices import least_idle
 from serpenoid.diagnose.inference.ranking import needed
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
@@ -85,20 +87,21 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
     refused: list[Refused] = []
     while best.effects:
         bases = bases_of(motion, null, best)
-        gains = [b.chi2 - best.chi2 for b in bases]
-        too_little = outweighed(null.chi2, best.chi2, float(best.evidence.count.sum()))
-        most = np.inf if too_little else needed(motion, best)
-        sure = certain(motion, best)
-        likely = [i for i, gain in enumerate(gains) if gain > most and sure[i]]
-        mended = outdone(motion, best, [bases[i] for i in likely])
-        named = {i for i, done in zip(likely, mended, strict=True) if not done}
-        idle = [i for i in range(len(bases)) if i not in named]
-        if not idle:
+        priced = null.priced, best.priced, [b.priced for b in bases]
+        idle = least_idle(*priced, partial(needed, motion, best), partial(causes, motion, best, bases))
+        if idle is None:
             break
-        least = min(idle, key=lambda i: gains[i])
-        refused.append(Refused(best.effects[least], gains[least] / bases[least].chi2, best))
-        best = fit_guided(motion, bases[least], TO_THE_END)
+        base = bases[idle]
+        refused.append(Refused(best.effects[idle], (base.chi2 - best.chi2) / base.chi2, best))
+        best = fit_guided(motion, base, TO_THE_END)
     return best, tuple(refused)
+
+
+def causes(motion: Motion, best: Fit, bases: Sequence[Fit], likely: Sequence[int]) -> set[int]:
+    """Which effects, of some by index, are known to be there, and account for no mere error of the others' law."""
+    sure = [i for i, known in enumerate(certain(motion, best)) if known and i in likely] if likely else []
+    mended = outdone(motion, best, [bases[i] for i in sure])
+    return {i for i, done in zip(sure, mended, strict=True) if not done}
 
 
 def certain(motion: Motion, best: Fit) -> list[bool]:

@@ -8,8 +8,9 @@ if none were a cause (null.py), and all together more than they leave.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -65,10 +66,25 @@ def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E
     """
     while best.size:
         bases = [bare] if best.size == 1 else [without(best, i) for i in range(best.size)]
-        gains = [b.priced.chi2 - best.priced.chi2 for b in bases]
-        least = int(np.argmin(gains))
-        too_little = outweighed(bare.priced.chi2, best.priced.chi2, best.priced.count)
-        if not too_little and gains[least] > needed(best):
+        idle = least_idle(bare.priced, best.priced, [b.priced for b in bases], partial(needed, best))
+        if idle is None:
             break
-        best = bases[least]
+        best = bases[idle]
     return best
+
+
+def least_idle(
+    bare: Priced,
+    best: Priced,
+    bases: Sequence[Priced],
+    needed: Callable[[], float],
+    causes: Callable[[list[int]], Collection[int]] = frozenset,
+) -> int | None:
+    """Which effect of an explanation is no cause, by index; of several the one that takes away least. None: all are.
+
+    bare: no effect at all; bases: without each; causes: which of those that take away enough are causes, all else told.
+    """
+    gains = [b.chi2 - best.chi2 for b in bases]
+    most = np.inf if outweighed(bare.chi2, best.chi2, best.count) else needed()
+    named = causes([i for i, gain in enumerate(gains) if gain > most])
+    return min((i for i in range(len(bases)) if i not in named), key=lambda i: gains[i], default=None)

@@ -18,7 +18,7 @@ from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
 from serpenoid.diagnose.stages.marker_evidence import Sample, apart, evidence, misfit, sample, signature, structure
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.catalogue import catalogue
+from serpenoid.effects.catalogue import marking
 from serpenoid.files.store import remembered
 
 AT_MOST = 7
@@ -210,11 +210,11 @@ def _named(best: Looked, key: Key) -> Named:
 
 def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:
     """The rate between two clocks, if it is more than chance."""
-    (kind,) = [k for k in catalogue().values() if k.marks == "rate"]
+    kind = next((k for k in marking("rate") if k.name not in best.without), None)
     weights = np.array([1 / r.clock.rate_sd**2 for r in recordings])
     rates = np.array([r.clock.rate for r in recordings])
     rate, sd = float((weights * rates).sum() / weights.sum()), float(1 / np.sqrt(weights.sum()))
-    if kind.name in best.without or (rate / sd) ** 2 < best.needed:
+    if kind is None or (rate / sd) ** 2 < best.needed:
         return None
     levels = best.data.levels[: best.data.body.joint_count]
     squares = np.mean([_drifted(r) for r in recordings], axis=0)

@@ -16,7 +16,7 @@ from serpenoid.diagnose.data.noise import gap_steps
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.catalogue import catalogue
+from serpenoid.effects.catalogue import marking
 
 CERTAIN, DROP = 12.0, 2.2  # log-likelihood: ratio that names it, drop at the ends of the interval
 MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
@@ -42,11 +42,11 @@ def find_jumps(
     motion: Motion, predictions: Sequence[Prediction], noise_level_m: float, missed_m: float = 0.0
 ) -> Named | None:
     """Steps across gaps, if they show them; missed_m: see `gap_lengths`."""
-    (kind,) = [k for k in catalogue().values() if k.marks == "jumps"]
-    (parameter,) = kind.parameters
+    kind = next((k for k in marking("jumps") if k.name not in motion.untestable), None)
     lengths, noises = gap_lengths(motion, predictions, missed_m)
-    if len(lengths) < 3 or kind.name in motion.untestable:
+    if len(lengths) < 3 or kind is None:
         return None
+    (parameter,) = kind.parameters
 
     def log_likelihood(size: float) -> float:
         z = lengths * size / noises**2
