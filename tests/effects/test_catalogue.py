@@ -10,7 +10,7 @@ import pytest
 
 import serpenoid as sp
 from effects.conftest import extended, place_of, typical
-from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.effects import ActiveEffect, ActuationEffect, catalogue, find
 from serpenoid.effects.view import View
 from serpenoid.errors import InputError
 from serpenoid.model import Model
@@ -44,6 +44,26 @@ def test_effect_is_declared_in_full(name: str) -> None:
         assert p.neutral is None or p.lower <= p.neutral <= p.upper
         assert math.isfinite(p.resting)
         assert p.value(p.coordinate(p.typical)) == pytest.approx(p.typical, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if find(n).applies_to("diagnose")])
+def test_a_diagnosis_can_look_for_the_effect_as_its_file_says(name: str, problem: Problem) -> None:
+    effect = find(name)
+    if isinstance(effect, ActuationEffect):
+        assert len(effect.parameters) == 1  # fits of servos vary one number at each joint
+        assert effect.shown or effect.marks in ("zeros", "gaps")
+    if effect.scan is None:
+        return
+    strength, *others = effect.parameters
+    assert effect.place is None
+    assert strength.neutral is not None
+    assert all(p.neutral is None for p in others)
+    assert find(effect.scan.made_of).place == "vertex"
+    for grid in effect.scan.grids(np.array([-0.1, 0.2]), np.array([0.3, 0.4]), problem.body.total_length_m):
+        assert all(set(values) == {p.name for p in others} for values in grid.values)
+        assert len({values[effect.scan.size] for values in grid.values}) == 1
+        first, second = grid.felt(np.zeros((5, 3, 2)))
+        assert first.shape[-1] * second.shape[-1] == len(grid.values)
 
 
 @pytest.mark.parametrize("name", HAVE_NEUTRAL)
