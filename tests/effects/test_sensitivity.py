@@ -71,6 +71,28 @@ def predicted(model: Model, recording: np.ndarray) -> np.ndarray:
     return step_sensitivities(model, recording, TIMES).relative
 
 
+@pytest.mark.parametrize("name", [n for n in MEDIUM if find(n).scan])
+def test_what_is_scanned_is_to_first_order_what_it_is_made_of_where_it_is_felt(
+    name: str, problem: Problem, table: np.ndarray
+) -> None:
+    scan, length, weights = find(name).scan, problem.body.total_length_m, problem.body.vertex_weights
+    model = extended(problem)
+    motion = sp.simulate_joint_angles(model, table, start=np.array([0.1, 0.2, 0.3])).vertices
+    places = length * (motion[1:] + motion[:-1]) / 2
+    parts = [ActiveEffect.neutral(scan.made_of, k) for k in range(problem.body.vertices)]
+    for grid in scan.grids(places.min(axis=(0, 1)), places.max(axis=(0, 1)), length):
+        first, second = grid.felt(places)
+        middle = (first.shape[-1] // 2) * second.shape[-1] + second.shape[-1] // 2
+        felt = first[..., first.shape[-1] // 2] * second[..., second.shape[-1] // 2]
+        whole = ActiveEffect.neutral(name, None, **grid.values[middle])
+        found = step_sensitivities(model, motion, TIMES, candidates=[whole, *parts])
+        by = {(c.effect, c.place, c.parameter): found.jacobian[..., i] for i, c in enumerate(found.columns)}
+        own = by[name, None, whole.effect.parameters[0].name]
+        made = sum(by[p.name, p.place, p.effect.parameters[0].name] * (w * felt[:, k])[:, None]
+                   for k, (p, w) in enumerate(zip(parts, weights, strict=True)))  # fmt: skip
+        np.testing.assert_allclose(made, own, atol=1e-9 * np.abs(own).max())  # roots are solved to 1e-12
+
+
 def test_prediction_of_the_baseline_is_the_simulations(problem: Problem, recording: np.ndarray) -> None:
     found = step_sensitivities(extended(problem), recording, TIMES)
     motion = sp.simulate_vertices(extended(problem), recording)
