@@ -1,5 +1,6 @@
 """Whole figures: written, not blank, labelled with units, nothing cut off."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -129,3 +130,24 @@ def test_a_failed_save_leaves_nothing_behind(tmp_path, problem, table, monkeypat
     with pytest.raises(OSError, match="disk full"):
         figures.save(fig, tmp_path, "joints")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_figure_is_drawn_once_for_both_files(tmp_path, problem, table, monkeypatch):
+    fig = figures.joints_figure(table, problem)
+    drawn, draw = [], fig.draw
+    monkeypatch.setattr(fig, "draw", lambda renderer: (drawn.append(1), draw(renderer)))
+    figures.save(fig, tmp_path, "joints")
+    assert len(drawn) == 1
+    with Image.open(tmp_path / "joints.png") as picture:
+        pixels = np.asarray(picture.convert("RGB"), dtype=float)
+    assert pixels.shape[:2] == tuple(int(150 * side) for side in fig.get_size_inches()[::-1])
+    svg = (tmp_path / "joints.svg").read_text()
+    assert svg.count("<image") == 1  # the colour bar: hundreds of patches otherwise
+    width, height, x, y = (float(re.search(rf' {k}="(-?[\d.]+)"', svg[svg.index("<image") :])[1]) for k in SIDES)
+    middle = 150 / 72 * np.array([x + width / 2, -y - height / 2])  # SVG turns the image: y counts from its foot
+    column, row = middle.round().astype(int)
+    assert np.ptp(pixels[row, column]) > 20  # the bar is coloured, in the same place of both
+    assert (pixels[row, round(150 / 72 * x) - 3] == 255).all()  # and begins there
+
+
+SIDES = ("width", "height", "x", "y")

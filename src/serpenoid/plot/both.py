@@ -18,8 +18,19 @@ from matplotlib.figure import Figure
 from matplotlib.image import imsave
 from matplotlib.transforms import Affine2D, TransformedBbox, TransformedPath
 
+from serpenoid.files.writing import atomic
+
 POINTS_PER_INCH = 72
+PIXELS_PER_INCH = 150
 COMPRESSION = 3  # of the PNG: 6 takes three times as long for a tenth less
+
+
+def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
+    """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names."""
+    png, svg = (Path(folder) / f"{name}.{kind}" for kind in ("png", "svg"))
+    with atomic(png) as pixels, atomic(svg) as lines:
+        draw(fig, PIXELS_PER_INCH, pixels, lines)
+    return [png.name, svg.name]
 
 
 def draw(fig: Figure, pixels_per_inch: int, png: Path, svg: Path) -> None:

@@ -18,7 +18,7 @@ from serpenoid.diagnose.residuals.maps import windows
 from serpenoid.group import accumulate, relative
 from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
-from serpenoid.plot.figures import save
+from serpenoid.plot.both import save
 from serpenoid.plot.joints import joint_angles, joint_bar
 from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal
 

@@ -9,12 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.files.writing import atomic
 from serpenoid.gaits import Gait
 from serpenoid.plot import joints, optima, space
 from serpenoid.plot.animate import animation
 from serpenoid.plot.body import shapes
-from serpenoid.plot.both import draw
+from serpenoid.plot.both import save
 from serpenoid.plot.cases import cases_figure
 from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
@@ -30,17 +29,8 @@ if TYPE_CHECKING:
     from serpenoid.optimise.solution import Solution
     from serpenoid.plot.family import Family
 
-PIXELS_PER_INCH = 150
 MANY_JOINTS = 24
 ANIMATED_CYCLES = 2
-
-
-def save(fig: Figure, folder: str | Path, name: str) -> list[str]:
-    """Write `name`.png and `name`.svg into `folder`, each whole or not at all; returns the file names."""
-    png, svg = (Path(folder) / f"{name}.{kind}" for kind in ("png", "svg"))
-    with atomic(png) as pixels, atomic(svg) as lines:
-        draw(fig, PIXELS_PER_INCH, pixels, lines)
-    return [png.name, svg.name]
 
 
 def simulation_figures(
