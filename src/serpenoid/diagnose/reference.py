@@ -2,8 +2,8 @@
 
 Of the earlier campaign its own diagnosis is made first. What it names becomes part of the baseline; what it leaves is
 the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
-window by window from the motion, moment by moment from the servos' readings. A change may change this error too, so a
-share of it stays as doubt, and all of it where the gait is a new one.
+window by window from the motion, moment by moment from the servos' readings. What a change changes of this error is in
+proportion to what the change does (inference/discrepancy.py); where a gait is new, all of the error is in doubt.
 
 Legend: W windows of a trial, R log rows, m joints.
 """
@@ -30,7 +30,7 @@ from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 
-CARRIED, READ = 0.25, 0.5  # shares of the habitual error that a change may change: of motions, of readings
+READ = 0.5  # share of the habitual error of readings that a change may change
 UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
 Setting = tuple[str, float]
 
@@ -95,12 +95,8 @@ class Reference(Baseline):
             n = min(count, len(habit.error))
             error[:n], noise[:n] = habit.error[:n], habit.noise[:n]
         unknown = np.isnan(error)
-        doubt = np.where(track.playing[:, None], self.usual, 0.0) * np.where(unknown, 1.0, CARRIED)
-        return replace(
-            track,
-            offset=track.offset + np.where(unknown, 0.0, error),
-            doubt=np.hypot(doubt, np.where(unknown, 0.0, noise)),
-        )
+        doubt = np.where(unknown, np.where(track.playing[:, None], self.usual, 0.0), noise)
+        return replace(track, offset=track.offset + np.where(unknown, 0.0, error), doubt=doubt)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """Readings with the earlier ones' error taken out."""
@@ -153,8 +149,27 @@ def _habit(motion: Motion, errors: Sequence[Floats], trials: Sequence[int]) -> H
     own = np.stack([errors[i][:count] for i in trials])
     times = np.isfinite(own).sum(axis=0)
     mean = np.where(times > 0, np.nansum(own, axis=0) / np.maximum(times, 1), np.nan)
-    noise = motion.noise.of(motion.tracks[trials[0]])[:count] / np.sqrt(np.maximum(times, 1))
-    return Habit(_played(motion.tracks[trials[0]]), mean, noise)
+    first = motion.tracks[trials[0]]
+    noise = motion.noise.of(first)[:count] / np.sqrt(np.maximum(times, 1))
+    return Habit(_played(first), *in_other_cycles(mean, noise, first.phase[:count]))
+
+
+def in_other_cycles(mean: Floats, noise: Floats, phase: Floats) -> tuple[Floats, Floats]:
+    """Errors (W, 3) and noise; where a window was not seen, the mean over the cycles in which its phase was.
+
+    How far windows of one phase differ from their mean, of all phases together, is what that is in doubt by.
+    """
+    mean, noise, here = mean.copy(), noise.copy(), [phase == p for p in np.unique(phase)]
+    seen = [mean[at][np.isfinite(mean[at]).all(axis=1)] for at in here]
+    freedom = sum(len(x) - 1 for x in seen if len(x))
+    if not freedom:
+        return mean, noise
+    scatter = np.sqrt(sum(((x - x.mean(axis=0)) ** 2).sum(axis=0) for x in seen if len(x)) / freedom)
+    for at, known in zip(here, seen, strict=True):
+        unknown = at & ~np.isfinite(mean).all(axis=1)
+        if len(known):
+            mean[unknown], noise[unknown] = known.mean(axis=0), scatter * np.sqrt(1 + 1 / len(known))
+    return mean, noise
 
 
 def _played(track: Track) -> Floats:
