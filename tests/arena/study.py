@@ -72,8 +72,10 @@ def diagnosed(campaign: Path, known: Reference | None, out: Path) -> tuple[Diagn
 def judged(said: dict[str, Any], hidden: Hidden) -> dict[str, Any]:
     """Right: named, and nothing else. For what is outside the catalogue: no name at all. For nothing: nothing."""
     named, rivals = _names(said["effects"]), _names(said["alternatives"])
-    others = [n for n in named if n not in hidden.answers]
-    spare = len(others) - (len(others) == len(named))  # one stands for the truth if that is among its rivals
+    stand_ins = _names([e for e in said["effects"] if e["stand_in"]])
+    claimed = [n for n in named if n not in stand_ins]
+    others = [n for n in claimed if n not in hidden.answers]
+    spare = len(others) > int(len(others) == len(claimed))  # one stands for the truth if that is among its rivals
     if not hidden.changes:
         outcome = "right" if said["verdict"] == "nothing" else "wrong"
     elif hidden.outside:

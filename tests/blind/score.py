@@ -94,7 +94,10 @@ class Judgement:
 
 
 def judge(said: Answer, truth: Sequence[Effect], strengths: Sequence[float], separation: Separation) -> Judgement:
-    """For catalogue effects; with no hidden effect, naming anything is a false alarm."""
+    """For catalogue effects; with no hidden effect, naming anything is a false alarm.
+
+    A name that is said to be perhaps a stand-in, and no cause, is not wrong beside the right ones.
+    """
     hidden = [Name(e.name, e.place) for e in truth]
     must = [h for h, s in zip(hidden, strengths, strict=True) if s >= REQUIRED]
     silent = not said.chosen
@@ -119,7 +122,9 @@ def judge(said: Answer, truth: Sequence[Effect], strengths: Sequence[float], sep
         for i, h in enumerate(hidden)
         if h in must
     )
-    fitting = all(any(near(m, i) for i in range(len(hidden))) for m in said.group if m not in hidden)
+    fitting = all(
+        any(near(m, i) for i in range(len(hidden))) for m in said.group if m not in {*hidden, *said.stand_ins}
+    )
     if not must:
         return Judgement("unscored", needed)
     return Judgement("right" if found and fitting else "wrong", needed)

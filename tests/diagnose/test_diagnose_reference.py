@@ -48,8 +48,7 @@ def test_a_change_is_named_though_the_catalogue_does_not_hold_the_law_of_the_flo
     assert main(["diagnose", str(tmp_path / "now"), *options, "--out", str(tmp_path / "out")]) == 0
     said = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert said["reference"]["verdict"] != "explained"
-    assert [e["name"] for e in said["effects"]] == ["slope"]
-    assert not said["effects"][0]["stand_in"]
+    assert [e["name"] for e in said["effects"] if not e["stand_in"]] == ["slope"]
 
 
 def test_what_a_reference_did_not_see_is_filled_by_the_same_phase_of_other_cycles() -> None:

@@ -26,14 +26,14 @@ STAND_IN = ", perhaps a stand-in"
 def inadequacy(record: Record) -> list[str]:
     """Where names may be stand-ins: by how much the model is inadequate, before all else."""
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
+    servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
     said = []
-    if any(e["site"] == "medium" for e in stand_ins):
+    if len(stand_ins) > len(servos):
         size = shown(record["discrepancy_m"], "m", 2)
         said.append(
-            f"the model is inadequate by {size} a window, and what it misses repeats: names of the medium take a part "
-            "of that away, but may stand in for a cause that the catalogue does not hold"
+            f"the model is inadequate by {size} a window, and what it misses repeats: names marked as stand-ins take a "
+            "part of that away, but may be there for a cause that the catalogue does not hold"
         )
-    servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
     return [*said, *(f"{name} is a part of what the servos do: their law is another" for name in servos)]
 
 

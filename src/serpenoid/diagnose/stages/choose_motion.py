@@ -98,13 +98,25 @@ def finding(found: Selection) -> MotionFinding:
     words = _left_over(found, mend=jumps is not None)
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
-    if missed_m > 0 and motion.ratio is None:  # with a reference what it left is no news, and names are of changes
-        named = [replace(n, stand_in=n.effect.effect.site == "medium") for n in named]
+    if missed_m > 0:
+        named = [replace(n, stand_in=may_stand_in(found, n.effect)) for n in named]
     if jumps is not None and jumps in named:
         after = path_error(motion, best.predictions, mend=True)
     rivals = tuple(s.rival for s in swaps)
     stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
+    """Whether a name may be there for a cause that the catalogue does not hold, if what the model misses repeats.
+
+    Of the floor that may be all of it. With a reference what that left is no news, and what takes away most is the
+    change; what stands beside it may mend the law about it, whose error is in proportion to what the change does.
+    """
+    if found.motion.ratio is None:
+        return effect.effect.site == "medium"
+    gains = {e.key: base.chi2 - found.best.chi2 for e, base in zip(found.best.effects, found.bases, strict=True)}
+    return effect.key in gains and gains[effect.key] < max(gains.values())
 
 
 def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
