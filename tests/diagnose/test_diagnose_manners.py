@@ -29,6 +29,11 @@ def replaced(name: str, change: Callable[[str], str]) -> Callable[[Path], None]:
     return fault
 
 
+def cut_after(frames: int) -> Callable[[str], str]:
+    """A recording (one row of header) that was stopped early."""
+    return lambda text: "\n".join(text.splitlines()[: 1 + frames]) + "\n"
+
+
 def emptied(folder: Path) -> None:
     shutil.rmtree(folder)
     folder.mkdir()
@@ -42,6 +47,8 @@ def emptied(folder: Path) -> None:
         (replaced("servo.csv", lambda text: text.splitlines()[0] + "\n"), "has a header and no data rows"),
         (replaced("servo.csv", lambda text: text.replace("play,0,5,", "play,0,5,x", 1)), "must be a number or empty"),
         (replaced("servo.csv", lambda text: text[: len(text) // 4]), "follow neither its servo log"),
+        (replaced("motion.csv", cut_after(3)), "in 3 of 3 frames the same markers are seen together"),
+        (replaced("motion.csv", cut_after(20)), "the markers show no motion in the"),
         (replaced("campaign.toml", lambda text: text.replace("edge_lengths", "#")), "needs `edge_lengths`"),
     ],
 )

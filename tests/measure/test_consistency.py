@@ -140,7 +140,8 @@ def test_a_contradiction_is_refused_with_its_cure(valid, tmp_path, fault, logs):
         load_campaign(folder)
     assert "nothing is computed from it" in str(refusal.value)
     touched = 1 if re.search("duration|pause|another table", fault) else 3
-    assert len(str(refusal.value).splitlines()) == touched + 1  # no trial is accused that agrees with its data
+    accused = re.findall(r"`(gait-\d-1)`[,:]", str(refusal.value))
+    assert len(accused) == len(set(accused)) == touched  # no trial is accused that agrees with its data
 
 
 def test_a_servo_log_of_another_trial_is_recognised(valid, tmp_path):
@@ -158,6 +159,20 @@ def test_shapes_of_no_gait_of_the_campaign_are_refused(valid, tmp_path):
     write_csv(tmp_path / "c/gaits/gait-1.csv", [f"joint_{j}" for j in range(1, 11)], other.tolist())
     with pytest.raises(InputError, match="trial `gait-1-1`: .*(do not follow|neither)"):
         load_campaign(tmp_path / "c")
+
+
+def test_the_same_recording_under_two_names_is_refused(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    shutil.copy(tmp_path / "c/gait-1-1/motion.csv", tmp_path / "c/gait-3-1/motion.csv")
+    with pytest.raises(InputError, match="trial `gait-3-1`: its recording is that of trial `gait-1-1`"):
+        load_campaign(tmp_path / "c")
+
+
+@pytest.mark.parametrize(("size", "frames", "moves"), [(0.0, 300, False), (0.0, 40, False), (0.05, 12, True)])
+def test_a_robot_that_stands_still_shows_no_motion_however_noisy_its_markers(size, frames, moves):
+    noise = np.random.default_rng(0).normal(size=(frames, 3)) * 0.01
+    wave = size * np.sin(2 * np.pi * np.arange(frames) / 12)  # twelve frames a cycle: the slowest film that is used
+    assert Signal(np.arange(frames) / 10, noise + wave[:, None]).moves is moves
 
 
 def test_a_contradiction_that_is_believed_is_said_in_the_trial(valid, tmp_path):

@@ -150,6 +150,25 @@ def test_servo_log_round_trip_and_a_cut_last_row_is_dropped(tmp_path):
     assert len(read_servo_log(path).time_s) == 3
 
 
+def test_rows_without_a_reading_are_a_gap_and_a_servo_that_never_answers_is_named(tmp_path):
+    path = tmp_path / "s.csv"
+    angle = np.linspace(-1, 1, 8).reshape(4, 2)
+    angle[1, 0] = np.nan
+    write_servo_log(path, np.arange(4) / 50, angle)
+    np.testing.assert_array_equal(read_servo_log(path).position, angle[[0, 2, 3]])
+    write_servo_log(path, np.arange(4) / 50, np.column_stack([angle[:, 1], np.full(4, np.nan)]))
+    with pytest.raises(InputError, match="`position_2` is empty throughout"):
+        read_servo_log(path)
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_semicolons_tabs_and_decimal_commas_of_a_spreadsheet_are_read(tmp_path, separator):
+    path = tmp_path / "m.csv"
+    path.write_text(separator.join(["t_s", "x_0", "y_0"]) + "\n" + separator.join(["0,5", "-1,25", "3e-1"]) + "\n")
+    tracks = read_tidy(path)
+    assert (tracks.time_s[0], *tracks.floor[0, 0]) == (0.5, -1.25, 0.3)
+
+
 def test_servo_log_in_degrees_is_refused(tmp_path):
     write_servo_log(tmp_path / "s.csv", np.arange(3) / 50, np.full((3, 2), 30.0))
     with pytest.raises(InputError, match=r"row 2, column B \(`position_1`\): joint angles are in radians"):

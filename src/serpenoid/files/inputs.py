@@ -21,6 +21,7 @@ SETTINGS_BYTES = 20_000_000  # problem, model, robot, campaign and result files,
 RECORDING_BYTES = 1_000_000_000  # an hour of a hundred markers at 100 frames/s as text
 DEEPEST = 32  # sections within sections; what the package writes has 7
 CELL_CHARACTERS = 100_000
+DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?\s*", re.ASCII)
 NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*", re.ASCII)
 
 
@@ -62,12 +63,19 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
 
 
 def csv_rows(text: str, path: str | Path) -> list[list[str]]:
-    """All rows of a CSV's text."""
+    """All rows of a CSV's text. Where no comma is in the header, semicolons or tabs separate, and numbers may have
+    decimal commas, as spreadsheets of many languages write them."""
     csv.field_size_limit(CELL_CHARACTERS)
+    lines = text.splitlines()
+    header = next((line for line in lines if line.strip()), "")
+    separator = next((mark for mark in ",;\t" if mark in header), ",")
     try:
-        return list(csv.reader(text.splitlines()))
+        rows = list(csv.reader(lines, delimiter=separator))
     except csv.Error as error:
         raise InputError(f"{path}: not a CSV file: {error}.") from None
+    if separator == ",":
+        return rows
+    return [[cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in row] for row in rows]
 
 
 def number(cell: str) -> float | None:

@@ -29,7 +29,7 @@ def kind_of(data: dict[str, Any]) -> str | None:
         return "campaign"
     if isinstance(data.get("gait"), list) or "trials" in data:
         return "protocol"
-    if {"task", "gait"} & data.keys() or {"body", "medium"} <= data.keys():
+    if {"task", "gait"} & data.keys() or ({"body", "medium"} <= data.keys() and "motion" not in data):
         return "problem"
     return "model" if {"medium", "effects"} <= data.keys() else None
 

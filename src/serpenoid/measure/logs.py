@@ -77,7 +77,33 @@ def read_servo_log(path: str | Path) -> ServoLog:
         name: values for name in ("voltage", "load", "temperature", "error") if (values := group(name)) is not None
     }
     phase = tuple(row[header.index("phase")].strip() for row in rows[1:]) if "phase" in header else None
-    return ServoLog(times, position, command, phase, column.get("cycle"), column.get("step"), extra, str(path))
+    return _read_whole(
+        ServoLog(times, position, command, phase, column.get("cycle"), column.get("step"), extra, str(path))
+    )
+
+
+def _read_whole(log: ServoLog) -> ServoLog:
+    """Without rows in which a reading is missing: a gap in the log, as a row that was never written is."""
+    there = np.isfinite(log.position)
+    never = np.flatnonzero(~there.any(axis=0))
+    if never.size:
+        raise InputError(
+            f"{log.source}: column `position_{never[0] + 1}` is empty throughout. A servo that does not answer? "
+            "Leave `servo_log` out, and joint angles are taken from the markers."
+        )
+    kept = np.flatnonzero(there.all(axis=1))
+    if len(kept) == len(there):
+        return log
+    if not kept.size:
+        raise InputError(f"{log.source}: in no row is every joint's reading there.")
+
+    def rows(values: Floats | None) -> Floats | None:
+        return None if values is None else values[kept]
+
+    phase = None if log.phase is None else tuple(log.phase[row] for row in kept)
+    extra = {name: values[kept] for name, values in log.extra.items()}
+    command, cycle, step = rows(log.command), rows(log.cycle), rows(log.step)
+    return ServoLog(log.time_s[kept], log.position[kept], command, phase, cycle, step, extra, log.source)
 
 
 def read_power_log(path: str | Path) -> PowerLog:

@@ -62,11 +62,9 @@ def of_every_trial(
             progress(index, len(entries), entries[index].name)
 
     found = in_processes([(_or_fault, (work, entry)) for entry in entries], begun)
-    faults = [
-        f"trial `{entry.name}`: {one}" for entry, one in zip(entries, found, strict=True) if isinstance(one, InputError)
-    ]
+    faults = [(entry.name, str(one)) for entry, one in zip(entries, found, strict=True) if isinstance(one, InputError)]
     if faults:
-        raise InputError("\n".join(faults))
+        raise InputError(by_words(faults))
     return found
 
 
@@ -76,6 +74,15 @@ def _or_fault(work: Callable[[TrialEntry], T], entry: TrialEntry) -> T | InputEr
         return work(entry)
     except InputError as error:
         return error
+
+
+def by_words(faults: Sequence[tuple[str, str]]) -> str:
+    """Lines `trials NAMES: WORDS` of (trial, words): what is said of several trials is said once."""
+    trials: dict[str, list[str]] = {}
+    for trial, words in faults:
+        trials.setdefault(words, []).append(f"`{trial}`")
+    said = [f"trial{'s' * (len(names) > 1)} {', '.join(names)}: {words}" for words, names in trials.items()]
+    return "\n".join(said)
 
 
 def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:

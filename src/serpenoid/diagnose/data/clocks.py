@@ -17,6 +17,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, bends, shapes
 from serpenoid.errors import InputError
 from serpenoid.measure.clock import find_offset
+from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 
@@ -47,11 +48,13 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     corners = _corners(body, markers)
     angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
     known = np.flatnonzero(np.isfinite(angles).all(axis=1))
+    _refuse_still(Signal(camera, angles), Signal(log.time_s, log.position), len(camera))
     some = known[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
     found = find_offset(camera[some], angles[some], log.time_s, read)
     if found is None:
         raise InputError(
-            f"in too few frames ({len(known)}) the same markers are seen together. Re-label the recording?"
+            f"the servo log ({np.ptp(log.time_s):.3g} s) and the recording ({np.ptp(camera):.3g} s) cannot be laid "
+            "over each other: one of them is too short."
         )
     if found.correlation < ALIKE:
         raise InputError(
@@ -63,6 +66,24 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     for _ in range(ITERATIONS):
         clock = _improved(clock, camera, middle, angles, log.time_s, read)
     return clock
+
+
+def _refuse_still(cameras: Signal, servos: Signal, frames: int) -> None:
+    """Two clocks are laid over each other by motion: each of the two witnesses must show some."""
+    seen, read = int(cameras.known.sum()), len(servos.time_s)
+    if seen < LEAST_ROWS:
+        raise InputError(
+            f"in {seen} of {frames} frames the same markers are seen together, and {LEAST_ROWS} are needed. Was the "
+            "recording cut short, or its markers never labelled?"
+        )
+    if read < LEAST_ROWS:
+        raise InputError(f"the servo log has {read} rows of readings, and {LEAST_ROWS} are needed. Leave it out?")
+    for signal, who in ((cameras, "markers"), (servos, "servos' readings")):
+        if not signal.moves:
+            raise InputError(
+                f"the {who} show no motion in the {np.ptp(signal.time_s):.3g} s that were recorded. Did the recording "
+                "end before the robot began, or did the robot not move? Leave this trial out."
+            )
 
 
 def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:

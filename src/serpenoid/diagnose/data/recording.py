@@ -27,6 +27,7 @@ from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
 
 READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
+WINDOWS_PER_CYCLE = 8
 UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
 
 
@@ -185,9 +186,18 @@ def _aligned(file: CampaignFile, folder: Path, progress: Progress | None) -> tup
     def kept(entry: TrialEntry) -> Recording:
         own = files[entry.name]
         found = remember(lambda: read_recording(file, own), "recording", file, own)
+        _refuse_short(found)
         return replace(found, remarks=said.get(entry.name, ()))
 
     return with_one_rate(of_every_trial(file.trial, kept, progress))
+
+
+def _refuse_short(r: Recording) -> None:
+    if r.end < r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE:
+        raise InputError(
+            f"the recording ends {max(r.end, 0.0):.3g} s after the motion begins: before the first of "
+            f"{WINDOWS_PER_CYCLE} windows of a cycle of {r.schedule.cycle_duration_s:g} s. Leave this trial out."
+        )
 
 
 def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:

@@ -14,13 +14,12 @@ from scipy.interpolate import CubicSpline
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, filled, register, shapes
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, predicted_path
 from serpenoid.group import relative
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
-WINDOWS_PER_CYCLE = 8
 STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the noise level
 STEPS_PER_PAUSE = 16
 COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back

@@ -17,7 +17,16 @@ import numpy as np
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import held
-from serpenoid.measure.consistency.hypotheses import KINDS, SAME_TABLE, Fault, schedule_faults, turned, wiring_faults
+from serpenoid.measure.consistency.hypotheses import (
+    KINDS,
+    SAME_TABLE,
+    Fault,
+    in_other_unit,
+    rounded,
+    schedule_faults,
+    turned,
+    wiring_faults,
+)
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
 from serpenoid.measure.consistency.signals import Sampled, Signal, moving_s, period_s, sample
 from serpenoid.measure.schedule import Schedule
@@ -58,8 +67,10 @@ class Contradiction:
     cure: str
     certainty: float
 
-    def __str__(self) -> str:
-        return f"trial `{self.trial}`: {self.words}. Remedy: {self.cure}."
+    @property
+    def said(self) -> str:
+        """Words and remedy, as sentences."""
+        return f"{self.words}. Remedy: {self.cure}{'' if self.cure.endswith('?') else '.'}"
 
 
 @dataclass(frozen=True)
@@ -155,8 +166,8 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         words = f"follow the servo log of trial `{name}`, not their own"
         faults.append(Fault("log", words, "name that file in `servo_log`", _logged(log, promised), share))
     if own is not None and promised is not None and abs(np.log(own / promised)) > 0.05:
-        words = f"last {own / promised:.4g} times as long as in the servo log"
-        cure = "check the frame rate of the recording"
+        words = f"last {rounded(own / promised)} times as long as in the servo log"
+        cure = in_other_unit(own / promised) or "check the frame rate of the recording"
         faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
     return _scored(claim, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
 
@@ -172,8 +183,7 @@ def _repeats(one: Claim, other: Claim) -> bool:
 
 def _logged(servos: Signal, period: float | None) -> Course:
     """What a servo log says, held beyond its ends."""
-    known = np.isfinite(servos.values).all(axis=1)
-    time, values = servos.time_s[known] - servos.time_s[known][0], servos.values[known]
+    time, values = servos.time_s[servos.known] - servos.time_s[servos.known][0], servos.values[servos.known]
     total = float(time[-1])
 
     def angles(at: Floats) -> Floats:

@@ -19,7 +19,7 @@ from serpenoid.measure.consistency.geometry import Plane, layout, marker_faults
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial_files import Files, label_markers, neighbour_ratio, read_files
+from serpenoid.measure.trial_files import Files, by_words, label_markers, neighbour_ratio, read_files
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
@@ -38,7 +38,7 @@ def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files])
     refused = [c for c in verdict.contradictions if c.trial not in believed]
     if refused:
         raise InputError(
-            "\n".join(map(str, refused))
+            by_words([(c.trial, c.said) for c in refused])
             + "\nThe campaign contradicts itself, so nothing is computed from it. Mend campaign.toml, or set "
             "`believe = true` in a trial to go on regardless."
         )
@@ -60,6 +60,7 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
     seen = in_processes([(_seen, (file, body, files)) for files in read])
     markers = [fault for faults, _ in seen for fault in faults]
+    markers += _copies(read)
     if markers:
         return Verdict(tuple(markers), (), ())
     return check([claim for _, claim in seen if claim is not None], _tables(read, folder))
@@ -91,6 +92,21 @@ def _markers(file: CampaignFile, body: Body, files: Files) -> list[Contradiction
     found = marker_faults(plan, names, None if tracks.space is None else Plane(tracks.space, up, other))
     certain = [fault for fault in found[:1] if fault.gain > ODDS]
     return [Contradiction(files.entry.name, f.kind, f"its markers {f.words}", f.cure, f.gain) for f in certain]
+
+
+def _copies(read: Sequence[Files]) -> list[Contradiction]:
+    """Two trials with the same numbers are one: as repeats they would tell that chance is nothing."""
+    found: list[Contradiction] = []
+    first: dict[tuple[bytes, bytes], str] = {}
+    for files in read:
+        if files.tracks is None:
+            continue
+        trial = files.entry.name
+        other = first.setdefault((files.tracks.time_s.tobytes(), files.tracks.floor.tobytes()), trial)
+        if other != trial:
+            words, cure = f"its recording is that of trial `{other}`, number by number", "name its own, or leave it out"
+            found.append(Contradiction(trial, "copy", words, cure, np.inf))
+    return found
 
 
 def _claim(body: Body, files: Files) -> Claim:

@@ -182,8 +182,8 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
     if not np.isfinite(common):
         return []
     near = min(UNITS, key=lambda factor: abs(np.log(common / factor)))
-    unit = f": is the file in {UNITS[near]}?" if abs(np.log(common / near)) < 0.1 else ""
-    words = f"show neighbouring markers {common:.4g} times as far apart as [body] says{unit}"
+    unit = f" (is the file in {UNITS[near]}?)" if abs(np.log(common / near)) < 0.1 else ""
+    words = f"show neighbouring markers {common:.3g} times as far apart as [body] says{unit}"
     cure = "check `length_unit` and `edge_lengths`"
     found = [MarkerFault("scale", words, cure, evidence(plan, order, 1 / common) - base - np.log(2 * KINDS))]
     worst = int(np.nanargmax(np.abs(np.log(ratio / common))))

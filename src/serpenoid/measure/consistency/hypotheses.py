@@ -132,10 +132,21 @@ def _time_words(kind: str, schedule: Schedule, duration: float, pause: float, ra
             f"set `pause_s = {pause:.3g}`",
         )
     factor = duration / schedule.cycle_duration_s
+    timed = f"`cycle_duration_s = {duration:.3g}` and `pause_s = {pause:.3g}`"
     return (
-        f"run {factor:.4g} times as long as the schedule (a cycle of {duration:.3g} s, and {says})",
-        f"check the frame rate of the recording, `cycle_duration_s = {duration:.3g}` and `pause_s = {pause:.3g}`",
+        f"run {rounded(factor)} times as long as the schedule (a cycle of {rounded(duration)} s, and {says})",
+        in_other_unit(factor) or f"check the frame rate of the recording, {timed}",
     )
+
+
+def rounded(number: float) -> str:
+    """Three digits, and no power of ten."""
+    return f"{float(f'{number:.3g}'):g}"
+
+
+def in_other_unit(longer: float) -> str | None:
+    """The cure where something lasts a thousand times as long as it should."""
+    return "give times in seconds; are these milliseconds?" if abs(np.log(longer / 1000)) < NEAR else None
 
 
 def _rolled(schedule: Schedule) -> list[Fault]:

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import rfft
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import held
 
 MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
+LEAST_ROWS = 8  # that can be laid over anything
+MOVING = 4.0  # times the noise's variance
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
@@ -29,15 +32,25 @@ class Signal:
     @property
     def enough(self) -> bool:
         """Whether it can be laid over anything."""
-        known = np.isfinite(self.values).all(axis=1)
-        return bool(known.sum() >= 8 and np.nanstd(self.values) > 0)
+        return self.known.sum() >= LEAST_ROWS and self.moves
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Rows (R,) in which every joint's angle is there."""
+        return np.asarray(np.isfinite(self.values).all(axis=1))
+
+    @property
+    def moves(self) -> bool:
+        """Whether any joint varies by more than its own noise does by chance."""
+        whole = self.values[self.known]
+        return bool(len(whole) and (whole.var(axis=0) > MOVING * self.noise_variance).any())
 
     @property
     def noise_variance(self) -> Floats:
         """White noise of every joint (m,) [rad^2], from second differences: mean (a - 2 b + c)^2 / 6, by medians."""
         bend = np.diff(self.values, n=2, axis=0)
         bend = bend[np.isfinite(bend).all(axis=1)]
-        if len(bend) < 8:
+        if len(bend) < LEAST_ROWS:
             return np.full(self.values.shape[1], 1e-8)
         return np.asarray((1.4826 * np.median(np.abs(bend), axis=0)) ** 2 / 6 + 1e-12)
 
@@ -79,8 +92,7 @@ class Sampled:
 
 def sample(signal: Signal, step_s: float, begin_s: float | None = None, end_s: float | None = None) -> Sampled:
     """On a grid of `step_s`, linear between known rows; weight 0 inside gaps longer than two steps and three rows."""
-    known = np.isfinite(signal.values).all(axis=1)
-    time, values = signal.time_s[known], signal.values[known]
+    time, values = signal.time_s[signal.known], signal.values[signal.known]
     begin, end = max(begin_s or -np.inf, time[0]), min(end_s or np.inf, time[-1])
     step = max(step_s, (end - begin) / MOST_POINTS)
     at = begin + step * np.arange(int((end - begin) / step) + 1)
