@@ -17,7 +17,7 @@ from blind.protocol import usual
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
-from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.plays import carried
@@ -163,7 +163,10 @@ def test_effects_that_gain_no_more_than_the_null_are_dropped() -> None:
 
 
 def test_effects_that_together_take_away_less_than_they_leave_are_no_causes() -> None:
-    assert earned(Worth((200.0, 150.0)), Worth(()), without, lambda found: 40.0).gains == ()
+    bare, best = Worth(()).priced, Worth((200.0, 150.0)).priced
+    assert outweighed(bare.chi2, best.chi2, best.count)
+    more = Worth((200.0, 350.0)).priced
+    assert not outweighed(bare.chi2, more.chi2, more.count)
 
 
 def test_a_fit_must_pay_for_its_parameters_and_its_rivals() -> None:

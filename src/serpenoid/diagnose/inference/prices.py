@@ -3,14 +3,13 @@
 While effects are looked for, the extended Bayesian information criterion (Chen and Chen, Biometrika 95, 759, 2008): chi
 squared and ln n for each parameter, 2 ln M for M candidates; in units of what the best fit leaves per number, where
 that is more than chance. In the end each must take away more than the best of all candidates would take of what is left
-if none were a cause (null.py), and all together more than they leave.
+if none were a cause (null.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -66,10 +65,11 @@ def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E
     """
     while best.size:
         bases = [bare] if best.size == 1 else [without(best, i) for i in range(best.size)]
-        idle = least_idle(bare.priced, best.priced, [b.priced for b in bases], partial(needed, best))
-        if idle is None:
+        gains = [b.priced.chi2 - best.priced.chi2 for b in bases]
+        least = int(np.argmin(gains))
+        if gains[least] > needed(best):
             break
-        best = bases[idle]
+        best = bases[least]
     return best
 
 

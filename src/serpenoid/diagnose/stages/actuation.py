@@ -24,7 +24,7 @@ from serpenoid.effects.catalogue import actuation_effects, find
 from serpenoid.files.store import remembered
 
 STEPS = 7
-FOLLOWED = 2.0  # chi squared per reading: noise and as much again
+FOLLOWED = 1.0  # beyond noise: as much again
 REACH = 3.0  # largest change of a positive scale in one step
 
 
@@ -59,7 +59,7 @@ def plays(recordings: Sequence[Recording]) -> Plays:
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:
     """Whether what is left of no joint's readings (or of the median joint's) is more than noise and as much again."""
-    return bool(of_joints(data.channels(played)) ** 2 < FOLLOWED)
+    return bool(of_joints(data.missed(played)) < FOLLOWED)
 
 
 def shown(data: Plays) -> list[ActuationEffect]:

@@ -1,7 +1,8 @@
 """Which actuation effects the servos' readings show, joint by joint.
 
 What a law gets wrong is in proportion to what it does. An effect at a joint that leaves more of it than LAW_ERROR is
-not what happens there, and has no name; one that all servos share is what is nearest to their law: a stand-in.
+not what happens there, and has no name; one that all servos share is what is nearest to their law: a stand-in, unless
+it leaves more than it does.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def choose_actuation(data: Plays) -> Stage:
     words: tuple[str, ...] = ()
     if left[worst] > VISIBLE:
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
-    words += refused
+        words += refused
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
@@ -80,15 +81,16 @@ def choose_actuation(data: Plays) -> Stage:
 
 
 def _lawful(best: Played) -> tuple[Played, tuple[str, ...]]:
-    """Without effects at a joint that are no law of what it does, and what is said of them; the others fitted again."""
+    """Without effects that are no law of what joints do, and what is said of them; the others fitted again."""
     refused: tuple[str, ...] = ()
     while True:
-        errors = {i: _law_error(best, e) for i, e in enumerate(best.effects) if e.place is not None}
-        index = max(errors, key=lambda i: errors[i], default=None)
-        if index is None or errors[index] <= LAW_ERROR:
+        errors = [_law_error(best, e) / (1.0 if e.place is None else LAW_ERROR) for e in best.effects]
+        index = int(np.argmax(errors)) if errors else 0
+        if not errors or errors[index] <= 1:
             return best, refused
         e = best.effects[index]
-        refused += (f"{e.name} at joint {e.place} would leave {errors[index]:.0%} of what it does: not its law",)
+        where = "" if e.place is None else f" at joint {e.place}"
+        refused += (f"{e.name}{where} would leave {_law_error(best, e):.0%} of what it does: not its law",)
         best = _without(best, index)
 
 
@@ -97,8 +99,8 @@ def _law_error(best: Played, effect: ActiveEffect) -> float:
     an effect at all joints the median joint's."""
     data, place = best.data, effect.place
     bare = data.realised([e for e in best.effects if e.place != place])
-    done = (((best.angles - bare) / data.noise) ** 2).mean(axis=0)
-    missed = np.maximum(data.channels(best.angles) ** 2 - FOLLOWED, 0.0)
+    done = (((best.angles - bare) / data.level) ** 2).mean(axis=0)
+    missed = np.maximum(data.missed(best.angles) - FOLLOWED, 0.0)
     errors = np.sqrt(missed / np.maximum(done, 1e-12))
     return float(np.median(errors)) if place is None else float(errors[place - 1])
 
@@ -112,7 +114,7 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
     close = [t.effect for t in tries if not excludable(float(t.chi2.sum()), roughly, least.count)]
     found = []
     for other in (Played(data, (*kept, e)) for e in close if e.key not in keys):
-        apart = float((np.sqrt(((other.angles - best.angles) ** 2).mean(axis=0)) / data.noise).max())
+        apart = float((np.sqrt(((other.angles - best.angles) ** 2).mean(axis=0)) / data.level).max())
         rival = Rival(other.effects[-1], effect, apart)
         found += [] if rival.separable or excludable(other.priced.chi2, least.chi2, least.count) else [rival]
     return found
@@ -156,4 +158,4 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
 def _strength(data: Plays, effect: ActiveEffect) -> float:
     """RMS of what the effect alone changes at the worst joint, over the noise."""
     alone = data.realised([effect]) - data.realised([])
-    return float((np.sqrt((alone**2).mean(axis=0)) / data.noise).max())
+    return float((np.sqrt((alone**2).mean(axis=0)) / data.level).max())

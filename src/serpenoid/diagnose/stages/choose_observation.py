@@ -15,7 +15,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
-from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.marker_evidence import Sample, apart, evidence, misfit, sample, signature, structure
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import marking
@@ -118,7 +118,7 @@ def choose_observation(
         best = found
         if best.strength(best.keys[-1]) < VISIBLE:
             break
-    best = earned(best, bare, Looked.without_one, lambda tried: tried.needed)
+    best = earned(best, bare, Looked.without_one, lambda tried: np.inf if _outweighed(bare, tried) else tried.needed)
     every = [_named(best, key) for key in best.keys]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
@@ -126,6 +126,10 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     return Stage("observation", named, rivals, undetected, *_left_over(best)), best.now
+
+
+def _outweighed(bare: Looked, best: Looked) -> bool:
+    return outweighed(bare.priced.chi2, best.priced.chi2, best.priced.count)
 
 
 def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:

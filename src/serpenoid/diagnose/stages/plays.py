@@ -19,6 +19,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course, spacing
+from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
@@ -120,6 +121,18 @@ class Plays:
     def channels(self, played: Floats) -> Floats:
         """RMS of what is left in units of noise, of each joint (m,)."""
         return np.asarray(np.sqrt((self.left(played) ** 2).mean(axis=0)) / self.noise)
+
+    @property
+    def level(self) -> Floats:
+        """Noise (m,) [rad] that effects are held against: of markers' angles averaged over time, as poses are."""
+        if self.recordings[0].by_servos:
+            return self.noise
+        apart = float(np.median(np.concatenate([np.diff(t) for t in self.times])))
+        return self.noise / np.sqrt(max(AVERAGED_S / apart, 1.0))
+
+    def missed(self, played: Floats) -> Floats:
+        """Mean square (m,) of what is left beyond noise, in units of the level's."""
+        return np.asarray((self.channels(played) ** 2 - 1) * (self.noise / self.level) ** 2)
 
     def measured(self, played: Floats) -> Plays:
         """The same with the noise that readings have about what is played, if it is less."""
