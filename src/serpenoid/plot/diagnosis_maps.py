@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 
 import numpy as np
 from matplotlib import colormaps
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
+from serpenoid.effects.catalogue import motion_effects
 from serpenoid.plot.style import (
     BLUE,
     FAINT,
@@ -38,6 +40,7 @@ AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
     ("speed", "RMS speed of the vertices [m/s]", by_speed),
     ("time", "time [s]", by_time),
 )
+LINES = ((GREEN, "s"), (PURPLE, "^"), (BLUE, "o"), (ORANGE, "D"))  # of effects that have a vertex
 Scores = Sequence[tuple[str, int | None, float]]
 
 
@@ -115,7 +118,8 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
     """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
     largest = gained_by_chance(len(scores))
-    for name, colour, mark in (("load", GREEN, "s"), ("worn_wheel", PURPLE, "^")):
+    names = (kind.name for kind in motion_effects() if kind.place == "vertex")
+    for name, (colour, mark) in zip(names, cycle(LINES), strict=False):
         mine = sorted((p, max(s, 0.0)) for n, p, s in scores if n == name and p is not None)
         if mine:
             places, gains = zip(*mine, strict=True)

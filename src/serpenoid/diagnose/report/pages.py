@@ -36,7 +36,7 @@ CAPTIONS = {
     "measured minus predicted. Lines: means. Grey: where 95 % of windows lie if only chance is left.",
     "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
     "along-body": "Left and middle: the residual motion as each vertex makes it. Right: how much better held-out gaits "
-    "would be predicted with a load or a worn wheel at that vertex, to first order (0: not at all).",
+    "would be predicted with an effect at that vertex, to first order (0: not at all).",
     "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
     "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
     "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
