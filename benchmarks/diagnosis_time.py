@@ -3,6 +3,8 @@
 The first campaigns of each kind of the blind study (`tests/blind/study.py`), and one campaign with ever more repeats.
 Wall seconds hold only where nothing else runs; processor seconds stand beside them. Every run begins with compiled
 functions and without finished work (`SERPENOID_CACHE` in a folder of its own).
+
+    python benchmarks/diagnosis_time.py [campaigns of each kind [most repeats]]
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from blind.folder import write
 from blind.protocol import usual
 from blind.study import Study
 
-COUNT = 15
+COUNT = int(sys.argv[1]) if len(sys.argv) > 1 else 15
 MEDIAN_S, LONGEST_S, LABORATORY_S = 5.0, 15.0, 30.0
 KINDS = {
     "null": "nothing hidden",
@@ -34,7 +36,8 @@ KINDS = {
     "outside": "outside the catalogue",
     "random": "any protocol",
 }
-PLAYS, SEED = (1, 2, 4, 8), 11  # of each of eight settings
+MOST_PLAYS = int(sys.argv[2]) if len(sys.argv) > 2 else 8
+PLAYS, SEED = [n for n in (1, 2, 4, 8) if n <= MOST_PLAYS], 11  # of each of eight settings
 ROOT = Path(__file__).parents[1]
 MODEL = ROOT / "problems" / "snake10.toml"
 
