@@ -10,6 +10,7 @@ import pytest
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.residuals.pushes import pushed
+from serpenoid.diagnose.residuals.residual_words import where_pushed
 
 PHASES, SETTINGS = 8, 6
 
@@ -18,9 +19,15 @@ def repeated(cycles: int) -> Motion:
     """Settings played twice; eight windows a cycle, and a pause."""
     phase = np.tile([*np.arange(PHASES) / PHASES, 1.0], cycles)
     tracks = [
-        SimpleNamespace(phase=phase, playing=phase < 1, recording=SimpleNamespace(setting=(f"gait-{s}", 2.0)))
+        SimpleNamespace(
+            phase=phase,
+            playing=phase < 1,
+            time=2.0 * np.arange(len(phase) + 1),
+            boundaries=np.arange(len(phase) + 1),
+            recording=SimpleNamespace(setting=(f"gait-{s}", 2.0), name="abcdefghijkl"[2 * s + repeat]),
+        )
         for s in range(SETTINGS)
-        for _ in range(2)
+        for repeat in range(2)
     ]
     return cast(Motion, SimpleNamespace(tracks=tuple(tracks), unlike=0.0))
 
@@ -49,4 +56,5 @@ def test_a_push_of_one_trial_is_seen_and_one_that_is_no_news_is_not() -> None:
     ((track, window, push),) = pushed(motion, left)
     assert (track, window) == (2, 4)
     assert push[0] == pytest.approx(0.03, abs=6e-3)  # three standard deviations of the two windows' chance
+    assert where_pushed(motion, [(track, window, push)]).endswith("mm between 8.0 and 10.0 s of `c` or of its repeat")
     assert not pushed(cast(Motion, SimpleNamespace(tracks=motion.tracks, unlike=0.05)), left)

@@ -9,7 +9,7 @@ import pytest
 from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
-from serpenoid.diagnose.report.words import lines, parameter, ratio, shown, times, title, undetected
+from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, shown, times, title, undetected
 
 
 @pytest.mark.parametrize(
@@ -51,6 +51,11 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
     assert any(text.startswith("Below detection: friction_patch (1.4 times the noise)") for text in told)
     kept = record | {"below_detection": [trace | {"in_extended_model": True}]}
     assert undetected(kept) == ["below detection, but in the extended model: friction_patch (1.4 times the noise)"]
+
+
+def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:
+    assert "has changed" in meaning({"verdict": "nothing", "reference": {"campaign": "healthy"}})
+    assert "drag alone explains" in meaning({"verdict": "nothing", "reference": None})
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:

@@ -20,8 +20,10 @@ from serpenoid.measure.consistency.claims import check_files, contradictions
 from serpenoid.measure.consistency.geometry import layout, marker_faults
 from serpenoid.measure.consistency.signals import Signal, period_s
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.motive import read_motive
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.trial_files import read_files
+from serpenoid.measure.write import write_motive
 
 pytestmark = pytest.mark.usefixtures("virtual_machine")
 TABLES = {
@@ -165,6 +167,19 @@ def test_the_same_recording_under_two_names_is_refused(valid, tmp_path):
     shutil.copytree(valid, tmp_path / "c")
     shutil.copy(tmp_path / "c/gait-1-1/motion.csv", tmp_path / "c/gait-3-1/motion.csv")
     with pytest.raises(InputError, match="trial `gait-3-1`: its recording is that of trial `gait-1-1`"):
+        load_campaign(tmp_path / "c")
+
+
+def test_markers_that_a_tracker_confuses_half_way_are_named_with_the_time(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    without_logs(tmp_path / "c")
+    path = tmp_path / "c/gait-1-1/motion.csv"
+    tracks = read_motive(path)
+    half = len(tracks.time_s) // 2
+    floor = tracks.floor.copy()
+    floor[half:, [4, 5]] = floor[half:, [5, 4]]
+    write_motive(path, tracks.time_s, floor, list(tracks.names))
+    with pytest.raises(InputError, match="`gait-1-1`: .*vertex_4` and `.*vertex_5` exchanged along the body between"):
         load_campaign(tmp_path / "c")
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from serpenoid.diagnose.report.words import (
-    MEANINGS,
     Record,
     advice,
     drag_ratio,
     inadequacy,
+    meaning,
     parameter,
     rival_law,
     shown,
@@ -35,7 +35,7 @@ def cards(record: Record) -> list[Card]:
 
 def _verdict(record: Record) -> Card:
     said = [f"{text.capitalize()}." for text in inadequacy(record)]
-    said.append(f"{MEANINGS[record['verdict']].capitalize()}.")
+    said.append(f"{meaning(record).capitalize()}.")
     said += [f"{text[0].upper()}{text[1:]}." for text in rival_law(record)]
     rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
     rows += [(stage, "skipped") for stage in record["skipped"] if record["drag_ratio"] is None]

@@ -20,6 +20,13 @@ MEANINGS = {
 }
 
 
+def meaning(record: Record) -> str:
+    """The verdict in a sentence. Beside a reference nothing is said of the model's own errors."""
+    if record["verdict"] == "nothing" and record["reference"]:
+        return "nothing has changed since the reference beyond the noise of either"
+    return MEANINGS[record["verdict"]]
+
+
 STAND_IN = ", perhaps a stand-in"
 
 
@@ -134,7 +141,7 @@ def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"reference         {text}" for text in reference(record)]
     found += [f"first             {text}" for text in inadequacy(record)]
-    found.append(f"verdict           {record['verdict']}: {MEANINGS[record['verdict']]}")
+    found.append(f"verdict           {record['verdict']}: {meaning(record)}")
     found += [f"law               {text}" for text in rival_law(record)]
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")

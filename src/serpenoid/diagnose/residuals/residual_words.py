@@ -84,9 +84,21 @@ def pattern(
         words += _where(motion, left)
     if path > chance:
         words.append(f"paths stray from the measured ones by {path:.1f} times the noise")
-    if trace(motion, predictions, pushed(motion, left)) > visible_m:
-        words.append("repeats differ by pushes in single trials that no law of the floor explains")
+    pushes = pushed(motion, left)
+    if trace(motion, predictions, pushes) > visible_m:
+        words.append(
+            f"repeats differ by pushes in single trials that no law of the floor explains{where_pushed(motion, pushes)}"
+        )
     return tuple(words)
+
+
+def where_pushed(motion: Motion, pushes: Sequence[tuple[int, int, Floats]]) -> str:
+    """Where the largest is to be looked for."""
+    index, window, moved = max(pushes, key=lambda push: float(np.hypot(*push[2][:2])))
+    track = motion.tracks[index]
+    begin, end = track.time[track.boundaries[[window, window + 1]]]
+    size = 1e3 * float(np.hypot(*moved[:2]))
+    return f": {size:.3g} mm between {begin:.1f} and {end:.1f} s of `{track.recording.name}` or of its repeat"
 
 
 def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:

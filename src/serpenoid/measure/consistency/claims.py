@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,7 @@ from serpenoid.measure.trial_files import Files, by_words, label_markers, neighb
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
+PARTS = 4  # of a recording, in each of which two markers may be confused
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
 UP = {"motive": "y", "c3d": "z"}
@@ -63,7 +66,27 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     markers += _copies(read)
     if markers:
         return Verdict(tuple(markers), (), ())
-    return check([claim for _, claim in seen if claim is not None], _tables(read, folder))
+    verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
+    own = {files.entry.name: files for files in read}
+    said = [_likeliest(file, body, own[c.trial], c) if c.kind == "nothing" else c for c in verdict.contradictions]
+    return replace(verdict, contradictions=tuple(said))
+
+
+def _likeliest(file: CampaignFile, body: Body, files: Files, lost: Contradiction) -> Contradiction:
+    """Where nothing explains a motion the contract is not believed any more: what markers make likelier is said,
+    of the whole recording or of a part (a tracker that confuses two of them goes on so)."""
+    if files.tracks is None or files.labelled is None:
+        return lost
+    found = _markers(file, body, files, 0.0)
+    for part in np.array_split(np.arange(len(files.tracks.time_s)), PARTS):
+        own = files.labelled.vertices[part]
+        partial = replace(
+            files, labelled=replace(files.labelled, vertices=own), tracks=replace(files.tracks, space=None)
+        )
+        begin, end = files.tracks.time_s[part[[0, -1]]] - files.tracks.time_s[0] if len(part) else (0.0, 0.0)
+        when = f" between {begin:.3g} and {end:.3g} s"
+        found = found or [replace(c, words=c.words + when) for c in _markers(file, body, partial, 0.0)]
+    return found[0] if found else lost
 
 
 def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradiction], Claim | None]:
@@ -72,7 +95,7 @@ def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradict
     return faults, None if faults else _claim(body, files)
 
 
-def _markers(file: CampaignFile, body: Body, files: Files) -> list[Contradiction]:
+def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -> list[Contradiction]:
     if files.tracks is None or files.labelled is None:
         return []
     tracks, keys, vertices = files.tracks, files.keys, files.labelled.vertices
@@ -90,19 +113,20 @@ def _markers(file: CampaignFile, body: Body, files: Files) -> list[Contradiction
 
     up = keys.up_axis or UP.get(keys.format or "", "z")
     found = marker_faults(plan, names, None if tracks.space is None else Plane(tracks.space, up, other))
-    certain = [fault for fault in found[:1] if fault.gain > ODDS]
+    certain = [fault for fault in found[:1] if fault.gain > odds]
     return [Contradiction(files.entry.name, f.kind, f"its markers {f.words}", f.cure, f.gain) for f in certain]
 
 
 def _copies(read: Sequence[Files]) -> list[Contradiction]:
     """Two trials with the same numbers are one: as repeats they would tell that chance is nothing."""
     found: list[Contradiction] = []
-    first: dict[tuple[bytes, bytes], str] = {}
+    first: dict[bytes, str] = {}
     for files in read:
         if files.tracks is None:
             continue
         trial = files.entry.name
-        other = first.setdefault((files.tracks.time_s.tobytes(), files.tracks.floor.tobytes()), trial)
+        numbers = np.column_stack([files.tracks.time_s, files.tracks.floor.reshape(len(files.tracks.time_s), -1)])
+        other = first.setdefault(sha256(numbers.tobytes()).digest(), trial)
         if other != trial:
             words, cure = f"its recording is that of trial `{other}`, number by number", "name its own, or leave it out"
             found.append(Contradiction(trial, "copy", words, cure, np.inf))
