@@ -12,10 +12,11 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.body import Body
+from serpenoid.diagnose.data.geometry import register, shapes, turn
 from serpenoid.diagnose.data.observation import Observation, across, all_keys, columns_of
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, sample
+from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, misfit_beside, sample
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -103,3 +104,25 @@ def test_a_loose_joint_is_named_alone_and_its_interval_covers_it(
     assert low is not None
     assert high is not None
     assert low < width < high
+
+
+def test_what_one_joint_does_by_itself_is_no_misfit_where_it_is_free_and_play_of_another_joint_is(
+    tmp_path: Path,
+) -> None:
+    loose = Effect("loose_joint", 8, {"width": 0.1})
+    write(make(9, [loose], combinations=COMBINATIONS[:1]), tmp_path)
+    _, recordings = read_recordings(tmp_path)
+    data, now = sample(recordings[:1]), Observation.neutral(recordings[0].body)
+    rng = np.random.default_rng(5)
+    bent = data.readings + 0.06 * rng.choice([-1, 1], len(data.readings))[:, None] * (np.arange(10) == 4)
+    pose, _ = register(shapes(data.body, data.readings), data.markers)
+    turned = turn(pose[:, None, 2], shapes(data.body, bent) - shapes(data.body, data.readings))
+    pushed = replace(data, markers=data.markers + turned)
+    gaps = np.where(np.arange(10) == 7, 0.1, 0.0)
+    known = replace(now, gaps=gaps)
+    # a free angle takes one number of each frame; bends of 0.06 are free to first order only: half as much again
+    assert misfit(pushed, known) > 100 * data.count
+    free = misfit_beside(pushed, known, [4])
+    assert free == pytest.approx(data.count - len(data.markers), rel=0.5)
+    assert misfit_beside(pushed, now, [4]) - free > 5 * data.count  # the play of joint 8, which that hides from nobody
+    assert misfit_beside(pushed, known, []) == pytest.approx(misfit(pushed, known), rel=1e-6)

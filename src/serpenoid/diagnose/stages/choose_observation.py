@@ -16,9 +16,18 @@ from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
-from serpenoid.diagnose.stages.marker_evidence import Sample, apart, evidence, misfit, sample, signature, structure
+from serpenoid.diagnose.stages.marker_evidence import (
+    Sample,
+    apart,
+    evidence,
+    misfit,
+    misfit_beside,
+    sample,
+    signature,
+    structure,
+)
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.catalogue import marking
+from serpenoid.effects.catalogue import find, marking
 from serpenoid.files.store import remembered
 
 AT_MOST = 7
@@ -119,6 +128,7 @@ def choose_observation(
         if best.strength(best.keys[-1]) < VISIBLE:
             break
     best = earned(best, bare, Looked.without_one, lambda tried: np.inf if _outweighed(bare, tried) else tried.needed)
+    best = _lawful(best)
     every = [_named(best, key) for key in best.keys]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
@@ -126,6 +136,28 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     return Stage("observation", named, rivals, undetected, *_left_over(best)), best.now
+
+
+def _lawful(best: Looked) -> Looked:
+    """Without effects that only mend what the law of another one's joint leaves: they must take away enough where the
+    other joints that have play are free, too."""
+    while best.size > 1 and _left_over(best)[1]:
+        gains, loose = [], [k for k in best.keys if find(k[0]).marks == "gaps"]
+        for i, key in enumerate(best.keys):
+            others = [j for j in map(_joint, loose) if j is not None and j != _joint(key)]
+            rest = best.without_one(i).now
+            gains.append(misfit_beside(best.data, rest, others) - misfit_beside(best.data, best.now, others))
+        least = int(np.argmin(gains))
+        if gains[least] > best.needed:
+            break
+        best = best.without_one(least)
+    return best
+
+
+def _joint(key: Key) -> int | None:
+    """Which joint's angle an effect changes."""
+    name, place = key
+    return place - 1 if place is not None and find(name).place == "joint" else None
 
 
 def _outweighed(bare: Looked, best: Looked) -> bool:

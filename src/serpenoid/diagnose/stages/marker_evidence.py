@@ -118,6 +118,17 @@ def misfit(data: Sample, now: Observation) -> float:
     return float((_left_by(data, now, data.angles(now))[1] ** 2).sum())
 
 
+def misfit_beside(data: Sample, now: Observation, joints: Sequence[int]) -> float:
+    """The same where the angles of these joints are free in every frame."""
+    angles = data.angles(now)
+    base, rows = _left_by(data, now, angles)
+    bends = now.derivatives(data.body, angles, lambda joint: data.by_gap(now, joint), joints)  # a zero's column: bends
+    turned = np.where(data.seen, bends, 0.0).reshape(len(joints), *rows.shape)
+    free = np.concatenate([np.swapaxes(_rigid(base, data.seen), 1, 2), np.moveaxis(turned, 0, -1)], axis=2)
+    taken = np.swapaxes(np.linalg.qr(free)[0], 1, 2) @ rows[..., None]
+    return float((rows**2).sum() - (taken**2).sum())
+
+
 def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = None) -> Evidence:
     """Residuals and columns (all, or those given) of the sample at an observation model, in units of marker noise."""
     body, seen = data.body, data.seen
