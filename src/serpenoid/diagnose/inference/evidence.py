@@ -65,7 +65,7 @@ class Evidence:
         if without is not None and self.neutral is not None and self.certainty is not None:
             matrix = matrix + np.diag(self.certainty[index])
             vector = vector + self.certainty[index] * self.neutral[index]
-        scale = np.sqrt(np.diag(matrix))
+        scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))  # of a silent column rounding leaves less than nothing
         scale = np.where(scale > SILENT, scale, 1.0)  # a column that says nothing stays at zero
         regular = matrix / np.outer(scale, scale) + RIDGE * np.eye(len(index))
         inverse = np.linalg.inv(regular) / np.outer(scale, scale)
