@@ -90,7 +90,9 @@ def _lawful(best: Played) -> tuple[Played, tuple[str, ...]]:
             return best, refused
         e = best.effects[index]
         where = "" if e.place is None else f" at joint {e.place}"
-        refused += (f"{e.name}{where} would leave {_law_error(best, e):.0%} of what it does: not its law",)
+        share = _law_error(best, e)
+        much = f"{share:.0%} of what it does" if share <= 1 else "more than it does"
+        refused += (f"{e.name}{where} would leave {much}: not its law",)
         best = _without(best, index)
 
 
