@@ -186,6 +186,9 @@ def test_a_played_trial_takes_the_place_of_the_made_up_one_and_is_measured(playe
 
 def test_a_second_trial_with_the_same_table_is_a_repeat(played: Path) -> None:
     assert add(played) == 0
+    film = (played / "take.csv").read_text()
+    frame = film.splitlines()[-1]
+    (played / "take.csv").write_text(film.replace(frame, frame.rsplit(",", 1)[0] + ",0.1234"))  # another recording
     assert add(played, "--name", "wave-2") == 0
     assert list(load_campaign(played / "camp").gaits) == ["wave-1"]
     assert len(load_campaign(played / "camp").gaits["wave-1"]) == 2

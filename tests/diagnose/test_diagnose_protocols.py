@@ -81,11 +81,19 @@ def test_a_marker_that_is_never_seen_hides_nothing_else(vertex: int, tmp_path: P
 def test_a_log_of_another_motion_is_refused_with_its_remedy(tmp_path: Path) -> None:
     write(make(SEED, 0, protocol=protocol()), tmp_path)
     log = tmp_path / "gait02-a-1" / "servo.csv"
-    lines = log.read_text().splitlines()
-    shuffled = np.random.default_rng(0).permutation(lines[1:])
-    rows = [f"{a.split(',', 1)[0]},{b.split(',', 1)[1]}" for a, b in zip(lines[1:], shuffled, strict=True)]
-    log.write_text("\n".join([lines[0], *rows]) + "\n")
+    first, *lines = log.read_text().splitlines()
+    rows = [line.split(",") for line in lines]
+    positions = [k for k, name in enumerate(first.split(",")) if name.startswith("position_")]
+    for row in rows:
+        for k in positions:
+            row[k] = f"{0.4 * np.sin(2.3 * float(row[0]) * (1 + 0.4 * np.cos(k))):.5f}"
+    log.write_text("\n".join([first, *(",".join(row) for row in rows)]) + "\n")
     with pytest.raises(InputError, match=r"gait02-a-1.*follow neither.*another trial"):
+        read_recordings(tmp_path)
+    shuffled = np.random.default_rng(0).permutation(lines)
+    mixed = [f"{a.split(',', 1)[0]},{b.split(',', 1)[1]}" for a, b in zip(lines, shuffled, strict=True)]
+    log.write_text("\n".join([first, *mixed]) + "\n")
+    with pytest.raises(InputError, match=r"gait02-a-1.*no motion beyond their noise.*rows in disorder"):
         read_recordings(tmp_path)
 
 

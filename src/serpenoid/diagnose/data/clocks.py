@@ -81,8 +81,9 @@ def _refuse_still(cameras: Signal, servos: Signal, frames: int) -> None:
     for signal, who in ((cameras, "markers"), (servos, "servos' readings")):
         if not signal.moves:
             raise InputError(
-                f"the {who} show no motion in the {np.ptp(signal.time_s):.3g} s that were recorded. Did the recording "
-                "end before the robot began, or did the robot not move? Leave this trial out."
+                f"the {who} show no motion beyond their noise from row to row in the {np.ptp(signal.time_s):.3g} s "
+                "that were recorded. Did the recording end before the robot began, did the robot not move, or are "
+                "rows in disorder? Leave this trial out."
             )
 
 
