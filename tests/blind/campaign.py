@@ -13,7 +13,7 @@ import numpy as np
 
 from blind import catalogue, outside
 from blind.cameras import Clocks, Film, ServoLog, film, servo_log
-from blind.catalogue import Effect, World
+from blind.catalogue import Effect, ServoFault, World
 from blind.motion import Drive
 from blind.protocol import COMBINATIONS, REPEATS, Combination, Protocol, Setting, usual
 from blind.schedule import Plan, grid, realise, steps_of
@@ -72,6 +72,8 @@ def _perform(
         rng = np.random.default_rng([seed, 2, number, *chance])
         g = grid(s.plan, steps_of(s.plan))
         phi, reading = realise(g, world.servos)
+        if world.fault is not None:
+            phi, reading = world.fault(number, g.time, phi, reading)
         start = s.start + np.append(size * rng.uniform(-0.06, 0.06, 2), rng.normal(0, 0.05))
         slips = _slips(rng, s.plan, g.time, g.playing, protocol.slip_scale) * [size, size, 1.0]
         drives.append(Drive(g.time, phi, g.phase, start, slips))
@@ -108,14 +110,16 @@ def make(
     base: Sequence[Effect] = (),
     among: Sequence[str] | None = None,
     chance: Sequence[int] = (),
+    fault: ServoFault | None = None,
 ) -> Campaign:
     """`hide`: how many catalogue effects to draw (`among`: some), given effects, `outside`, or the name of one outside.
 
     protocol: by default the usual one of this seed. base: effects that are there and no news. chance: numbers that make
-    slips, hands and noise others than those of the same campaign without them.
+    slips, hands and noise others than those of the same campaign without them. fault: of servos, beside the effects.
     """
     protocol = protocol or usual(seed, combinations)
     effects, world = _hidden(seed, hide, protocol, base, among)
+    world = replace(world, fault=fault)
     settings = [_played(s, protocol, world) for s in protocol.settings]
     plays = protocol.plays
     planned = [(i * plays + r, f"{s.label}-{r + 1}", s) for i, s in enumerate(settings) for r in range(plays)]

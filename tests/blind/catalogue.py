@@ -15,6 +15,8 @@ from blind.snake import SNAKE10, Floats, Robot
 
 ACTUATION, MEDIUM, OBSERVATION = "actuation", "medium", "observation"
 Parameters = dict[str, float]
+# Trial number, time (n,) [s], joint angles and what the servos read (n, m) [rad] -> angles and readings with the fault.
+ServoFault = Callable[[int, Floats, Floats, Floats], tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class World:
     servos: Servos = Servos()
     cameras: Cameras = Cameras()
     gust: Callable[[int], ExternalForce] | None = None
+    fault: ServoFault | None = None
 
     def paths(self, drives: Sequence[Drive], trials: Sequence[int] | None = None) -> list[Floats]:
         """Poses of each trial; a gust needs to know which trials they are (default 0, 1, ...)."""

@@ -84,7 +84,7 @@ def grid(plan: Plan, steps_per_cycle: int = STEPS_PER_CYCLE) -> Grid:
     return Grid(np.concatenate(time), np.concatenate(points), np.concatenate(phase), np.concatenate(playing))
 
 
-def _lagged(time: Floats, target: Floats, lag: Floats) -> Floats:
+def lagged(time: Floats, target: Floats, lag: Floats) -> Floats:
     """q' = (target - q) / lag, exact for a target that is linear between nodes; lag per step (n,)."""
     q = np.empty_like(target)
     q[0] = target[0]
@@ -97,7 +97,7 @@ def _lagged(time: Floats, target: Floats, lag: Floats) -> Floats:
     return q
 
 
-def _rate_limited(time: Floats, target: Floats, max_speed: float) -> Floats:
+def rate_limited(time: Floats, target: Floats, max_speed: float) -> Floats:
     q = np.empty_like(target)
     q[0] = target[0]
     for i, reach in enumerate(np.diff(time) * max_speed):
@@ -118,13 +118,13 @@ def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
     """True joint angles and what the servos read (before rounding), both (n + 1, m)."""
     q = g.setpoint.copy()
     if servos.lag > 0:
-        q = _lagged(g.time, q, np.full(len(g.time) - 1, servos.lag))
+        q = lagged(g.time, q, np.full(len(g.time) - 1, servos.lag))
     if servos.varying_lag is not None:
         mean, period, phase = servos.varying_lag
         middle = (g.time[1:] + g.time[:-1]) / 2
-        q = _lagged(g.time, q, mean * (1.02 + np.sin(2 * np.pi * middle / period + phase)))
+        q = lagged(g.time, q, mean * (1.02 + np.sin(2 * np.pi * middle / period + phase)))
     if np.isfinite(servos.max_speed):
-        q = _rate_limited(g.time, q, servos.max_speed)
+        q = rate_limited(g.time, q, servos.max_speed)
     for joint, width in servos.width.items():
         q[:, joint - 1] = _play(q[:, joint - 1], width)
     for joint, loss in servos.loss.items():
