@@ -1,4 +1,4 @@
-"""Faults of servos and of their logs (log_faults.py) that no law of the catalogue describes, and campaigns that have one of them.
+"""Servo faults that no law of the catalogue describes, log faults (log_faults.py), and campaigns that have one.
 
 A servo fault maps what a joint would do to what it does: the same fault, equally large, in every trial. A log fault
 changes what is written down alone. Beside them stand truths, effects of the catalogue that a log should show.
@@ -33,7 +33,7 @@ TRUTHS: dict[str, tuple[str, float, float]] = {
 
 @dataclass(frozen=True)
 class Motion:
-    """What servos would do in a trial: time (n,) [s], angles of all joints (n, m) [rad]; joint: the faulty one's index."""
+    """What servos would do: time (n,) [s], all joints' angles (n, m) [rad]; joint: index of the faulty one."""
 
     trial: int
     time: Floats
