@@ -6,8 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from serpenoid.diagnose.data.noise import pairs
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.measure.usage import Usage
+
+UNREPEATED = (
+    "no setting was played twice, so what the model leaves is taken for chance, an error of the model as well: play "
+    "every setting twice to tell them apart"
+)
 
 
 def used(tracks: Sequence[Track]) -> Usage:
@@ -22,5 +28,11 @@ def used(tracks: Sequence[Track]) -> Usage:
 
 
 def remarks(tracks: Sequence[Track]) -> tuple[str, ...]:
-    """`trial: remark`, each once."""
-    return tuple(dict.fromkeys(f"{t.recording.name}: {text}" for t in tracks for text in t.recording.remarks))
+    """Each once: what the campaign's check against itself had to say, and whether anything tells chance."""
+    checked = dict.fromkeys(f"{t.recording.name}: {text}" for t in tracks for text in t.recording.remarks)
+    return (*([UNREPEATED] if unrepeated(tracks) else []), *checked)
+
+
+def unrepeated(tracks: Sequence[Track]) -> bool:
+    """Whether no setting was played twice, and noise is what a model leaves."""
+    return not pairs(tracks) and all(t.noise is None for t in tracks)
