@@ -69,6 +69,18 @@ def test_marker_noise_is_found_from_the_misfit_of_the_links():
     assert found.marker_sd == pytest.approx(SD, rel=0.05)  # 4400 degrees of freedom: 1 %; trimming costs some
 
 
+def test_a_vertex_hidden_while_the_body_turns_is_bent_to_its_own_side():
+    body, frames = Body(vertices=6), 60
+    turn = np.linspace(0, 1, frames)
+    poses = np.stack([0 * turn, 0 * turn, 1.4 * np.pi * turn], axis=1)  # more than half a turn
+    angles = np.stack([0.4 + 0.5 * turn, 0.9 - 0.3 * turn, 0.5 + 0.3 * turn, -0.2 + 0.2 * turn], axis=1)
+    vertices = chain_vertices(body, poses, angles)
+    vertices[5:-5, 2] = np.nan
+    found = estimate_chain(body, vertices, marker_sd=SD)
+    assert found.determined.all()
+    np.testing.assert_allclose(found.joint_angles, angles, atol=1e-6)  # not the mirrored bend, nor whole turns beside
+
+
 def test_a_hidden_vertex_is_found_by_its_links_and_a_hidden_head_is_not():
     body, _, angles, vertices = _motion()
     vertices[40, 5] = np.nan

@@ -132,6 +132,7 @@ def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | Non
         live = live[np.abs(step).max(axis=1) > CONVERGED]
         if not len(live):
             break
+    unknowns[:, 2:] = _within_half_a_turn(unknowns[:, 2:])
     return unknowns, kept[1], kept[3]
 
 
@@ -177,7 +178,8 @@ def _reach(body: Body) -> Floats:
 
 
 def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
-    """Link directions from seen neighbours (else servos, else other frames), centroid to match the seen vertices."""
+    """Link directions from seen vertices, else bent from a neighbour as servos say, else as in frames before and after;
+    centroid to match the seen vertices."""
     link = link_of_edge(body)
     edge = np.diff(vertices, axis=1)
     psi = np.full((len(vertices), body.joint_count + 1), np.nan)
@@ -185,12 +187,12 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
         total = np.nansum(edge[:, link == its_link], axis=1)
         psi[:, its_link] = np.where(np.abs(total).sum(axis=1) > 0, np.arctan2(total[:, 1], total[:, 0]), np.nan)
     if servo is not None:
-        psi = _fill_by_servo(psi, servo)
+        psi = _fill_by_bends(psi, servo)
+    # not directions: while a vertex is hidden the body may turn, and a bend of it to the other side fits as well
+    bends = (np.diff(psi, axis=1) + np.pi) % (2 * np.pi) - np.pi
+    psi = _fill_by_bends(psi, np.stack([_fill_in_time(column) for column in bends.T], axis=1))
     psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
-    for its_link in range(1, psi.shape[1]):  # joint angles within half a turn
-        turns = np.round((psi[:, its_link] - psi[:, its_link - 1]) / (2 * np.pi))
-        psi[:, its_link] -= 2 * np.pi * turns
-    unknowns = np.concatenate([np.zeros((len(psi), 2)), psi], axis=1)
+    unknowns = np.concatenate([np.zeros((len(psi), 2)), _within_half_a_turn(psi)], axis=1)
     shape, _ = _vertices(body, unknowns)
     with np.errstate(invalid="ignore"):
         seen = np.isfinite(vertices)
@@ -199,13 +201,23 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     return unknowns
 
 
-def _fill_by_servo(psi: Floats, servo: Floats) -> Floats:
+def _within_half_a_turn(psi: Floats) -> Floats:
+    """Link directions (F, L), less whole turns, such that joint angles are within half a turn."""
+    straight = psi.copy()
+    for its_link in range(1, psi.shape[1]):
+        turns = np.round((straight[:, its_link] - straight[:, its_link - 1]) / (2 * np.pi))
+        straight[:, its_link] -= 2 * np.pi * turns
+    return straight
+
+
+def _fill_by_bends(psi: Floats, bends: Floats) -> Floats:
+    """Link directions (F, L), unknown ones from the next known link and joint angles (F, m)."""
     filled = psi.copy()
     for its_link in range(1, psi.shape[1]):
-        guess = filled[:, its_link - 1] + servo[:, its_link - 1]
+        guess = filled[:, its_link - 1] + bends[:, its_link - 1]
         filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
     for its_link in range(psi.shape[1] - 2, -1, -1):
-        guess = filled[:, its_link + 1] - servo[:, its_link]
+        guess = filled[:, its_link + 1] - bends[:, its_link]
         filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
     return filled
 
