@@ -4,7 +4,7 @@
 
 Each row of OUT/faults.csv: one campaign (faults.py) through the stages that read the servo log, actuation and
 observation. `laws` holds what each law of the servos leaves of what it does, the number that
-`choose_actuation.LAW_ERROR` is compared with; `share_left` the smallest of those at the place of the fault. A row that
+`plays.LAW_ERROR` is compared with; `share_left` the smallest of those at the place of the fault. A row that
 is there is not made again.
 """
 

@@ -164,9 +164,9 @@ def test_effects_that_gain_no_more_than_the_null_are_dropped() -> None:
 
 def test_effects_that_together_take_away_less_than_they_leave_are_no_causes() -> None:
     bare, best = Worth(()).priced, Worth((200.0, 150.0)).priced
-    assert outweighed(bare.chi2, best.chi2, best.count)
+    assert outweighed(bare, best)
     more = Worth((200.0, 350.0)).priced
-    assert not outweighed(bare.chi2, more.chi2, more.count)
+    assert not outweighed(bare, more)
 
 
 def test_a_fit_must_pay_for_its_parameters_and_its_rivals() -> None:

@@ -95,6 +95,12 @@ class ActiveEffect(Record):
         values = {p.name: min(max(p.value(float(c)), p.lower), p.upper) for p, c in pairs}
         return ActiveEffect.model_construct(name=self.name, place=self.place, parameters=values)
 
+    def moved(self, index: int, step: float) -> ActiveEffect:
+        """The same with one coordinate changed by a step, clipped to the bounds."""
+        x = self.coordinates
+        x[index] += step
+        return self.with_coordinates(x)
+
     def on_body(self, body: Body, coordinates: Sequence[float]) -> ActiveEffect:
         """The same with other coordinates (P), clipped to the bounds that this body sets."""
         bounds = self.effect.coordinate_bounds(body, self.place)

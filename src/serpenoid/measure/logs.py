@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -100,10 +100,16 @@ def _read_whole(log: ServoLog) -> ServoLog:
     def rows(values: Floats | None) -> Floats | None:
         return None if values is None else values[kept]
 
-    phase = None if log.phase is None else tuple(log.phase[row] for row in kept)
-    extra = {name: values[kept] for name, values in log.extra.items()}
-    command, cycle, step = rows(log.command), rows(log.cycle), rows(log.step)
-    return ServoLog(log.time_s[kept], log.position[kept], command, phase, cycle, step, extra, log.source)
+    return replace(
+        log,
+        time_s=log.time_s[kept],
+        position=log.position[kept],
+        command=rows(log.command),
+        phase=None if log.phase is None else tuple(log.phase[row] for row in kept),
+        cycle=rows(log.cycle),
+        step=rows(log.step),
+        extra={name: values[kept] for name, values in log.extra.items()},
+    )
 
 
 def read_power_log(path: str | Path) -> PowerLog:

@@ -47,9 +47,9 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     """The clock of a servo log against markers (F, N, 2), NaN hidden, at camera times (F,)."""
     corners = _corners(body, markers)
     angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
-    known = np.flatnonzero(np.isfinite(angles).all(axis=1))
-    _refuse_still(Signal(camera, angles), Signal(log.time_s, log.position), len(camera))
-    some = known[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
+    cameras = Signal(camera, angles)
+    _refuse_still(cameras, Signal(log.time_s, log.position))
+    some = np.flatnonzero(cameras.known)[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
     found = find_offset(camera[some], angles[some], log.time_s, read)
     if found is None:
         raise InputError(
@@ -68,13 +68,13 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     return clock
 
 
-def _refuse_still(cameras: Signal, servos: Signal, frames: int) -> None:
+def _refuse_still(cameras: Signal, servos: Signal) -> None:
     """Two clocks are laid over each other by motion: each of the two witnesses must show some."""
     seen, read = int(cameras.known.sum()), len(servos.time_s)
     if seen < LEAST_ROWS:
         raise InputError(
-            f"in {seen} of {frames} frames the same markers are seen together, and {LEAST_ROWS} are needed. Was the "
-            "recording cut short, or its markers never labelled?"
+            f"in {seen} of {len(cameras.time_s)} frames the same markers are seen together, and {LEAST_ROWS} are "
+            "needed. Was the recording cut short, or its markers never labelled?"
         )
     if read < LEAST_ROWS:
         raise InputError(f"the servo log has {read} rows of readings, and {LEAST_ROWS} are needed. Leave it out?")

@@ -32,11 +32,11 @@ def added(effects: Sequence[ActiveEffect], poses: Floats, time: Floats) -> Float
 
 def added_by(effects: Sequence[ActiveEffect], effect: ActiveEffect, poses: Floats, time: Floats) -> Floats:
     """Derivatives (B - 1, 3, P) of `added` by the coordinates of one of the effects, or of one more."""
-    others, x = [e for e in effects if e.key != effect.key], effect.coordinates
+    others = [e for e in effects if e.key != effect.key]
     columns = []
     for i, p in enumerate(effect.effect.parameters):
         half = PART * abs(p.coordinate(p.typical))
-        ends = [effect.with_coordinates([*x[:i], x[i] + step, *x[i + 1 :]]) for step in (-half, half)]
+        ends = effect.moved(i, -half), effect.moved(i, half)
         low, high = (added([*others, e], poses, time) for e in ends)
         columns.append((high - low) / (ends[1].coordinates[i] - ends[0].coordinates[i]))
     return np.stack(columns, axis=-1)

@@ -37,11 +37,10 @@ def seen(body: Body, points: Floats, numbers: Floats) -> Floats:
 def derivative(body: Body, points: Floats, number: int) -> Floats:
     """Of what is seen by one of the numbers, (F, N, 2)."""
     view, own = next((view, own) for view, own in numbered(body) if number in own)
-    x, i = view.coordinates[:-1], number - own.start
+    i = number - own.start
     p = view.effect.parameters[i]
-    step = p.coordinate(p.typical) - x[i]
-    there = view.with_coordinates([*x[:i], x[i] + step, *x[i + 1 :]])
-    return (_through(points, [there]) - _through(points, [view])) / step
+    step = p.coordinate(p.typical) - view.coordinates[i]
+    return (_through(points, [view.moved(i, step)]) - _through(points, [view])) / step
 
 
 def _through(points: Floats, views: list[ActiveEffect]) -> Floats:

@@ -26,7 +26,7 @@ from serpenoid.diagnose.inference.medium import (
     linearised,
     predicted_without,
 )
-from serpenoid.diagnose.inference.prices import least_idle
+from serpenoid.diagnose.inference.prices import least_idle, outweighed
 from serpenoid.diagnose.inference.ranking import needed
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
@@ -87,8 +87,8 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
     refused: list[Refused] = []
     while best.effects:
         bases = bases_of(motion, null, best)
-        priced = null.priced, best.priced, [b.priced for b in bases]
-        idle = least_idle(*priced, partial(needed, motion, best), partial(causes, motion, best, bases))
+        most = np.inf if outweighed(null.priced, best.priced) else needed(motion, best)
+        idle = least_idle(best.priced, [b.priced for b in bases], most, partial(causes, motion, best, bases))
         if idle is None:
             break
         base = bases[idle]

@@ -53,9 +53,12 @@ def cheapest(base: Priced, fits: Sequence[Priced], tries: int) -> int | None:
     return best if fits and prices[0] - prices[1 + best] > spread * gained_by_chance(tries) else None
 
 
-def outweighed(bare: float, best: float, count: float) -> bool:
-    """Whether effects take away less chi squared than they leave above chance: that is an error of another kind."""
-    return bool(bare - best < best - count)
+def outweighed(bare: Priced, best: Priced) -> bool:
+    """Whether effects take away less chi squared than they leave above chance: that is an error of another kind.
+
+    bare: no effect at all.
+    """
+    return bool(bare.chi2 - best.chi2 < best.chi2 - best.count)
 
 
 def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E], float]) -> E:
@@ -65,26 +68,20 @@ def earned(best: E, bare: E, without: Callable[[E, int], E], needed: Callable[[E
     """
     while best.size:
         bases = [bare] if best.size == 1 else [without(best, i) for i in range(best.size)]
-        gains = [b.priced.chi2 - best.priced.chi2 for b in bases]
-        least = int(np.argmin(gains))
-        if gains[least] > needed(best):
+        idle = least_idle(best.priced, [b.priced for b in bases], needed(best))
+        if idle is None:
             break
-        best = bases[least]
+        best = bases[idle]
     return best
 
 
 def least_idle(
-    bare: Priced,
-    best: Priced,
-    bases: Sequence[Priced],
-    needed: Callable[[], float],
-    causes: Callable[[list[int]], Collection[int]] = frozenset,
+    best: Priced, bases: Sequence[Priced], needed: float, causes: Callable[[list[int]], Collection[int]] = frozenset
 ) -> int | None:
     """Which effect of an explanation is no cause, by index; of several the one that takes away least. None: all are.
 
-    bare: no effect at all; bases: without each; causes: which of those that take away enough are causes, all else told.
+    bases: without each; needed: chi squared that each must take away; causes: which of those that do are causes.
     """
     gains = [b.chi2 - best.chi2 for b in bases]
-    most = np.inf if outweighed(bare.chi2, best.chi2, best.count) else needed()
-    named = causes([i for i, gain in enumerate(gains) if gain > most])
+    named = causes([i for i, gain in enumerate(gains) if gain > needed])
     return min((i for i in range(len(bases)) if i not in named), key=lambda i: gains[i], default=None)

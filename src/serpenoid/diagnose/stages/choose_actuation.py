@@ -16,12 +16,11 @@ import numpy as np
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
 from serpenoid.diagnose.stages.actuation import FOLLOWED, Attempt, attempts, fit_everywhere, followed, needed, slopes_of
-from serpenoid.diagnose.stages.plays import Plays, unsure_start
+from serpenoid.diagnose.stages.plays import LAW_ERROR, Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
 AT_MOST = 7
-LAW_ERROR = 1 / 3  # of what an effect does: more than a law gets wrong
 VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
 
 
@@ -84,13 +83,13 @@ def _lawful(best: Played) -> tuple[Played, tuple[str, ...]]:
     """Without effects that are no law of what joints do, and what is said of them; the others fitted again."""
     refused: tuple[str, ...] = ()
     while True:
-        errors = [_law_error(best, e) / (1.0 if e.place is None else LAW_ERROR) for e in best.effects]
+        shares = [_law_error(best, e) for e in best.effects]
+        errors = [s / (1.0 if e.place is None else LAW_ERROR) for s, e in zip(shares, best.effects, strict=True)]
         index = int(np.argmax(errors)) if errors else 0
         if not errors or errors[index] <= 1:
             return best, refused
-        e = best.effects[index]
+        e, share = best.effects[index], shares[index]
         where = "" if e.place is None else f" at joint {e.place}"
-        share = _law_error(best, e)
         much = f"{share:.0%} of what it does" if share <= 1 else "more than it does"
         refused += (f"{e.name}{where} would leave {much}: not its law",)
         best = _without(best, index)

@@ -127,7 +127,7 @@ def choose_observation(
         best = found
         if best.strength(best.keys[-1]) < VISIBLE:
             break
-    best = earned(best, bare, Looked.without_one, lambda tried: np.inf if _outweighed(bare, tried) else tried.needed)
+    best = earned(best, bare, Looked.without_one, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
     best = _lawful(best)
     every = [_named(best, key) for key in best.keys]
     clock = _clock(recordings, best)
@@ -158,10 +158,6 @@ def _joint(key: Key) -> int | None:
     """Which joint's angle an effect changes."""
     name, place = key
     return place - 1 if place is not None and find(name).place == "joint" else None
-
-
-def _outweighed(bare: Looked, best: Looked) -> bool:
-    return outweighed(bare.priced.chi2, best.priced.chi2, best.priced.count)
 
 
 def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:

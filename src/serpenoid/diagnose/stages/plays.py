@@ -29,7 +29,7 @@ from serpenoid.simulation.servos import realise_all
 SMOOTHED_ROWS = 9
 ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 SURE = 2.0  # standard deviations of a clock's rate
-UNLIKE = 1 / 9  # of what readings miss, squared: as much as a law gets wrong (`choose_actuation.LAW_ERROR`)
+LAW_ERROR = 1 / 3  # of what an effect does: more than a law gets wrong
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
 WITHIN_ROW = 4  # steps in which servos are followed from row to row
@@ -163,7 +163,7 @@ def _telling(recordings: Sequence[Recording]) -> list[Recording]:
     for r in reversed(recordings):
         strays, unsure = _strays(r)
         like = [(s, u) for other, s, u in found if other.setting == r.setting]
-        differs = (np.abs(s - strays) > UNLIKE * np.maximum(s, strays) + np.maximum(u, unsure) for s, u in like)
+        differs = (np.abs(s - strays) > LAW_ERROR**2 * np.maximum(s, strays) + np.maximum(u, unsure) for s, u in like)
         if all(d.any() for d in differs):
             found.append((r, strays, unsure))
     return [r for r, _, _ in reversed(found)]
