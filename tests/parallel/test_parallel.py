@@ -49,6 +49,14 @@ def inner_cores(_number: int) -> list[int]:
     return sorted({pid for pid in in_processes([(os.getpid, ())] * 4)} - {os.getpid()})
 
 
+def interrupted(number: int) -> tuple[bool, int]:
+    """Whether this process was started deaf to Ctrl-C, and a number, in spite of an interrupt let in meanwhile."""
+    deaf = signal.SIGINT in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.01)
+    return deaf, number
+
+
 def slow(folder: str, number: int) -> int:
     (Path(folder) / str(number)).touch()
     time.sleep(0.2)
@@ -65,6 +73,13 @@ def test_answers_are_equal_to_the_last_bit_wherever_tasks_run() -> None:
 def test_a_killed_worker_loses_nothing(tmp_path: Path, workers: Workers) -> None:
     assert in_order(dies_once, [(str(tmp_path), n) for n in range(8)], workers) == [n * n for n in range(8)]
     assert (tmp_path / "died").exists()
+
+
+def test_workers_are_deaf_to_an_interrupt_from_their_start_to_their_end() -> None:
+    """A terminal sends it to all: whoever started the workers stops them, and they have nothing to say."""
+    found = in_order(interrupted, [(n,) for n in range(6)], Workers(jobs=2))
+    assert [number for _, number in found] == list(range(6))
+    assert any(deaf for deaf, _ in found)  # a process's first task still has the mask it was started with
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from serpenoid.parallel.retry import Lost, ruled_out
@@ -41,7 +42,7 @@ def _once(function: Callable[..., T], tasks: dict[int, tuple[Any, ...]], jobs: i
 
     from joblib.externals.loky.process_executor import ProcessPoolExecutor, TerminatedWorkerError
 
-    pool = ProcessPoolExecutor(min(jobs, len(tasks)), initializer=watch_parent, initargs=(os.getpid(),))
+    pool = ProcessPoolExecutor(min(jobs, len(tasks)), initializer=_worker, initargs=(os.getpid(),))
     try:
         with interrupts_held():
             futures = {pool.submit(function, *task): index for index, task in tasks.items()}
@@ -64,12 +65,22 @@ def _forget_what_waits(pool: Any) -> None:
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Processes started inside are deaf to Ctrl-C, which a terminal sends to all; this one hears it afterwards."""
+    """Processes started inside are deaf to Ctrl-C, which a terminal sends to all; this one hears it afterwards.
+
+    What keeps account of shared memory is started first: Python 3.11 lets interrupts in again as it starts it.
+    """
+    resource_tracker.ensure_running()
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
+
+
+def _worker(parent: int) -> None:
+    """Deaf to Ctrl-C for good: not only where this process was started, but wherever a library lets interrupts in."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    watch_parent(parent)
 
 
 def watch_parent(parent: int | None = None) -> None:
