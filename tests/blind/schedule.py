@@ -42,6 +42,8 @@ class Servos:
 
     lag: float = 0.0
     max_speed: float = np.inf
+    lags: dict[int, float] = field(default_factory=dict)
+    speeds: dict[int, float] = field(default_factory=dict)
     width: dict[int, float] = field(default_factory=dict)
     loss: dict[int, float] = field(default_factory=dict)
     stuck: dict[int, float] = field(default_factory=dict)
@@ -117,12 +119,16 @@ def _play(target: Floats, width: float) -> Floats:
 def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
     """True joint angles and what the servos read (before rounding), both (n + 1, m)."""
     q = g.setpoint.copy()
+    for joint, lag in servos.lags.items():
+        q[:, [joint - 1]] = lagged(g.time, q[:, [joint - 1]], np.full(len(g.time) - 1, lag))
     if servos.lag > 0:
         q = lagged(g.time, q, np.full(len(g.time) - 1, servos.lag))
     if servos.varying_lag is not None:
         mean, period, phase = servos.varying_lag
         middle = (g.time[1:] + g.time[:-1]) / 2
         q = lagged(g.time, q, mean * (1.02 + np.sin(2 * np.pi * middle / period + phase)))
+    for joint, speed in servos.speeds.items():
+        q[:, [joint - 1]] = rate_limited(g.time, q[:, [joint - 1]], speed)
     if np.isfinite(servos.max_speed):
         q = rate_limited(g.time, q, servos.max_speed)
     for joint, width in servos.width.items():

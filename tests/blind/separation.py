@@ -49,6 +49,8 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "backlash": [{"width": 0.02}, {"width": 0.1}],
     "loose_joint": [{"width": 0.02}, {"width": 0.1}],
     "speed_saturation": [{"max_speed": 0.6}, {"max_speed": 1.0}],
+    "lagging_joint": [{"lag": 0.03}],
+    "slow_joint": [{"max_speed": 0.6}, {"max_speed": 1.0}],
     "worn_wheel": [{"seizure": 0.3}],
     "load": [{"share": 0.0}],
     "dry_friction": [{"crossover_speed": 0.02}, {"crossover_speed": 0.2}],

@@ -20,11 +20,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from blind import table
 from blind.catalogue import Effect
-from blind.faults import FAULTS, HARMLESS, Faulty, faulty
+from blind.faults import AKIN, AT_ALL, FAULTS, HARMLESS, Faulty, faulty
 from blind.folder import write
-from blind.score import Name
+from blind.score import REQUIRED, Name
+from blind.strength import strength
 from blind.study import Study, commit
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import read_recordings
@@ -99,12 +102,14 @@ def _refused(words: Sequence[str]) -> Iterator[tuple[Name, float | str]]:
         yield Name(name, int(place) if place else None), int(percent) / 100 if percent else MORE
 
 
-def outcome(fault: str, truth: Sequence[Effect], said: Said) -> str:
+def outcome(fault: str, truth: Sequence[Effect], said: Said, place: int = 0, strength: float = np.inf) -> str:
     """Right: what is hidden is named alone, or nothing where joints follow; of a fault, words without a name are all
-    that can be had."""
+    that can be had, or the nearest law of the same part (akin). strength: of the truth, in noise levels."""
     hidden, names = {Name(e.name, e.place) for e in truth}, set(said.named)
     if said.crash:
         return "crash"
+    if fault in AKIN and names == {Name(AKIN[fault], place)}:
+        return "akin"
     if hidden and names == hidden:
         return "right"
     if names - hidden - set(said.stand_ins):
@@ -113,6 +118,8 @@ def outcome(fault: str, truth: Sequence[Effect], said: Said) -> str:
         return "stand-in"
     if fault in HARMLESS and not said.told:
         return "right"
+    if hidden and strength < REQUIRED:
+        return "below detection"
     return "refused in words" if said.told else "no name"
 
 
@@ -124,13 +131,15 @@ def _share_left(laws: Sequence[tuple[Name, float | str]], place: int | None) -> 
 
 
 def _row(found: Faulty, said: Said, seconds: float) -> table.Row:
-    c, at_all = found.campaign, found.fault == "servo_lag"
-    p = c.protocol
+    c, at_all = found.campaign, found.fault in AT_ALL
+    p, visible = c.protocol, [strength(c, e, np.inf) for e in c.effects]
     row = {
-        "fault": found.fault, "identity": c.identity, "outcome": outcome(found.fault, c.effects, said),
+        "fault": found.fault, "identity": c.identity,
+        "outcome": outcome(found.fault, c.effects, said, found.place, min(visible, default=np.inf)),
         "share_left": _share_left(said.laws, None if at_all else found.place),
         "joints": p.robot.joints, "place": "all" if at_all else found.place, "log_hertz": p.instruments.log_hertz,
         "gaits": len(p.settings), "plays": p.plays, "truth": [e.as_dict() for e in c.effects],
+        "strength": min(visible, default=None),
         "named": [str(n) for n in said.named], "stand_ins": [str(n) for n in said.stand_ins],
         "laws": {str(name): share for name, share in said.laws}, "told": list(said.told), "processor_s": seconds,
     }  # fmt: skip

@@ -40,6 +40,8 @@ SERVOS = (
     Effect("stuck_joint", 7, {"angle": 0.2}),
     Effect("backlash", 5, {"width": 0.06}),
     Effect("speed_saturation", None, {"max_speed": 0.6}),
+    Effect("lagging_joint", 4, {"lag": 0.08}),
+    Effect("slow_joint", 6, {"max_speed": 0.5}),
 )
 MARKERS = (
     Effect("zero_offset", 6, {"offset": 0.06}),
@@ -98,7 +100,7 @@ def test_readings_fit_the_hidden_effect_of_the_servos_best(hidden: Effect, tmp_p
 
 @pytest.mark.parametrize("share", [0.93, 0.6, 0.4])
 def test_a_saturation_is_found_wherever_it_lies_below_the_quickest_set_point(share: float, tmp_path: Path) -> None:
-    quickest = plays(recorded(tmp_path / "plain", Effect("toe", None, {"angle": 0.01}), 1)).quickest
+    quickest = plays(recorded(tmp_path / "plain", Effect("toe", None, {"angle": 0.01}), 1)).quickest.max()
     hidden = Effect("speed_saturation", None, {"max_speed": share * quickest})
     best = min(attempts(plays(recorded(tmp_path / "hidden", hidden, 1)), []), key=lambda a: a.chi2.sum())
     assert best.effect.name == "speed_saturation"

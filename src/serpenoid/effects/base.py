@@ -229,10 +229,12 @@ class ActuationEffect(Effect):
     """Command to shape. `respond` takes one joint from one time to the next; `in_gait` is what it settles on.
 
     memory: whether the answer depends on the angle before. shown: whether the servo's reading shows the true angle.
+    limits: whether an optimised gait stays slow enough to be played as it is commanded (`speed_limit`).
     """
 
     memory: bool = False
     shown: bool = True
+    limits: bool = False
     needs_seconds: bool = False
 
     @property
@@ -240,9 +242,9 @@ class ActuationEffect(Effect):
         """Actuation."""
         return "actuation"
 
-    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
-        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad] may begin; quickest: speed
-        of the set-points [rad/s]."""
+    def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
+        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad] may begin; quickest:
+        speed (m,) of the set-points [rad/s]."""
         return [np.full(readings.shape[1], self.parameters[0].resting)]
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:

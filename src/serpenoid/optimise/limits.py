@@ -46,7 +46,8 @@ def path_limits(problem: Problem) -> PathLimits:
     for active in problem.model.actuation_effects:
         if isinstance(active.effect, ActuationEffect):  # a gait that never saturates is played as it is commanded
             reach = active.effect.speed_limit(active.parameters) * problem.model.step_duration(task.steps)
-            upper[m:] = np.minimum(upper[m:], reach)
+            own = slice(m, None) if active.place is None else m + active.place - 1
+            upper[own] = np.minimum(upper[own], reach)
     return PathLimits(upper)
 
 

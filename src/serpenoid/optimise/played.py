@@ -167,7 +167,7 @@ FADED = 1e-14
 
 def remembers(effect: object) -> bool:
     """Whether an effect has a state in the NLP; a gait that never saturates has none of saturation."""
-    return isinstance(effect, ActuationEffect) and effect.memory and effect.name != "speed_saturation"
+    return isinstance(effect, ActuationEffect) and effect.memory and not effect.limits
 
 
 def _at_once(kind: ActuationEffect, angle: ca.SX, p: Symbols) -> ca.SX:

@@ -82,7 +82,9 @@ def fitted(
     if carrier is not None:
         sources = [replace(s, values=s.values - carrier.at(s.time)) for s in sources]
     knots = _knots(np.array([first, *inside, last]), apart)
-    return ShapeInTime(_fit(sources, knots, STIFFER if choose else (STIFF,)), carrier)
+    joints = sources[0].values.shape[1]
+    carried = np.zeros(joints, dtype=bool) if carrier is None else carrier.angles.any(axis=0)
+    return ShapeInTime(_fit(sources, knots, STIFFER if choose else (STIFF,), carried), carrier)
 
 
 def _knots(ends: Floats, apart: float) -> Floats:
@@ -94,8 +96,9 @@ def _knots(ends: Floats, apart: float) -> Floats:
     return np.concatenate([*found, ends[-1:]])
 
 
-def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float]) -> BSpline:
-    """The spline whose stiffness has the least score of generalised cross-validation (the median joint's)."""
+def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float], carried: np.ndarray) -> BSpline:
+    """The spline whose stiffness has the least score of generalised cross-validation: the median joint's, of those that
+    are carried and of the others."""
     bases = [BSpline.design_matrix(s.time, knots, DEGREE) for s in sources]
     count, joints = bases[0].shape[1], sources[0].values.shape[1]
     bend = np.diff(np.eye(count), 2, axis=0)
@@ -116,7 +119,10 @@ def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float]) -
             if len(stiffness) > 1:
                 freedom = max(freedom - float(np.trace(solveh_banded(normal, square, lower=True))), 1.0)
             scores[i, alike] = len(said) * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
-    return BSpline(knots, columns[int(np.median(scores, axis=1).argmin())], DEGREE)
+    chosen = np.empty((count, joints))
+    for alike in (a for a in (carried, ~carried) if a.any()):
+        chosen[:, alike] = columns[int(np.median(scores[:, alike], axis=1).argmin())][:, alike]
+    return BSpline(knots, chosen, DEGREE)
 
 
 def _band(matrix: Floats) -> Floats:

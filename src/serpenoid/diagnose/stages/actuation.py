@@ -77,13 +77,15 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
 
 
 @remembered
-def fit_everywhere(data: Plays, name: str, base: Sequence[ActiveEffect], starts: Sequence[Floats]) -> list[Attempt]:
+def fit_everywhere(
+    data: Plays, name: str, base: Sequence[ActiveEffect], starts: Sequence[Floats], only: int | None = None
+) -> list[Attempt]:
     """Gauss-Newton for one parameter per joint, all side by side (one for all without a place), from the best of some
-    starts (m,)."""
+    starts (m,). only: this joint alone, so that no other one's fit moves the clocks."""
     kind = find(name)
     parameter = kind.parameters[0]
     taken = {e.place for e in base if e.name == name}
-    places = [p for p in places_of(kind, data) if p not in taken]
+    places = [p for p in places_of(kind, data) if p not in taken and only in (None, p)]
     if not places:  # every joint has it
         return []
     columns = slice(0, 1) if kind.place is None else np.array([j - 1 for j in places if j is not None])

@@ -127,15 +127,14 @@ def _without(best: Played, index: int) -> Played:
 
 
 def _refined(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
-    """Fit each given the others, twice round."""
+    """Fit each given the others, at its own joint alone, twice round."""
     chosen = list(chosen)
-    for _ in range(2 if len(chosen) > 1 else 0):
+    for _ in range(2):
         for i, effect in enumerate(chosen):
             others = [e for e in chosen if e is not effect]
             start = np.full(data.readings.shape[1], effect.coordinates[0])
-            for a in fit_everywhere(data, effect.name, others, [start]):
-                if a.effect.place == effect.place:
-                    chosen[i] = a.effect
+            (alone,) = fit_everywhere(data, effect.name, others, [start], effect.place)
+            chosen[i] = alone.effect
     return tuple(chosen)
 
 

@@ -63,11 +63,11 @@ class Plays:
         return self.recordings[0].schedule.held
 
     @property
-    def quickest(self) -> float:
-        """Largest speed [rad/s] from one row of a table to the next."""
-        steps = [np.abs(np.diff(s.table, axis=0, append=s.table[:1])).max() for s in self._schedules]
+    def quickest(self) -> Floats:
+        """Largest speed (m,) [rad/s] of each joint from one row of a table to the next."""
+        steps = [np.abs(np.diff(s.table, axis=0, append=s.table[:1])).max(axis=0) for s in self._schedules]
         rows = [len(s.table) / s.cycle_duration_s for s in self._schedules]
-        return float(np.multiply(steps, rows).max())
+        return np.max([step * often for step, often in zip(steps, rows, strict=True)], axis=0)
 
     @property
     def _schedules(self) -> list[Schedule]:
@@ -201,20 +201,26 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
     return found.measured(np.zeros_like(found.readings)).measured(found.realised([]))
 
 
-def _corners(r: Recording, within: int = 1) -> Floats:
-    """Times from 0 on at which rows are due, and just before where they jump; `within` steps a row."""
-    s, steps = r.schedule, len(r.schedule.table) * within
+def _corners(r: Recording) -> Floats:
+    """Times from 0 on at which rows are due, and just before where they jump."""
+    s, steps = r.schedule, len(r.schedule.table)
     corners = [n * s.period_s + np.arange(steps + 1) / steps * s.cycle_duration_s for n in range(s.cycles)]
-    jumps = [c[::within] - JUMP_S for c in corners] if s.held else []
+    jumps = [c - JUMP_S for c in corners] if s.held else []
     every = np.concatenate([*corners, *jumps])
     return np.asarray(every[every >= 0])
+
+
+def _between(r: Recording) -> Floats:
+    """Times from 0 on, some in each row, at which servos are followed, in pauses and to the log's end as well."""
+    apart = r.schedule.cycle_duration_s / len(r.schedule.table) / WITHIN_ROW
+    return np.asarray(apart * np.arange(max(r.read_at[-1], r.end) / apart + 1))
 
 
 def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Recording, ...]:
     """Recordings with what their servos are expected to do, joint by joint where readings are smoother about it."""
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
     model = found.model(effects)
-    meshes = [np.unique(np.concatenate([[0.0], _corners(r, WITHIN_ROW if effects else 1)])) for r in recordings]
+    meshes = [np.unique(np.concatenate([_corners(r), _between(r) if effects else [0.0]])) for r in recordings]
     played = realise_all(model, [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)], meshes)
     pairs = zip(recordings, meshes, played, strict=True)
     return tuple(_carried(r, Course(time, p.readings)) for r, time, p in pairs)

@@ -23,7 +23,7 @@ class Backlash(ActuationEffect):
         played = ca.if_else(angle < after - half, after - half, pushed_down)
         return ca.if_else(p.present > 0, played, after)
 
-    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+    def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """A gap that is crossed."""
         return [np.full(readings.shape[1], FIRST_WIDTH)]
 

@@ -23,7 +23,7 @@ class ServoLag(ActuationEffect):
         decay = ca.exp(-duration / (p.lag + INSTANT))
         return after - behind + (angle - before + behind) * decay
 
-    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+    def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """At rest nothing says which way a memory works."""
         return [np.full(readings.shape[1], FIRST_LAG)]
 

@@ -20,9 +20,11 @@ class SpeedSaturation(ActuationEffect):
         excess = ca.fmax(1.0, p.max_speed * ca.fabs(wanted) / duration)
         return ca.if_else(excess > 1, angle + wanted / excess, after)
 
-    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+    def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """Above the quickest set-point a saturation changes nothing."""
-        return [np.full(readings.shape[1], self.parameters[0].coordinate(share * quickest)) for share in SATURATED]
+        own = quickest if self.place else np.full_like(quickest, quickest.max())
+        (speed,) = self.parameters
+        return [1 / np.maximum(share * own, speed.lower) for share in SATURATED]
 
     def in_gait(self, wave: Wave, p: Symbols) -> Wave:
         """Unchanged: an optimised gait keeps the speed limit, so that it is played as it is commanded."""
@@ -42,5 +44,6 @@ EFFECT = SpeedSaturation(
     needs=frozenset({"servos"}),
     rank=1,
     memory=True,
+    limits=True,
     needs_seconds=True,
 )

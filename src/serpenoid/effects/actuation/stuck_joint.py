@@ -16,7 +16,7 @@ class StuckJoint(ActuationEffect):
         """Replace, where it is present."""
         return after + p.present * (p.angle - after)
 
-    def starts(self, readings: Floats, quickest: float) -> list[Floats]:
+    def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """Where each joint is most of the time."""
         return [np.median(readings, axis=0)]
 
