@@ -83,7 +83,7 @@ def fitted(
         sources = [replace(s, values=s.values - carrier.at(s.time)) for s in sources]
     knots = _knots(np.array([first, *inside, last]), apart)
     joints = sources[0].values.shape[1]
-    carried = np.zeros(joints, dtype=bool) if carrier is None else carrier.angles.any(axis=0)
+    carried = np.zeros(joints, dtype=bool) if carrier is None else np.any(carrier.angles, axis=0)
     return ShapeInTime(_fit(sources, knots, STIFFER if choose else (STIFF,), carried), carrier)
 
 
@@ -120,8 +120,8 @@ def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float], c
                 freedom = max(freedom - float(np.trace(solveh_banded(normal, square, lower=True))), 1.0)
             scores[i, alike] = len(said) * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
     chosen = np.empty((count, joints))
-    for alike in (a for a in (carried, ~carried) if a.any()):
-        chosen[:, alike] = columns[int(np.median(scores[:, alike], axis=1).argmin())][:, alike]
+    for those in (each for each in (carried, ~carried) if each.any()):
+        chosen[:, those] = columns[int(np.median(scores[:, those], axis=1).argmin())][:, those]
     return BSpline(knots, chosen, DEGREE)
 
 
