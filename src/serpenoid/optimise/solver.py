@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.clearance import RESOLUTION, Clearance
@@ -157,6 +158,11 @@ class GaitSolver(PreparedNLPs):
             return carried, clear
         return replace(carried, watch=watch, margin=carried.margin - clear.proven + RESOLUTION), clear
 
+    def _saturated(self, q: Floats) -> bool:
+        """Whether a servo is too slow for a gait."""
+        slow = any(isinstance(e.effect, ActuationEffect) and e.effect.limits for e in self.model.actuation_effects)
+        return slow and float(self.excess(self.table(q)).max()) > TOLERANCE
+
     def _spread(self, q: Floats, gait_bounds: GaitBounds | None) -> Floats | None:
         """A new start where joints leap between rows, which only coarse steps reward: the motion spread over rows."""
         resolved = self.family.resolved(q)
@@ -167,14 +173,15 @@ class GaitSolver(PreparedNLPs):
     def _recovery(self, outcome: Outcome, gait_bounds: GaitBounds | None) -> Floats | None:
         """A new start where IPOPT went astray, else None.
 
-        A pose may have slipped to another root of its step (an energy maximum, say): the gait is simulated anew. Or
-        the search ended at a gait that does not move, where the displacement has a kink: it is opened.
+        A pose may have slipped to another root of its step (an energy maximum, say): the gait is simulated anew, unless
+        it differs because servos saturate in rows that carry no limit yet. Or the search ended at a gait that does not
+        move, where the displacement has a kink: it is opened.
         """
         q = outcome.point.x[-self.family.size :]
         if not np.isfinite(q).all() or outcome.status not in (Status.SOLVED, Status.NOT_CONVERGED):
             return None
         simulated = self.start(q)
-        if np.abs(simulated - outcome.point.x).max() > SLIPPED:
+        if np.abs(simulated - outcome.point.x).max() > SLIPPED and not self._saturated(q):
             return simulated
         if outcome.status is Status.NOT_CONVERGED:
             opened = np.clip(self.family.opened(q), *(gait_bounds or self.gait_bounds()))
