@@ -140,7 +140,7 @@ class Ground:
         """World-frame forces on the vertices (S, N, 2), or None."""
         if not any(self.pull) and not self.external:
             return None
-        total = self.robot.weights[:, None] * np.array(self.pull) + np.zeros_like(world)
+        total = self.drag_weights[:, None] * np.array(self.pull) + np.zeros_like(world)
         for pulling in self.external:
             total = total + pulling(world, time)
         return total

@@ -96,7 +96,7 @@ def _inertial(ground: Ground, time: Floats, phi: Floats, phase: Floats, start: F
     path[:, 0] = start
     known = np.zeros((len(time), 3))  # momentum, angular momentum about the origin, in the world's frame
     xi = np.zeros((len(time), 3))
-    carried = ground.robot.weights
+    carried = ground.drag_weights
     mass = np.r_[ground.inertia * carried, (ground.inertia + ground.added_mass) * carried]
     steps = np.diff(time, axis=1)
     middle_time, middle_phase = (time[:, 1:] + time[:, :-1]) / 2, (phase[:, 1:] + phase[:, :-1]) / 2

@@ -119,6 +119,8 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "held_out_over_floor": (after / f) if (after := _after_m(diagnosis)) is not None else None,
         "eps": c.eps,
         "eps_said": diagnosis.get("anisotropy_ratio", {}).get("after"),
+        "eps_interval": diagnosis.get("anisotropy_ratio", {}).get("interval"),
+        "eps_alone": diagnosis.get("anisotropy_ratio", {}).get("before"),
     }
     if (
         found.without and found.reference is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, shown, times, title, undetected
+from serpenoid.diagnose.stages.choose_motion import ratio_interval
 
 
 @pytest.mark.parametrize(
@@ -99,3 +101,14 @@ def test_the_interval_of_the_anisotropy_ratio_holds_the_true_one_and_is_narrow(
     low, high = eps["interval"]
     assert low < usual(7).eps < high  # the seed of the campaign
     assert low < eps["after"] < high < 1.05 * low  # what eight trials tell: 2 %
+
+
+def test_beside_names_that_may_be_stand_ins_the_anisotropy_ratio_is_known_no_better_than_with_and_without_them(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    found = diagnosed[0].motion
+    doubtful = replace(found.stage, named=tuple(replace(n, stand_in=True) for n in found.stage.named))
+    sure, unsure = ratio_interval(found.selection, found.stage), ratio_interval(found.selection, doubtful)
+    assert unsure[0] <= sure[0] < sure[1] <= unsure[1]
+    assert unsure[0] < found.selection.null.model.medium.anisotropy_ratio < unsure[1]
+    assert not sure[0] < found.selection.null.model.medium.anisotropy_ratio < sure[1]  # the load has a part of it

@@ -77,6 +77,15 @@ def test_mixtures_of_laws_know_speed(name: str, problem: Problem, table: np.ndar
     assert np.abs(quick.poses - slow.poses)[:, :2].max() > 2e-3
 
 
+@pytest.mark.parametrize("name", ["slope", "inertia"])
+def test_a_body_twice_as_heavy_everywhere_moves_alike(name: str, problem: Problem, table: np.ndarray) -> None:
+    light = extended(problem, typical(name), duration=4.0)
+    weights = light.body.vertex_weights
+    loads = [ActiveEffect.of("load", k, share=float(w)) for k, w in enumerate(weights)]
+    heavy = extended(problem, typical(name), *loads, duration=4.0)
+    np.testing.assert_allclose(played(heavy, table).poses, played(light, table).poses, atol=1e-10)
+
+
 def test_a_power_law_is_blind_to_speed_but_for_the_creep(problem: Problem, table: np.ndarray) -> None:
     quick, slow = (played(extended(problem, typical("power_law_drag"), duration=s), table) for s in (2.0, 8.0))
     assert np.abs(quick.poses - slow.poses).max() < 2e-3

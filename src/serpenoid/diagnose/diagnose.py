@@ -155,7 +155,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         ],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
-            "interval": list(ratio_interval(found)), "at_bound": ratio_at_bound(found.best.model),
+            "interval": list(ratio_interval(found, d.motion.stage)), "at_bound": ratio_at_bound(found.best.model),
         },
         "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law},
         "discrepancy_m": d.motion.stage.discrepancy_m,

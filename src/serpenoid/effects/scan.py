@@ -28,10 +28,11 @@ class Grid:
 class Scan:
     """An effect's strength is its first parameter, the only one with a neutral value; the others are tried on grids.
 
-    made_of: the effect of a vertex that it is to first order: of that one's parameter, strength times the vertex's
-    weight times what is felt there. size: the parameter in which the candidates of a grid are alike; the best of each
-    size is fitted in full. begins: least and most strength where such a fit begins, linear steps lead farther. grids:
-    by the corners (2,) [m] of the floor that was visited and the body's length [m].
+    made_of: the effect of a vertex that it is to first order, but for what pulls there beside the drag: of that one's
+    parameter, strength times the vertex's weight times what is felt there. size: the parameter in which the candidates
+    of a grid are alike; the best of each size is fitted in full. begins: least and most strength where such a fit
+    begins, linear steps lead farther. grids: by the corners (2,) [m] of the floor that was visited and the body's
+    length [m].
     """
 
     made_of: str

@@ -173,12 +173,21 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
     return Named(effect, ends, trace(found.motion, best, base, effect) / found.noise_level_m, tuple(bound))
 
 
-def ratio_interval(found: Selection) -> tuple[float, float]:
-    """95 % interval of eps with what is named, from the curvature, within its bounds."""
-    best, columns = found.best, range(len(found.best.coordinates))
-    evidence = best.evidence
+def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
+    """95 % interval of eps with what is named. Names that may be stand-ins may take a part of what resists, or
+    give it: then eps is known no better than with and without them."""
+    unsure = found.motion.ratio is None and any(n.stand_in for n in stage.named)
+    low, high = zip(
+        *(_ratio_ends(found.motion, f) for f in ([found.best, found.null] if unsure else [found.best])), strict=True
+    )
+    return min(low), max(high)
+
+
+def _ratio_ends(motion: Motion, best: Fit) -> tuple[float, float]:
+    """From the curvature and what gaits disagree about, within the bounds of eps."""
+    evidence, columns = best.evidence, range(len(best.coordinates))
     if ratio_at_bound(best.model):  # the fit itself held it
-        evidence, _ = linearised(found.motion, best.model, best.effects, hold=False)
+        evidence, _ = linearised(motion, best.model, best.effects, hold=False)
     spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     eps, covariance = best.model.medium.anisotropy_ratio, evidence.covariance(columns, spread)
     half = QUANTILE * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps

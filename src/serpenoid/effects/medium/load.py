@@ -1,4 +1,8 @@
-"""More or less weight on one vertex: its weight in the drag changes by `share` of the whole body's weight."""
+"""More or less weight on one vertex: what rests there changes by `share` of the whole body's weight.
+
+Drag, pull of a slope and momentum are all in proportion to what rests on a vertex: however a body is loaded, it slides
+down a slope at the same speed, and coasts as long.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +17,8 @@ class Load(MediumEffect):
     """A payload (share > 0), or a vertex that is lifted off the floor (share < 0; contact lost at minus its weight)."""
 
     def on_element(self, element: Element, p: Symbols) -> Element:
-        """Add the share to the drag's weight."""
-        return replace(element, grip=element.grip + p.share)
+        """A payload is dragged along, and weighs on a slope."""
+        return replace(element, grip=element.grip + p.share, weight=element.weight + p.share)
 
     def coordinate_bounds(self, body: Body, place: int | None) -> list[tuple[float, float]]:
         """From lost contact upwards."""
@@ -39,5 +43,5 @@ EFFECT = Load(
         looks_like="motions pivot nearer to one part of the body (it presses harder) or that part swings wide (lifted)",
         what_to_do="film from the side: does the animal lift or press down this part?",
     ),
-    rank=20,
+    rank=5,
 )
