@@ -93,6 +93,9 @@ def test_what_the_prickleback_shows_is_not_forced_into_the_catalogue(tmp_path: P
     assert found["anisotropy_ratio"]["after"] == 0.5
     assert found["verdict"] == "unexplained"
     assert set(found["skipped"]) == {"actuation", "observation"}
+    said = (tmp_path / "out" / "summary.txt").read_text()  # nobody knows how long a pixel is
+    assert "body lengths" in said
+    assert " mm" not in said
 
 
 def test_what_smoothing_takes_out_is_the_noise_of_the_points(tmp_path: Path) -> None:

@@ -19,6 +19,8 @@ from serpenoid.diagnose.stages.choose_motion import ratio_interval
     [
         (0.00197, "m", "1.97 mm"),
         (-0.0015, "m/s", "-1.5 mm/s"),
+        (2.39e-6, "m", "2.39 \N{MICRO SIGN}m"),
+        (0.129, "bl", "0.129 body lengths"),
         (0.1, "rad", "5.73°"),
         (0.4, "1", "0.4"),
         (0.05, "s", "0.05 s"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from serpenoid.measure.relabel import label_vertices
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.smooth import smooth_states
 from serpenoid.measure.tracks import Tracks, floor_plane
+from serpenoid.measure.trial import build_motion
 
 SD = 0.0002 / 0.836  # 0.2 mm on the snake, in body lengths
 
@@ -185,6 +188,20 @@ def test_a_bumped_camera_is_found_and_nothing_where_nothing_happened():
     assert [j.frame for j in whole] == [150]
     assert whole[0].size == pytest.approx(np.hypot(0.02, 0.01), rel=0.1)
     assert [(j.frame, j.vertex) for j in jumps if j.vertex is not None] == [(80, 3)]
+
+
+def test_a_recording_seen_with_other_lengths_is_cut_where_it_was_cut():
+    """Or the jackknife over lengths would compare stretches that one of them does not have."""
+    body, _, _, vertices = _motion(120)
+    rng = np.random.default_rng(7)
+    time, vertices = np.arange(120) / 60, vertices + rng.normal(scale=SD, size=vertices.shape)
+    vertices[90:] += [0.02, -0.01]  # a bumped camera
+    own, _, _ = build_motion(body, time, vertices, None, ((), ()))
+    assert [(run.start, run.stop) for run in own.runs] == [(0, 90), (90, 120)]
+    elsewhere = replace(own, runs=(slice(0, 60), slice(70, 120)))
+    made, _, _ = build_motion(body, time, vertices, None, ((), ()), elsewhere)
+    assert made.runs == elsewhere.runs
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(made.smooth_poses[:, 0])), np.arange(60, 70))
 
 
 def test_schedule_holds_row_zero_in_pauses():

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.noise import path_error
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracked import TrackedRecording
-from serpenoid.diagnose.data.used import remarks, used
+from serpenoid.diagnose.data.used import in_lengths, length_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage
@@ -142,16 +142,27 @@ def verdict(stages: Sequence[Stage]) -> str:
     return "partly explained" if named else "unexplained"
 
 
+def _named(n: Named, length: str) -> dict[str, Any]:
+    """An effect, its parameters in the recordings' own unit of length."""
+    said = n.record()
+    for p in said["parameters"].values():
+        p["unit"] = in_lengths(p["unit"], length)
+    return said
+
+
 def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
-    usage = used(found.motion.tracks)
+    usage, length = used(found.motion.tracks), length_unit(found.motion.tracks)
     return {
         "verdict": d.verdict,
-        "effects": [n.record() for n in d.named],
+        "length_unit": length,
+        "effects": [_named(n, length) for n in d.named],
         "alternatives": [r.record() for r in d.rivals],
         "below_detection": [
-            n.record() | {"in_extended_model": n.effect.key in extended} for stage in d.stages for n in stage.undetected
+            _named(n, length) | {"in_extended_model": n.effect.key in extended}
+            for stage in d.stages
+            for n in stage.undetected
         ],
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,

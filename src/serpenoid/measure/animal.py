@@ -93,8 +93,8 @@ def _sampling(motion: Motion) -> list[str]:
         return []
     return [
         f"{points} points show {(points - 1) / edges:.2g} waves, {edges:.2g} edges a wave: under {LEAST_EDGES:g} the "
-        "curve between them is guessed, K comes out too large and what is left looks like a cause; track more points "
-        "(2 edges a wave are also what the scatter of single points along a body makes)"
+        "curve between them is guessed, K comes out too large and what is left looks like a cause; track more points, "
+        "or if single points scatter, which makes 2 edges a wave, take every second or third"
     ]
 
 

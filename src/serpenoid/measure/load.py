@@ -15,7 +15,7 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial import Passage, Trial, build_motion, cut_passages, schedule_start
+from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, schedule_start
 from serpenoid.measure.trial_files import (
     Files,
     Progress,
@@ -76,7 +76,7 @@ def _other_lengths(campaign: Campaign, blocks: int) -> tuple[tuple[Body, tuple[T
     found = []
     for lengths in other_lengths(read, blocks):
         body = Body.model_validate(campaign.body.model_dump() | {"edge_lengths": tuple(lengths.tolist())})
-        made = [align_trial(campaign.file, files, body) for files in read]
+        made = [align_trial(campaign.file, f, body, t.motion) for f, t in zip(read, campaign.trials, strict=True)]
         trials = tuple(replace(m, passages=t.passages) for m, t in zip(made, campaign.trials, strict=True))
         found.append((body, trials))
     return tuple(found)
@@ -111,8 +111,8 @@ def _whole(found: Trial | InputError) -> Trial:
     return found
 
 
-def align_trial(file: CampaignFile, files: Files, body: Body) -> Trial:
-    """Clocks laid over each other, the chain fitted, cycles cut."""
+def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | None = None) -> Trial:
+    """Clocks laid over each other, the chain fitted, cycles cut; like: the motion that says where it has holes."""
     entry, tracks, labelled, schedule = files.entry, files.tracks, files.labelled, files.schedule
     motion = servo = None
     notes: list[str] = []
@@ -123,7 +123,9 @@ def align_trial(file: CampaignFile, files: Files, body: Body) -> Trial:
         scale = _scale(tracks, labelled.vertices, body, file.lengths_given)
         metres = body.total_length_m if tracks.scale_known and files.keys.length_unit != "bl" else None
         extras = (labelled.relabelled, labelled.unused)
-        motion, servo, notes = build_motion(body, tracks.time_s, labelled.vertices / scale, files.servo_log, extras)
+        motion, servo, notes = build_motion(
+            body, tracks.time_s, labelled.vertices / scale, files.servo_log, extras, like
+        )
     if metres is not None and body.odd_length is not None:
         notes = [*notes, body.odd_length]
     if schedule is not None:

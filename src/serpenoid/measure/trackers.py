@@ -156,7 +156,10 @@ def read_wcon(path: str | Path, timing: Timing) -> Tracks:
         raise InputError(f"{path}: {len(animals)} animals ({', '.join(sorted(animals)[:4])}); one file for each.")
     length, second = UNITS_WCON.get(str(units.get("x"))), SECONDS.get(str(units.get("t")))
     if length is None or units.get("x") != units.get("y") or second is None:
-        raise InputError(f"{path}: `units` of t, x, y must be a time and one length, got {units}.")
+        raise InputError(
+            f"{path}: `units` must be a time ({', '.join(SECONDS)}) for t, and one length (m, cm, mm, um, px) for x "
+            f"and y, got {', '.join(f'{k}: `{units.get(k)}`' for k in 'txy')}. Correct the file."
+        )
     rows = [row for entry in entries for row in _wcon_rows(entry, path)]
     count = len(rows[0][1]) if rows else 0
     if not count or any(len(x) != count or len(y) != count for _, x, y in rows):

@@ -107,9 +107,12 @@ class Trial:
 
 
 def build_motion(
-    body: Body, time_s: Floats, markers: Floats, log: ServoLog | None, labels: tuple
+    body: Body, time_s: Floats, markers: Floats, log: ServoLog | None, labels: tuple, like: Motion | None = None
 ) -> tuple[Motion, ServoAlignment | None, list[str]]:
-    """Fit the chain (with the servos where they help), fill short gaps, look for jumps."""
+    """Fit the chain (with the servos where they help), fill short gaps, look for jumps.
+
+    like: the same recording, cut where another body's fit cut it.
+    """
     notes: list[str] = []
     estimate = estimate_chain(body, markers)
     servo = None
@@ -118,12 +121,17 @@ def build_motion(
         notes += complaint
         if servo is not None:
             estimate = estimate_chain(body, markers, servo.angles, servo.sd, estimate.marker_sd, estimate.determined)
+    cuts = _cuts(estimate, time_s) if like is None else (like.gaps, like.jumps, like.runs)
+    if not cuts[2]:
+        raise InputError(f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape.")
+    return _motion(body, time_s, markers, servo, estimate, cuts, labels), servo, notes
+
+
+def _cuts(estimate: ChainEstimate, time_s: Floats) -> tuple:
+    """Gaps, jumps, and the runs of frames between them."""
     gaps = find_gaps(estimate.determined, time_s)
     jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
-    runs = _runs(gaps, jumps, len(time_s))
-    if not runs:
-        raise InputError(f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape.")
-    return _motion(body, time_s, markers, servo, estimate, (gaps, jumps, runs), labels), servo, notes
+    return gaps, jumps, _runs(gaps, jumps, len(time_s))
 
 
 def _motion(

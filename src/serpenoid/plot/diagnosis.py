@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.residuals.maps import windows
 from serpenoid.group import accumulate, relative
@@ -73,16 +74,17 @@ def paths_figure(d: Diagnosis) -> Figure:
 
 
 def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
-    """Centroid of all repeats of one setting [mm]: measured, and predicted by fits to the other gaits."""
+    """Centroid of all repeats of one setting: measured, and predicted by fits to the other gaits."""
     drawn = (("baseline", d.held_out[0]), ("extended", d.held_out[1]))
+    scale, unit = diagnosis_ladder.UNITS[length_unit(d.motion.selection.motion.tracks)]
     for i, track in enumerate(d.motion.selection.motion.tracks):
         if track.recording.setting != setting:
             continue
         for name, predictions in drawn:
             if name == "baseline" or d.extension.effects:
-                _draw(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), LABELS[name], 1.8)
-        _draw(ax, relative(track.poses[0], track.poses), INK, 0.8)
-    dress(ax, "", "x [mm]", "y [mm]")
+                _draw(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), scale, LABELS[name], 1.8)
+        _draw(ax, relative(track.poses[0], track.poses), scale, INK, 0.8)
+    dress(ax, "", f"x [{unit}]", f"y [{unit}]")
     ax.set_title(
         f"{setting[0]}, {setting[1]:.3g} s" if setting[1] else setting[0], fontsize=SMALL, loc="left", color=INK
     )
@@ -91,8 +93,8 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
     return ax
 
 
-def _draw(ax: Axes, path: Floats, colour: str, width: float) -> None:
-    points = 1e3 * path[:, :2]
+def _draw(ax: Axes, path: Floats, scale: float, colour: str, width: float) -> None:
+    points = scale * path[:, :2]
     ax.plot(*points.T, color=colour, lw=width)
     ax.plot(*points[-1], "o", color=colour, ms=3)
 

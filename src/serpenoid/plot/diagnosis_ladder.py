@@ -14,7 +14,7 @@ from serpenoid.plot.style import BLUE, GREY, INK, ORANGE, SMALL, dress, figure, 
 if TYPE_CHECKING:
     from serpenoid.diagnose.stages.ladder import Error, Step
 
-UNITS = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°")}
+UNITS = {"m": (1e3, "mm"), "bl": (1.0, "body lengths"), "rad": (180 / np.pi, "°")}
 TITLES = {
     "actuation": "commanded against\nrealised shape",
     "observation": "realised shape\nagainst markers",

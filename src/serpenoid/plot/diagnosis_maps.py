@@ -33,11 +33,13 @@ from serpenoid.plot.style import (
 
 HEAT = colormaps["YlOrRd"]
 MOST_TICKS = 14  # of vertices, one each, that stand beside each other without touching
+TURN = 180 / np.pi
 PALE = 4.0  # times chance: the darkest colour at least
-DIRECTIONS = (("forward", "mm/s", 1e3), ("to the left", "mm/s", 1e3), ("turning left", "°/s", 180 / np.pi))
+LENGTHS = {"m": "m", "bl": "body lengths"}
+SPEEDS = {"m": ("mm/s", 1e3), "bl": ("body lengths/s", 1.0)}
 AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
     ("phase", "phase [cycles], 1 = pause", by_phase),
-    ("speed", "RMS speed of the vertices [m/s]", by_speed),
+    ("speed", "RMS speed of the vertices [{}/s]", by_speed),
     ("time", "time [s]", by_time),
 )
 LINES = ((GREEN, "s"), (PURPLE, "^"), (BLUE, "o"), (ORANGE, "D"))  # of effects that have a vertex
@@ -55,14 +57,21 @@ def left_figure(w: Windows) -> Figure:
     return _grid(w, [(w.after, BLUE, "extended")])
 
 
+def directions(w: Windows) -> tuple[tuple[str, str, float], ...]:
+    """What a window's velocity is made of: name, unit, and how many of it stand for one of the record's."""
+    return ("forward", *SPEEDS[w.length_unit]), ("to the left", *SPEEDS[w.length_unit]), ("turning left", "°/s", TURN)
+
+
 def _grid(w: Windows, kinds: list[tuple[Floats, str, str]]) -> Figure:
     fig = figure(9.6, 6.0)
     axes = fig.subplots(3, 3, sharex="col", sharey="row")
     for column, (field, label, bins) in enumerate(AGAINST):
         for row in range(3):
             against(w, kinds, row, getattr(w, field), bins(w), axes[row, column])
-            axes[row, column].set_xlabel(label if row == 2 else "", fontsize=SMALL, color=INK)
-    for row, (name, unit, _) in enumerate(DIRECTIONS):
+            axes[row, column].set_xlabel(
+                label.format(LENGTHS[w.length_unit]) if row == 2 else "", fontsize=SMALL, color=INK
+            )
+    for row, (name, unit, _) in enumerate(directions(w)):
         axes[row, 0].set_ylabel(f"{name} [{unit}]", fontsize=SMALL, color=INK)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     fig.legend(handles, labels, loc="outside upper left", ncols=4, frameon=False, fontsize=SMALL)
@@ -73,7 +82,7 @@ def against(
     w: Windows, kinds: list[tuple[Floats, str, str]], direction: int, x: Floats, bins: list[Bin], ax: Axes
 ) -> Axes:
     """Residual velocity of every window, and means of bins; the band is what 95 % of windows do by chance."""
-    scale = DIRECTIONS[direction][2]
+    scale = directions(w)[direction][2]
     at, noise = [b.middle for b in bins], 2 * scale * np.array([b.noise[direction] for b in bins])
     widths = [b.high - b.low for b in bins]
     ax.bar(at, 2 * noise, widths, bottom=-noise, color=FAINT, lw=0, label="chance, 95 %", zorder=0)
@@ -103,16 +112,17 @@ def body_figure(w: Windows, extended: bool, scores: Scores) -> Figure:
 
 
 def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axes) -> Axes:
-    """RMS over the windows of play [mm/s]."""
-    noise = 1e3 * w.noise_along_body()[:, component]
+    """RMS over the windows of play."""
+    unit, scale = SPEEDS[w.length_unit]
+    noise = scale * w.noise_along_body()[:, component]
     vertices = np.arange(len(noise))
     ax.fill_between(vertices, 0, noise, color=FAINT, lw=0, label="noise level")
-    ax.plot(vertices, 1e3 * w.along_body(w.before)[:, component], "-o", color=ORANGE, ms=4, label="baseline")
+    ax.plot(vertices, scale * w.along_body(w.before)[:, component], "-o", color=ORANGE, ms=4, label="baseline")
     if extended:
-        ax.plot(vertices, 1e3 * w.along_body(w.after)[:, component], "-o", color=BLUE, ms=4, label="extended")
+        ax.plot(vertices, scale * w.along_body(w.after)[:, component], "-o", color=BLUE, ms=4, label="extended")
     ax.set_ylim(bottom=0)
     ax.set_xticks(vertices if len(vertices) <= MOST_TICKS else vertices[::2])
-    return dress(ax, f"Residual {name}", "vertex (0 = tail)", "RMS [mm/s]")
+    return dress(ax, f"Residual {name}", "vertex (0 = tail)", f"RMS [{unit}]")
 
 
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
@@ -136,10 +146,17 @@ def floor_figure(w: Windows, extended: bool) -> Figure:
     kinds = [(w.before, "Baseline")] + ([(w.after, "Extended")] if extended else [])
     maps = [on_floor(w, residual) for residual, _ in kinds]
     side = cell_side(w)
-    unit, scale = metric(side)
+    unit, scale = metric(side) if w.length_unit == "m" else ("body lengths", 1.0)
+    speed, per = SPEEDS[w.length_unit]
     fastest = max(float(np.hypot(*c.mean)) for cells in maps for c in cells)
     scales = FloorScales(
-        side, unit, scale, float(f"{1e3 * fastest:.1g}"), max(PALE, *(c.rms / c.noise for cells in maps for c in cells))
+        side,
+        unit,
+        scale,
+        speed,
+        per,
+        float(f"{per * fastest:.1g}"),
+        max(PALE, *(c.rms / c.noise for cells in maps for c in cells)),
     )
     fig = figure(9.6 if extended else 5.4, 4.2)
     axes = fig.subplots(1, len(kinds), squeeze=False).flat
@@ -151,11 +168,14 @@ def floor_figure(w: Windows, extended: bool) -> Figure:
 
 @dataclass(frozen=True)
 class FloorScales:
-    """What panels share: side of a square [m], unit and its number per metre, key arrow [mm/s], darkest colour."""
+    """What panels share: side of a square [m], unit and its number per metre; unit of speeds and its number per m/s,
+    key arrow in it; darkest colour."""
 
     side: float
     unit: str
     per_metre: float
+    speed: str
+    per_speed: float
     key: float
     darkest: float
 
@@ -166,9 +186,9 @@ def metric(side: float) -> tuple[str, float]:
 
 
 def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Axes:
-    """Colour: RMS over what chance makes of it; arrow: mean [mm/s]."""
+    """Colour: RMS over what chance makes of it; arrow: mean."""
     place = s.per_metre * np.array([(c.x, c.y) for c in cells])
-    mean = 1e3 * np.array([c.mean for c in cells])
+    mean = s.per_speed * np.array([c.mean for c in cells])
     over = np.array([c.rms / c.noise for c in cells])
     half = s.per_metre * s.side / 2
     corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
@@ -176,7 +196,7 @@ def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Axes:
         PolyCollection(place[:, None] + corners, facecolors=HEAT(over / s.darkest), edgecolors="white", lw=0.5)
     )
     q = ax.quiver(*place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=s.key / (1.6 * half), width=0.004)
-    ax.quiverkey(q, 0.75, 1.04, s.key, f"mean: {s.key:g} mm/s", labelpos="E", fontproperties={"size": SMALL})
+    ax.quiverkey(q, 0.75, 1.04, s.key, f"mean: {s.key:g} {s.speed}", labelpos="E", fontproperties={"size": SMALL})
     dress(ax, name, f"x [{s.unit}]", f"y [{s.unit}]", grid=False)
     fill_equal(ax)
     return ax

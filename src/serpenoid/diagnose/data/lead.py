@@ -30,6 +30,10 @@ class Recorded(Protocol):
         """Lengths and weights."""
 
     @property
+    def length_unit(self) -> str:
+        """`m`, or `bl` (body lengths) where the scale is unknown."""
+
+    @property
     def setting(self) -> tuple[str, float]:
         """Gait and cycle duration."""
 

@@ -58,6 +58,11 @@ class Recording:
     commands: Floats | None = None
 
     @property
+    def length_unit(self) -> str:
+        """A robot's links are known in metres."""
+        return "m"
+
+    @property
     def frame_s(self) -> float:
         """Median time between frames."""
         return float(np.median(np.diff(self.time)))

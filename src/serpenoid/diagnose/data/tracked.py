@@ -40,7 +40,7 @@ LEAST_NOISE = 1e-6  # body lengths, rad: rounding
 
 @dataclass(frozen=True)
 class TrackedRecording:
-    """One piece of a trial without a hole, smooth, with its noise; lengths in metres, or in body lengths (pixels).
+    """One piece of a trial without a hole, smooth, with its noise; lengths in `length_unit`: metres, or body lengths.
 
     shortened: what is said of a trial that is too long to be used whole, empty otherwise.
 
@@ -54,6 +54,7 @@ class TrackedRecording:
     promised_s: float
     remarks: tuple[str, ...] = ()
     shortened: str = ""
+    length_unit: str = "m"
 
     @property
     def setting(self) -> tuple[str, float]:
@@ -80,7 +81,7 @@ def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
 def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     if trial.motion is None or not trial.passages:
         raise InputError(f"trial `{trial.name}`: a diagnosis needs a motion file that shows the whole body.")
-    body = trial.body if trial.metres is not None else _in_body_lengths(trial.body)
+    body, unit = (trial.body, "m") if trial.metres is not None else (_in_body_lengths(trial.body), "bl")
     runs = [slice(run.start, run.start + int(share * (run.stop - run.start))) for run in trial.motion.runs]
     times = [trial.motion.time_s[run] for run in runs if run.stop - run.start >= SHORTEST_RUN]
     runs = [run for run in runs if run.stop - run.start >= SHORTEST_RUN]
@@ -105,7 +106,7 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     names = [trial.name if len(long) == 1 else f"{trial.name}, from {times[i][0]:.4g} s" for i in long]
     return [
         TrackedRecording(
-            name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else (), cut * (i == long[0])
+            name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else (), cut * (i == long[0]), unit
         )
         for name, i, seconds in zip(names, long, promised, strict=True)
     ]
@@ -114,8 +115,8 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
 def _shortened(trial: Trial, used_s: float) -> str:
     whole = float(trial.motion.time_s[-1] - trial.motion.time_s[0]) if trial.motion is not None else used_s
     return (
-        f"the first {used_s:.3g} s of {whole:.3g} s are used, {MOST_PERIODS} beats of all recordings together; "
-        "`from_s` and `to_s` choose others"
+        f"the first {used_s:.3g} s of {whole:.3g} s are used, {MOST_PERIODS} times what a bend takes, all recordings "
+        "together; `from_s` and `to_s` choose others"
     )
 
 

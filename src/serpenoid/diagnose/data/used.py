@@ -33,6 +33,16 @@ def remarks(tracks: Sequence[Track]) -> tuple[str, ...]:
     return (*([UNREPEATED] if unrepeated(tracks) else []), *checked)
 
 
+def length_unit(tracks: Sequence[Track]) -> str:
+    """What lengths are in: `m`, or `bl` (body lengths) where a recording does not know its scale."""
+    return "bl" if any(track.recording.length_unit == "bl" for track in tracks) else "m"
+
+
+def in_lengths(unit: str, length: str) -> str:
+    """A parameter's unit, with `length` in the place of metres."""
+    return unit.replace("m", length) if unit in ("m", "m/s", "1/m") else unit
+
+
 def unrepeated(tracks: Sequence[Track]) -> bool:
     """Whether no setting was played twice, and noise is what a model leaves."""
     return not pairs(tracks) and all(t.noise is None for t in tracks)

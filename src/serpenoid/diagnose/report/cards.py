@@ -62,15 +62,14 @@ def _cause(record: Record) -> Card:
 
 
 def _gain(record: Record) -> Card:
-    rms = record["gain"]["path_rms_m"]
     rows = [(GAINS[key][0].partition(",")[0].partition(" (")[0], _change(record, key)) for key in GAINS]
-    rows.append(("noise level", shown(record["noise_level_m"], "m")))
+    rows.append(("noise level", shown(record["noise_level_m"], record["length_unit"])))
     said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
     bad = worse(record)
     said.append(f"Worse with the extension: {', '.join(bad)}." if bad else "Nothing became worse.")
     if record["effects"] and "path RMS" in bad:
         said.append("Do not rely on the name without further trials.")
-    answer = f"path RMS {shown(rms['before'], 'm')} \N{RIGHTWARDS ARROW} {shown(rms['after'], 'm')}"
+    answer = f"path RMS {_change(record, 'path_rms_m')}"
     return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad else "good")
 
 
@@ -86,8 +85,14 @@ def worse(record: Record) -> list[str]:
     return found
 
 
-def _change(record: Record, key: str) -> str:
+def unit_of(key: str, record: Record) -> str:
+    """Of one of GAINS; lengths are in the recording's own."""
     unit = GAINS[key][1]
+    return record["length_unit"] if unit == "m" else unit
+
+
+def _change(record: Record, key: str) -> str:
+    unit = unit_of(key, record)
     before, after = (shown(record["gain"][key][side], unit) for side in ("before", "after"))
     return f"{before} \N{RIGHTWARDS ARROW} {after}"
 

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from serpenoid.diagnose.report.cards import GAINS, cards, times_noise
+from serpenoid.diagnose.data.used import in_lengths
+from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
 from serpenoid.diagnose.report.words import (
     Record,
     ends,
@@ -97,9 +98,9 @@ def _pictures(folder: Path, names: Sequence[str], unseen: str) -> list[Picture]:
 
 def _gain(record: Record) -> Table:
     rows = []
-    for key, (name, unit) in GAINS.items():
+    for key, (name, _) in GAINS.items():
         g = record["gain"][key]
-        rows.append([name, *(_with_interval(g, side, unit) for side in ("before", "after"))])
+        rows.append([name, *(_with_interval(g, side, unit_of(key, record)) for side in ("before", "after"))])
     return Table([f"on held-out {unseen(record)}", "before (95 %)", "after (95 %)"], rows)
 
 
@@ -131,7 +132,7 @@ def _parameters(record: Record) -> Table:
 
 
 def _alternatives(record: Record) -> Table:
-    rows = [[title(e), _instead(e), _values(e), _apart(e)] for e in record["alternatives"]]
+    rows = [[title(e), _instead(e), _values(e, record["length_unit"]), _apart(e)] for e in record["alternatives"]]
     return Table(["effect", "instead of", "fits as well with", "predictions apart"], rows)
 
 
@@ -139,8 +140,8 @@ def _instead(e: Record) -> str:
     return title(e["instead_of"]) if e.get("instead_of") else ""
 
 
-def _values(e: Record) -> str:
-    units = {p.name: p.unit for p in find(e["name"]).parameters}
+def _values(e: Record, length: str) -> str:
+    units = {p.name: in_lengths(p.unit, length) for p in find(e["name"]).parameters}
     return ", ".join(f"{name} {shown(value, units[name])}" for name, value in e["parameters"].items())
 
 

@@ -11,7 +11,11 @@ from serpenoid.effects.base import Advice
 from serpenoid.effects.catalogue import find
 
 Record = Mapping[str, Any]
-SCALES = {"m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s")}
+SCALES = {
+    "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s"),
+    "bl": (1.0, "body lengths"), "bl/s": (1.0, "body lengths/s"),
+}  # fmt: skip
+SMALL_M = 1e-5
 MEANINGS = {
     "nothing": "drag alone explains this recording within its noise",
     "explained": "what the model got wrong has a name, and nothing beyond chance is left",
@@ -36,7 +40,7 @@ def inadequacy(record: Record) -> list[str]:
     servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
     said = []
     if len(stand_ins) > len(servos):
-        size = shown(record["discrepancy_m"], "m", 2)
+        size = shown(record["discrepancy_m"], record["length_unit"], 2)
         said.append(
             f"the model is inadequate by {size} a window, and what it misses repeats: names marked as stand-ins take a "
             "part of that away, but may be there for a cause that the catalogue does not hold"
@@ -62,10 +66,12 @@ def title(effect: Record) -> str:
 
 
 def shown(value: float | None, unit: str, digits: int = 3) -> str:
-    """A number in the unit that people use, as `1.97 mm`; `unbounded` for None."""
+    """A number in the unit that people use, as `1.97 mm` (of a worm, in um); `unbounded` for None."""
     if value is None:
         return "unbounded"
     scale, name = SCALES.get(unit, (1.0, "" if unit == "1" else unit))
+    if name[:2] == "mm" and 0 < abs(value) < SMALL_M:
+        scale, name = 1e6, f"\N{MICRO SIGN}m{name[2:]}"
     number = value * scale
     text = f"{number:.{digits}g}" if abs(number) < 1000 else f"{number:.0f}"
     return text + (name if name.startswith("°") else f" {name}" if name else "")
@@ -155,7 +161,8 @@ def lines(record: Record) -> list[str]:
     found.append(f"seconds           {seconds(record)}")
     found += [f"note              {text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
-    found.append(f"held-out {unseen(record)}    path RMS {shown(rms['before'], 'm')} -> {shown(rms['after'], 'm')}")
+    before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
+    found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}")
     found.append(f"anisotropy ratio  {ratio(record)}")
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
     if record["next_experiment"]:

@@ -17,6 +17,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.data.windows import Prediction, Track
 
 SPEEDS, TIMES = 8, 6  # bins
@@ -30,6 +31,7 @@ class Windows:
 
     phase (W,): in cycles, 1 in pauses; time (W,) [s since t0]; speed (W,): RMS over the vertices [m/s]; frame (W, 3):
     first pose on the floor [m, m, rad]; points (W, N, 2) [m] in that frame and tangent (W, N) [rad] of the body there.
+    length_unit: what stands here for m.
     """
 
     before: Floats
@@ -41,6 +43,7 @@ class Windows:
     frame: Floats
     points: Floats
     tangent: Floats
+    length_unit: str = "m"
 
     @property
     def playing(self) -> np.ndarray:
@@ -81,7 +84,8 @@ def windows(motion: Motion, before: Sequence[Prediction], after: Sequence[Predic
         _of_track(track, motion.noise.of(track), one, two)
         for track, one, two in zip(motion.tracks, before, after, strict=True)
     ]
-    return Windows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    columns: list[Any] = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return Windows(*[*columns, length_unit(motion.tracks)])
 
 
 def _of_track(track: Track, noise: Floats, before: Prediction, after: Prediction) -> tuple[Floats, ...]:
@@ -187,8 +191,9 @@ def residual_maps(motion: Motion, before: Sequence[Prediction], after: Sequence[
     """Means for diagnosis.json: velocities forward, to the left [m/s], turning left [rad/s]."""
     w = windows(motion, before, after)
     body = np.stack([w.along_body(w.before), w.along_body(w.after), w.noise_along_body()])
+    length, speed = w.length_unit, f"{w.length_unit}/s"
     return {
-        "units": {"velocity": ["m/s", "m/s", "rad/s"], "phase": "cycles", "speed": "m/s", "time": "s", "floor": "m"},
+        "units": {"velocity": [speed, speed, "rad/s"], "phase": "cycles", "speed": speed, "time": "s", "floor": length},
         "along_phase": [_record(b, "phase") for b in by_phase(w)],
         "against_speed": [_record(b, "speed") for b in by_speed(w)],
         "against_time": [_record(b, "time") for b in by_time(w)],

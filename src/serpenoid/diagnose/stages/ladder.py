@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.geometry import register
 from serpenoid.diagnose.data.noise import residuals, total
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.diagnose.stages.marker_evidence import sample
@@ -130,16 +131,17 @@ def observation_step(recordings: Sequence[Recording], seen: Observation) -> Step
 
 
 def motion_step(motion: MotionFinding) -> Step:
-    """Path [m], and displacement of a window by direction [m, m, rad]."""
+    """Path, and displacement of a window by direction [length, length, rad]."""
     found = motion.selection
     sizes = [_rms(residuals(found.motion.tracks, fit.predictions)) for fit in (found.null, found.best)]
     noise = _rms([found.motion.noise.of(t)[t.usable] for t in found.motion.tracks])
-    names = (("forward", "m"), ("to the left", "m"), ("turn", "rad"))
+    length = length_unit(found.motion.tracks)
+    names = (("forward", length), ("to the left", length), ("turn", "rad"))
     parts = [
         Error(f"{name}, per window", unit, *(float(x[i]) for x in (*sizes, noise)))
         for i, (name, unit) in enumerate(names)
     ]
-    whole = Error("motion", "m", motion.before_m, motion.after_m, found.noise_level_m)
+    whole = Error("motion", length, motion.before_m, motion.after_m, found.noise_level_m)
     return Step("realised shape against realised motion", whole, tuple(parts))
 
 
