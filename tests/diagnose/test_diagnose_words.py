@@ -10,7 +10,7 @@ import pytest
 from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
-from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, shown, times, title, undetected
+from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, reference, shown, times, title, undetected
 from serpenoid.diagnose.stages.choose_motion import ratio_interval
 
 
@@ -60,6 +60,21 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:
     assert "has changed" in meaning({"verdict": "nothing", "reference": {"campaign": "healthy"}})
     assert "drag alone explains" in meaning({"verdict": "nothing", "reference": None})
+
+
+def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_fits_better() -> None:
+    load = {"name": "load", "place": 3, "stand_in": True}
+    earlier = {
+        "campaign": "healthy",
+        "verdict": "partly explained",
+        "effects": [load],
+        "residual_pattern": ["motion: a"],
+    }
+    said = reference({"reference": earlier | {"law": {"name": "viscous", "rival": "dry friction misses less"}}})
+    assert said[0].startswith("healthy was partly explained (load at vertex 3, perhaps a stand-in)")
+    assert said[1] == "healthy: dry friction misses less"
+    assert 'law = "coulomb"' in said[2]
+    assert said[3] == "healthy already showed: motion: a"
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:

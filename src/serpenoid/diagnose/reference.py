@@ -177,7 +177,10 @@ def _played(track: Track) -> Floats:
     return track.recording.schedule.table if isinstance(track.recording, Recording) else np.empty((0, 0))
 
 
-KEPT = ("verdict", "effects", "alternatives", "anisotropy_ratio", "gain", "noise_level_m", "left", "residual_pattern")
+KEPT = (
+    "verdict", "effects", "alternatives", "anisotropy_ratio", "law", "gain", "noise_level_m", "left",
+    "residual_pattern",
+)  # fmt: skip
 
 
 def summary(d: Diagnosis) -> dict[str, Any]:

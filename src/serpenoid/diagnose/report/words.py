@@ -18,7 +18,7 @@ SCALES = {
 SMALL_M = 1e-5
 MEANINGS = {
     "nothing": "drag alone explains this recording within its noise",
-    "explained": "what the model got wrong has a name, and nothing beyond chance is left",
+    "explained": "what is named accounts for all beyond chance; nothing here speaks for a cause outside the catalogue",
     "partly explained": "what is named below is part of the cause; more is left than chance explains",
     "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
 }
@@ -115,8 +115,10 @@ def reference(record: Record) -> list[str]:
     earlier = record["reference"]
     if not earlier:
         return []
-    name, found = earlier["campaign"], ", ".join(title(e) for e in earlier["effects"])
+    name = earlier["campaign"]
+    found = "; ".join(f"{title(e)}{STAND_IN if e['stand_in'] else ''}" for e in earlier["effects"])
     said = [f"{name} was {earlier['verdict']}" + (f" ({found})" if found else "") + " and is the baseline here"]
+    said += [f"{name}: {text}" for text in rival_law(earlier)]
     return [*said, *(f"{name} already showed: {text}" for text in earlier["residual_pattern"])]
 
 
