@@ -4,7 +4,7 @@
 
 Each row of OUT/faults.csv: one campaign (faults.py) through the stages that read the servo log, actuation and
 observation. `laws` holds what each law of the servos leaves of what it does, the number that
-`plays.LAW_ERROR` is compared with; `share_left` the smallest of those at the place of the fault. A row that
+`law_error.LAW_ERROR` is compared with; `share_left` the smallest of those at the place of the fault. A row that
 is there is not made again.
 """
 
@@ -40,7 +40,7 @@ from serpenoid.errors import InputError
 
 Laws = dict[str, float | str]
 REFUSED = re.compile(
-    r"^(\w+?)(?: at joint (\d+))? would leave (?:(\d+)%|(more)) (?:of what|than) it does: not its law$"
+    r"^(\w+?)(?: at (?:joint|vertex) (\d+))? would leave (?:(\d+)%|(more)) (?:of what|than) it does: not its law$"
 )
 MORE = "> 1"  # of what it does
 
@@ -78,7 +78,7 @@ def _said(folder: Path) -> Said:
     return Said(
         tuple(_name(n) for n in every),
         tuple(_name(n) for n in every if n.stand_in),
-        (*_kept(servos, (*actuation.named, *actuation.undetected)), *_refused(actuation.words)),
+        (*_kept(servos, (*actuation.named, *actuation.undetected)), *_refused((*actuation.words, *observation.words))),
         (*actuation.words, *observation.words, *remarks),
     )
 

@@ -1,9 +1,4 @@
-"""Which actuation effects the servos' readings show, joint by joint.
-
-What a law gets wrong is in proportion to what it does. An effect at a joint that leaves more of it than LAW_ERROR is
-not what happens there, and has no name; one that all servos share is what is nearest to their law: a stand-in, unless
-it leaves more than it does.
-"""
+"""Which actuation effects the servos' readings show, joint by joint."""
 
 from __future__ import annotations
 
@@ -14,9 +9,10 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
 from serpenoid.diagnose.stages.actuation import FOLLOWED, Attempt, attempts, fit_everywhere, followed, needed, slopes_of
-from serpenoid.diagnose.stages.plays import LAW_ERROR, Plays, unsure_start
+from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
@@ -65,7 +61,7 @@ def choose_actuation(data: Plays) -> Stage:
         if _strength(data, tries[found].effect) < VISIBLE:
             break
     best = earned(best, bare, _without, lambda found: needed(data, found.effects))
-    best, refused = _lawful(best)
+    best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     left = data.channels(best.angles)
     worst = int(left.argmax())
     words: tuple[str, ...] = ()
@@ -79,27 +75,11 @@ def choose_actuation(data: Plays) -> Stage:
     return Stage("actuation", named, rivals, undetected, float(left[worst]), words)
 
 
-def _lawful(best: Played) -> tuple[Played, tuple[str, ...]]:
-    """Without effects that are no law of what joints do, and what is said of them; the others fitted again."""
-    refused: tuple[str, ...] = ()
-    while True:
-        shares = [_law_error(best, e) for e in best.effects]
-        errors = [s / (1.0 if e.place is None else LAW_ERROR) for s, e in zip(shares, best.effects, strict=True)]
-        index = int(np.argmax(errors)) if errors else 0
-        if not errors or errors[index] <= 1:
-            return best, refused
-        e, share = best.effects[index], shares[index]
-        where = "" if e.place is None else f" at joint {e.place}"
-        much = f"{share:.0%} of what it does" if share <= 1 else "more than it does"
-        refused += (f"{e.name}{where} would leave {much}: not its law",)
-        best = _without(best, index)
-
-
 def _law_error(best: Played, effect: ActiveEffect) -> float:
-    """What readings are off by, beyond noise and as much again, over what the effects of the same place do to them; of
-    an effect at all joints the median joint's."""
+    """What readings are off by, beyond noise and as much again, over what the effect does to them beside the others (a
+    second law at a joint may only mend the first one's); of an effect at all joints the median joint's."""
     data, place = best.data, effect.place
-    bare = data.realised([e for e in best.effects if e.place != place])
+    bare = data.realised([e for e in best.effects if e.key != effect.key])
     done = (((best.angles - bare) / data.level) ** 2).mean(axis=0)
     missed = np.maximum(data.missed(best.angles) - FOLLOWED, 0.0)
     errors = np.sqrt(missed / np.maximum(done, 1e-12))

@@ -14,11 +14,14 @@ from serpenoid.diagnose.data.observation import Observation, all_keys, columns_o
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.marker_evidence import (
     Sample,
+    along,
     apart,
+    by_trial,
     evidence,
     misfit,
     misfit_beside,
@@ -128,17 +131,19 @@ def choose_observation(
         if best.strength(best.keys[-1]) < VISIBLE:
             break
     best = earned(best, bare, Looked.without_one, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
-    best = _lawful(best)
+    best = _beside_play(best)
+    best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     every = [_named(best, key) for key in best.keys]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
-    return Stage("observation", named, rivals, undetected, *_left_over(best)), best.now
+    left, words = _left_over(best)
+    return Stage("observation", named, rivals, undetected, left, words + refused), best.now
 
 
-def _lawful(best: Looked) -> Looked:
+def _beside_play(best: Looked) -> Looked:
     """Without effects that only mend what the law of another one's joint leaves: they must take away enough where the
     other joints that have play are free, too."""
     while best.size > 1 and _left_over(best)[1]:
@@ -152,6 +157,17 @@ def _lawful(best: Looked) -> Looked:
             break
         best = best.without_one(least)
     return best
+
+
+def _law_error(best: Looked, effect: ActiveEffect) -> float:
+    """What markers are off by in the direction in which an effect moves them, beyond noise and as much again, over what
+    it does; 0 of one that is below detection."""
+    if best.strength(effect.key) < VISIBLE:
+        return 0.0
+    body, columns = best.data.body, columns_of(best.data.body, *effect.key)
+    now, former = (np.array(values_of(body, model, *effect.key)) for model in (best.now, best.before))
+    left, done = along(best.data, best.now, columns, now - former)
+    return float(np.sqrt(left / max(done, 1e-12)))
 
 
 def _joint(key: Key) -> int | None:
@@ -168,8 +184,24 @@ def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
     worst, size = int(told.argmax()), float(np.sqrt(told.max()))
     joints = best.data.body.joint_count
     what = f"joint {worst + 1} bent" if worst < joints else f"the edge from vertex {worst - joints} as long"
-    words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",) if size > VISIBLE else ()
+    words: tuple[str, ...] = ()
+    if size > VISIBLE:
+        words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
+    if words and worst < joints:
+        words += _from_trial_to_trial(best, worst)
     return float(np.hypot(1.0, size)), words
+
+
+def _from_trial_to_trial(best: Looked, joint: int) -> tuple[str, ...]:
+    """Where a joint is bent by one angle in some trials and by another in others: when it changed most."""
+    angles, about = by_trial(best.data, best.now, joint)
+    known = np.flatnonzero(np.isfinite(angles))
+    if len(known) < 2 or about > LAW_ERROR**2:
+        return ()
+    changes = np.diff(angles[known])
+    at = int(np.abs(changes).argmax())
+    return (f"joint {joint + 1} is bent by another angle from trial to trial, by {changes[at]:+.3g} rad at "
+            f"`{best.data.names[known[at + 1]]}`: its horn may have slipped",)  # fmt: skip
 
 
 def _next(best: Looked) -> Looked | None:

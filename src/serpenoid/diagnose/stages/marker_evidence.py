@@ -14,12 +14,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
 from serpenoid.diagnose.data.observation import Observation, across, column_count
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.null import ERROR
 from serpenoid.measure.chain import link_of_edge, marker_angles
 
 FRAMES_PER_TRIAL = 250
@@ -31,7 +33,7 @@ LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narr
 class Sample:
     """Frames of all trials, thinned: markers (F, N, 2), readings (F, m), labels (F,) of gaits, noise [m].
 
-    trials: all readings of each trial (frames, m), and which of them were taken.
+    trials: all readings of each trial (frames, m), and which of them were taken; names: of the trials.
     """
 
     body: Body
@@ -41,6 +43,7 @@ class Sample:
     noise: float
     frame_s: float
     trials: tuple[tuple[Floats, np.ndarray], ...]
+    names: tuple[str, ...]
 
     @cached_property
     def seen(self) -> np.ndarray:
@@ -109,7 +112,7 @@ def sample(recordings: Sequence[Recording]) -> Sample:
     noise = float(np.median([r.marker_noise for r in recordings]))
     return Sample(
         body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise,
-        float(np.median([r.frame_s for r in recordings])), tuple(trials),
+        float(np.median([r.frame_s for r in recordings])), tuple(trials), tuple(r.name for r in recordings),
     )  # fmt: skip
 
 
@@ -155,10 +158,7 @@ def structure(data: Sample, now: Observation) -> tuple[Floats, Floats]:
 
     White noise is not in it: mean products of successive frames are no squares. NaN: a channel is never seen twice.
     """
-    body, seen = data.body, now.seen(data.body, data.angles(now))
-    angle = np.mod(marker_angles(body, data.markers) - marker_angles(body, seen) + np.pi, 2 * np.pi) - np.pi
-    length = np.linalg.norm(np.diff(data.markers, axis=1), axis=2) - np.linalg.norm(np.diff(seen, axis=1), axis=2)
-    left = np.concatenate([angle, length], axis=1) / data.levels
+    left = _channels(data, now)
     products = (left[1:] * left[:-1])[data.following]
     count = np.isfinite(products).sum(axis=0)
     known = count > 1
@@ -166,6 +166,46 @@ def structure(data: Sample, now: Observation) -> tuple[Floats, Floats]:
     mean[known] = np.nanmean(products[:, known], axis=0)
     chance[known] = np.nanmean(left[:, known] ** 2, axis=0) / np.sqrt(count[known])
     return mean, chance
+
+
+def by_trial(data: Sample, now: Observation, joint: int) -> tuple[Floats, float]:
+    """What a joint is bent beyond what an observation model says, on average in each trial (T,) [rad], and what is left
+    about these averages: its mean square without white noise, as a share."""
+    left = _channels(data, now)[:, joint]
+    trial = np.repeat(np.arange(len(data.trials)), [len(taken) for _, taken in data.trials])
+    seen = np.isfinite(left)
+    means = np.array([np.median(left[seen & (trial == t)]) if (seen & (trial == t)).any() else np.nan
+                      for t in range(len(data.trials))])  # fmt: skip
+    whole, about = (np.nanmean((x[1:] * x[:-1])[data.following]) for x in (left, left - means[trial]))
+    return means * data.levels[joint], float(max(about, 0.0) / whole)
+
+
+def _channels(data: Sample, now: Observation) -> Floats:
+    """What an observation model leaves of marker angles and link lengths (F, 2 m + 1), over the noise level."""
+    body, seen = data.body, now.seen(data.body, data.angles(now))
+    angle = np.mod(marker_angles(body, data.markers) - marker_angles(body, seen) + np.pi, 2 * np.pi) - np.pi
+    length = np.linalg.norm(np.diff(data.markers, axis=1), axis=2) - np.linalg.norm(np.diff(seen, axis=1), axis=2)
+    return np.asarray(np.concatenate([angle, length], axis=1) / data.levels)
+
+
+def along(data: Sample, now: Observation, columns: Sequence[int], amounts: Floats) -> tuple[float, float]:
+    """Mean squares of what an observation model leaves in the direction in which these amounts of its columns move the
+    markers of each frame, beyond noise and as much again, and of how far they move them; in units of marker noise.
+
+    As of `structure`, white noise is not in it, nor what chance alone makes of it.
+    """
+    angles = data.angles(now)
+    base, rows = _left_by(data, now, angles)
+    slopes = now.derivatives(data.body, angles, lambda joint: data.by_gap(now, joint), columns) * data.seen
+    moved = np.tensordot(amounts, slopes, axes=1).reshape(rows.shape) / data.noise
+    rigid = _rigid(base, data.seen)
+    moved -= ((rigid @ moved[..., None]) * rigid).sum(axis=1)
+    far = np.linalg.norm(moved, axis=1)
+    off = (rows * moved).sum(axis=1) / np.maximum(far, 1e-12)
+    products = (off[1:] * off[:-1])[data.following]
+    by_chance = ndtri(1 - ERROR) * float((off**2).mean()) / np.sqrt(len(products))
+    left = float(products.mean()) - by_chance - 1 / max(AVERAGED_S / data.frame_s, 1.0)
+    return max(left, 0.0), float((far**2).mean())
 
 
 def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Floats]:

@@ -19,6 +19,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course, spacing
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.measure.schedule import Schedule
@@ -29,7 +30,6 @@ from serpenoid.simulation.servos import realise_all
 SMOOTHED_ROWS = 9
 ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 SURE = 2.0  # standard deviations of a clock's rate
-LAW_ERROR = 1 / 3  # of what an effect does: more than a law gets wrong
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
 WITHIN_ROW = 4  # steps in which servos are followed from row to row

@@ -1,0 +1,85 @@
+"""A law is the same in every frame: a horn that slips is no marker that sits elsewhere, and no zero that was wrong."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.protocol import usual
+from serpenoid.diagnose.data.observation import Observation, columns_of
+from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
+from serpenoid.diagnose.inference.prices import Priced
+from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.marker_evidence import along, by_trial, sample
+from serpenoid.effects.active import ActiveEffect
+
+SEED, JOINT, SLIP = 31, 4, 0.15  # rad
+FIRST = 1  # trials before the horn slips
+
+
+@pytest.fixture(scope="module")
+def slipped(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
+    """Three trials; from the second on a joint is bent by one angle more than its servo reads."""
+    whole, before = tmp_path_factory.mktemp("after"), tmp_path_factory.mktemp("before")
+    protocol = replace(usual(SEED, COMBINATIONS[:1]), plays=3)
+    write(make(SEED, [Effect("zero_offset", JOINT, {"offset": SLIP})], protocol=protocol), whole)
+    write(make(SEED, [], protocol=protocol), before)
+    after, healthy = read_recordings(whole)[1], read_recordings(before)[1]
+    return [*healthy[:FIRST], *after[FIRST:]]
+
+
+def test_a_horn_that_slips_has_no_name_and_is_told_with_joint_trial_and_angle(slipped: list[Recording]) -> None:
+    stage, _ = choose_observation(slipped, Observation.neutral(slipped[0].body))
+    assert not stage.named
+    told = re.search(rf"joint {JOINT} is bent by another angle .* by (\S+) rad at `(\S+)`", " ".join(stage.words))
+    assert told is not None
+    assert float(told[1]) == pytest.approx(SLIP, abs=3e-3)  # a marker's noise, averaged
+    assert told[2] == slipped[FIRST].name
+    assert re.search(
+        r"zero_offset at joint \d would leave [67]\d% of what it does: not its law", stage.words[-1]
+    )  # it leaves (1/3 2/3)^(1/2) SLIP of 2/3 SLIP: 71 %
+
+
+def test_what_a_zero_leaves_of_what_it_does_is_as_much_as_trials_disagree(slipped: list[Recording]) -> None:
+    body = slipped[0].body
+    (column,) = columns_of(body, "zero_offset", JOINT)
+    shares = []
+    for trials, zero in ((slipped[: 2 * FIRST], SLIP / 2), (slipped[FIRST:], SLIP)):
+        data = sample(trials)
+        now = Observation.neutral(body).with_column(column, zero)
+        left, done = along(data, now, [column], np.array([zero]))
+        shares.append(np.sqrt(left / done))
+    assert shares[0] == pytest.approx(1.0, abs=0.1)  # off by as much as it does, one way or the other
+    assert shares[1] < 0.05
+    angles, about = by_trial(sample(slipped), Observation.neutral(body), JOINT - 1)
+    np.testing.assert_allclose(angles, [0, SLIP, SLIP], atol=2e-3)  # a marker's noise, averaged
+    assert about < LAW_ERROR**2
+
+
+def test_effects_are_refused_one_by_one_and_those_of_the_whole_body_by_more_than_they_do() -> None:
+    found = [
+        ActiveEffect.typical("backlash", 2),
+        ActiveEffect.typical("gain_loss", 3),
+        ActiveEffect.typical("servo_lag"),
+    ]
+    leaves = {"backlash": 0.4, "gain_loss": 0.3, "servo_lag": 0.9}
+
+    class Some:
+        def __init__(self, effects: list[ActiveEffect]):
+            self.effects, self.size, self.priced = effects, len(effects), Priced(0.0, 0, 1.0)
+
+    best, refused = lawful(
+        Some(found),
+        lambda s: s.effects,
+        lambda s, e: leaves[e.name],
+        lambda s, i: Some(s.effects[:i] + s.effects[i + 1 :]),
+    )
+    assert [e.name for e in best.effects] == ["gain_loss", "servo_lag"]
+    assert refused == ("backlash at joint 2 would leave 40% of what it does: not its law",)
