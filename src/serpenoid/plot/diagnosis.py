@@ -21,7 +21,7 @@ from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.both import save
 from serpenoid.plot.joints import joint_angles, joint_bar
-from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal
+from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal, legend_above
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
@@ -112,7 +112,7 @@ def ranking_figure(d: Diagnosis) -> Figure:
     """The best candidates by first-order gain."""
     scores = d.motion.selection.scores
     best, needed = [s for s in scores if s[2] > 0][:12], gained_by_chance(len(scores))
-    fig = figure(7.4, 0.9 + 0.24 * max(len(best), 3))
+    fig = figure(7.4, 1.3 + 0.24 * max(len(best), 3))
     ax = fig.add_subplot()
     chosen = {e.key for e in d.motion.selection.best.effects}
     colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
@@ -126,6 +126,6 @@ def ranking_figure(d: Diagnosis) -> Figure:
     )
     ax.plot([], [], "s", color=BLUE, label="chosen")
     ax.plot([], [], "s", color="#9CC3DB", label="not chosen: less in full, or another explains it")
-    ax.legend(loc="lower right", fontsize=SMALL, frameon=False)
+    legend_above(ax, 2)
     ax.grid(visible=False, axis="y")
     return fig
