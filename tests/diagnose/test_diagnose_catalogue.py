@@ -15,8 +15,8 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_noise
 from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of
+from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import fit_eps

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.residuals.residual_words import discrepancy
+from serpenoid.diagnose.data.shared import discrepancy
 
 WINDOWS, SETTINGS, NOISE = 40, 12, 1e-3
 

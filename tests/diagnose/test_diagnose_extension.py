@@ -9,7 +9,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
-from serpenoid.diagnose.data.noise import total
+from serpenoid.diagnose.data.paths import total
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
 from serpenoid.diagnose.inference.held_out import held_out

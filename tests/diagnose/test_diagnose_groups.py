@@ -15,8 +15,8 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
-from serpenoid.diagnose.data.noise import strength
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.inference.finding import BAND, Stage, excludable

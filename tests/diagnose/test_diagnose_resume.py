@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from blind.swimmers import Swimmer, write
 from serpenoid.cli.main import main
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.tracked import PARTS, tracked_recordings, tracker
-from serpenoid.diagnose.data.used import UNREPEATED, remarks, used
+from serpenoid.diagnose.data.used import remarks, used
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.errors import InputError
 from serpenoid.files import store
@@ -86,13 +85,3 @@ def test_a_hole_cuts_a_film_in_two_and_both_sides_are_used(holed: Path) -> None:
     assert used(tracks).used_s > whole - 1.0 - 0.3 * whole  # the hole, and what is left over of whole windows
     assert 1.0 <= used(tracks).dropped_s < 1.0 + 0.3 * whole
     assert all(text.startswith("swim") for text in remarks(tracks))
-
-
-def test_a_campaign_without_repeats_says_that_errors_of_the_model_look_like_chance() -> None:
-    def track(setting: tuple[str, float], noise: object = None) -> Any:
-        return SimpleNamespace(recording=SimpleNamespace(name="one", setting=setting, remarks=("seen",)), noise=noise)
-
-    once = [track(("gait01", 3.0)), track(("gait02", 3.0))]
-    assert remarks(once) == (UNREPEATED, "one: seen")
-    assert remarks([*once, track(("gait01", 3.0))]) == ("one: seen",)
-    assert remarks([track(("gait01", 3.0), noise=1.0)]) == ("one: seen",)  # an animal's windows bring their own

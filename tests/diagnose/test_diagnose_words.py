@@ -58,8 +58,14 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
 
 
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:
-    assert "has changed" in meaning({"verdict": "nothing", "reference": {"campaign": "healthy"}})
-    assert "drag alone explains" in meaning({"verdict": "nothing", "reference": None})
+    repeated = {"verdict": "nothing", "reference": None, "noise_from": "trials"}
+    assert "has changed" in meaning(repeated | {"reference": {"campaign": "healthy"}})
+    assert "drag alone explains" in meaning(repeated)
+
+
+@pytest.mark.parametrize("verdict", ["nothing", "explained"])
+def test_where_nothing_was_played_twice_nobody_is_told_that_the_rest_is_chance(verdict: str) -> None:
+    assert "nobody can tell" in meaning({"verdict": verdict, "reference": None, "noise_from": "residuals"})
 
 
 def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_fits_better() -> None:

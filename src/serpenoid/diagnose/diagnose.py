@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from serpenoid.diagnose.data.noise import path_error
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import in_lengths, length_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
@@ -173,6 +174,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
         "noise_level_m": found.noise_level_m,
+        "noise_from": chance_from(found.motion.tracks),
         "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),
         "left": {stage.name: None if stage.skipped else stage.left for stage in d.stages},
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.effects.active import ActiveEffect
 
@@ -50,3 +51,8 @@ class Motion:
     unlike: Floats | float = 0.0
     untestable: frozenset[str] = frozenset()
     ratio: float | None = None
+
+    @property
+    def unrepeated(self) -> bool:
+        """Whether noise is what a model leaves, for want of anything that was played again."""
+        return chance_from(self.tracks) == "residuals"

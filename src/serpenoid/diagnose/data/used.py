@@ -6,14 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from serpenoid.diagnose.data.noise import pairs
+from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.measure.usage import Usage
 
-UNREPEATED = (
-    "no setting was played twice, so what the model leaves is taken for chance, an error of the model as well: play "
-    "every setting twice to tell them apart"
-)
+CHANCE = {
+    "residuals": "nothing was played twice, so what the model leaves is taken for chance, an error of the model as "
+    "well: play every setting twice to tell them apart",
+    "cycles": "no setting was played twice: chance is what cycles of one trial differ by, and what differs from trial "
+    "to trial passes for an error of the model; play every setting twice to tell them apart",
+}
 
 
 def used(tracks: Sequence[Track]) -> Usage:
@@ -28,9 +30,10 @@ def used(tracks: Sequence[Track]) -> Usage:
 
 
 def remarks(tracks: Sequence[Track]) -> tuple[str, ...]:
-    """Each once: what the campaign's check against itself had to say, and whether anything tells chance."""
+    """Each once: what the campaign's check against itself had to say, and what tells chance if trials do not."""
     checked = dict.fromkeys(f"{t.recording.name}: {text}" for t in tracks for text in t.recording.remarks)
-    return (*([UNREPEATED] if unrepeated(tracks) else []), *checked)
+    poor = CHANCE.get(chance_from(tracks))
+    return (*([poor] if poor else []), *checked)
 
 
 def length_unit(tracks: Sequence[Track]) -> str:
@@ -41,8 +44,3 @@ def length_unit(tracks: Sequence[Track]) -> str:
 def in_lengths(unit: str, length: str) -> str:
     """A parameter's unit, with `length` in the place of metres."""
     return unit.replace("m", length) if unit in ("m", "m/s", "1/m") else unit
-
-
-def unrepeated(tracks: Sequence[Track]) -> bool:
-    """Whether no setting was played twice, and noise is what a model leaves."""
-    return not pairs(tracks) and all(t.noise is None for t in tracks)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from serpenoid.diagnose.data.noise import strength
+from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.inference.finding import Rival, excludable
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit
 from serpenoid.diagnose.inference.ranking import score, shortlist

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_error
+from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import Fit, fit, linearised, with_values

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import strength
+from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.medium import (
     TO_THE_END,
@@ -66,17 +66,18 @@ class Refused:
 
 
 def kept(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float, alone: float = 0.0
 ) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...], tuple[Refused, ...]]:
     """What is both earned and visible, the fits without each of it; what is not visible, what is not earned.
 
     Effects earn their names together, so those that stay must earn theirs without the ones that are not visible.
+    alone: noise levels that an only effect must show; 0 where the search has judged it.
     """
     lost: tuple[Undetected, ...] = ()
     refused: tuple[Refused, ...] = ()
     while True:
         best, rest = earned(motion, null, best)
-        best, bases, weak = visible(motion, null, best, noise_level_m)
+        best, bases, weak = visible(motion, null, best, noise_level_m, alone)
         lost, refused = (*weak, *lost), (*refused, *rest)
         if not weak:
             return best, bases, lost, refused
@@ -116,7 +117,7 @@ def certain(motion: Motion, best: Fit) -> list[bool]:
 
 
 def visible(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float, alone: float = 0.0
 ) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...]]:
     """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
     lost: list[Undetected] = []
@@ -124,7 +125,7 @@ def visible(
         effects = best.effects
         bases = bases_of(motion, null, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
-        if len(effects) < 2 or min(traces) >= noise_level_m:
+        if not effects or min(traces) >= noise_level_m * (1.0 if len(effects) > 1 else alone):
             return best, bases, tuple(lost[::-1])
         weakest = int(np.argmin(traces))
         lost.append(Undetected(Try(best, effects[weakest], traces[weakest]), motion))

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_error, path_noise, residuals, strength, window_noise
+from serpenoid.diagnose.data.noise import residuals, window_noise
+from serpenoid.diagnose.data.paths import path_error, path_noise, strength
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.discrepancy import deviance
@@ -118,8 +119,9 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         extended, better = calibrated(extended, fit_guided(extended, first.fit))
         # repeats differ by what is missing, too, until it is there
         noise_level = path_noise(extended, better.predictions)
-        astray = level > 0 and motion.ratio is None and unclear(better)  # then it may stay until the end
-        if not astray and not stands_out(motion, best, first, noise_level):
+        astray = level > 0 and motion.ratio is None and unclear(better)
+        later = astray or motion.unrepeated  # what is missing may hide it: it is judged in the end
+        if not later and not stands_out(motion, best, first, noise_level):
             undetected = (Undetected(replace(first, fit=better), extended),)
             break
         motion, noise_level = extended, None
@@ -129,7 +131,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
             break
     noise_level = noise_level or path_noise(motion, best.predictions)
     best = resited(motion, best)
-    best, bases, lost, refused = kept(motion, null, best, noise_level)
+    alone = VISIBLE if motion.unrepeated else 0.0
+    best, bases, lost, refused = kept(motion, null, best, noise_level, alone)
     return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), refused, scores)
 
 
@@ -149,10 +152,12 @@ def resited(motion: Motion, best: Fit) -> Fit:
 
 
 def elsewhere(motion: Motion, best: Fit, effect: ActiveEffect) -> list[Try]:
-    """Fits with an effect at other places."""
+    """Fits with an effect at other places, where it gains about as much to first order as at its own."""
     base, taken = fit_without(motion, best, effect), {e.key for e in best.effects}
-    places = [r for r in score(motion, base) if r[0].name == effect.name and r[0].key not in taken]
-    return attempts(motion, base, shortlist(places, PER_NAME))
+    places = [r for r in score(motion, base) if r[0].name == effect.name]
+    own = max((r[1] for r in places if r[0].key == effect.key), default=0.0)
+    near = [r for r in places if r[0].key not in taken and r[1] > HOPELESS * own]
+    return attempts(motion, base, shortlist(near, PER_NAME)) if near else []
 
 
 def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:

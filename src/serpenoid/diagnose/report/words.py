@@ -24,8 +24,16 @@ MEANINGS = {
 }
 
 
+UNREPEATED = {
+    "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
+    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
+}
+
+
 def meaning(record: Record) -> str:
     """The verdict in a sentence. Beside a reference nothing is said of the model's own errors."""
+    if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
+        return UNREPEATED[record["verdict"]]
     if record["verdict"] == "nothing" and record["reference"]:
         return "nothing has changed since the reference beyond the noise of either"
     return MEANINGS[record["verdict"]]

@@ -10,7 +10,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_rms, residuals
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.paths import path_rms
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.group import accumulate
 

@@ -17,7 +17,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import FEW, apart, pairs
+from serpenoid.diagnose.data.noise import FEW
+from serpenoid.diagnose.data.paths import apart
+from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
 
 DRAWS, ERROR = 300, 0.01
@@ -41,12 +43,13 @@ class Differences:
         """Settings with a few windows tell nothing."""
         kinds = {s: i for i, s in enumerate(dict.fromkeys(t.recording.setting for t in motion.tracks))}
         parts = []
-        for a, b in pairs(motion.tracks):
-            track, n = motion.tracks[a], min(len(left[a]), len(left[b]))
-            d = (left[a][:n] - left[b][:n]) / np.sqrt(2)
-            use = np.flatnonzero(track.playing[:n] & np.isfinite(d).all(axis=1))
-            labels = np.full((2, len(use)), [[a], [kinds[track.recording.setting]]])
-            parts.append(np.column_stack([d[use], labels[0], use, labels[1], track.phase[use]]))
+        for repeat in repeats(motion.tracks):
+            track, (one, other) = motion.tracks[repeat.one], repeat.both(left)
+            d = (one - other) / np.sqrt(2)
+            use = track.playing[repeat.here] & np.isfinite(d).all(axis=1)
+            windows = repeat.here[use]
+            labels = np.full((2, len(windows)), [[repeat.one], [kinds[track.recording.setting]]])
+            parts.append(np.column_stack([d[use], labels[0], windows, labels[1], track.phase[windows]]))
         rows = np.concatenate(parts) if parts else np.empty((0, 7))
         counts = np.bincount(rows[:, 5].astype(int), minlength=len(kinds))
         rows = rows[counts[rows[:, 5].astype(int)] >= 2 * FEW]

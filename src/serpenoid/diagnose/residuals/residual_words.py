@@ -1,8 +1,4 @@
-"""What is left above chance, in words: where, when, which direction, which sign.
-
-Repeats share what is not chance: with m the mean and d the difference of two repeats' residuals, the ratio
-4 sum m^2 / sum d^2 is 1 if only chance is left. What the baseline is in doubt about repeats, too, and is no news.
-"""
+"""What is left above chance, in words: where, when, which direction, which sign."""
 
 from __future__ import annotations
 
@@ -12,11 +8,11 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import pairs, residuals
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.shared import RATIO, repeatable
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.residuals.pushes import pushed, trace
 
-RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
 DIRECTIONS = ("forward or backward", "sideways", "in turning")
 SIGNS = (
     ("moves farther forward", "moves less far forward"),
@@ -24,48 +20,6 @@ SIGNS = (
     ("turns more to the left", "turns more to the right"),
 )
 ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
-
-
-def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
-    """Ratio over all windows and components, and by component (3,).
-
-    Where tracks bring their own noise nothing is repeated: mean squares in units of that noise.
-    """
-    own = [x / motion.noise.of(t) for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
-    if own:
-        by = np.nanmean(np.concatenate(own) ** 2, axis=0)
-        return float(by.mean()), by
-    top, bottom = np.zeros(3), np.zeros(3)
-    for a, b in pairs(motion.tracks):
-        n = min(len(left[a]), len(left[b]))
-        noise = motion.noise.of(motion.tracks[a])[:n]
-        doubt = np.broadcast_to(motion.tracks[a].doubt, motion.tracks[a].displacement.shape)[:n] / noise
-        m, d = (left[a][:n] + left[b][:n]) / noise, (left[a][:n] - left[b][:n]) / noise
-        top += np.nansum(m**2, axis=0)
-        bottom += np.nansum(d**2 + np.where(np.isfinite(d), 2 * doubt, 0.0) ** 2, axis=0)
-    if not bottom.any():
-        return 1.0, np.ones(3)
-    return float(top.sum() / bottom.sum()), top / bottom
-
-
-def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
-    """RMS [m] of what repeats share of a window's displacement; 0 where that is no more than chance and doubt.
-
-    m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2.
-    """
-    left = residuals(motion.tracks, predictions)
-    if repeatable(motion, left)[0] <= RATIO:
-        return 0.0
-    squares = [
-        x[:, :2] ** 2 - motion.noise.of(t)[:, :2] ** 2
-        for t, x in zip(motion.tracks, left, strict=True)
-        if t.noise is not None
-    ]
-    for a, b in [] if squares else pairs(motion.tracks):
-        n = min(len(left[a]), len(left[b]))
-        one, other = left[a][:n, :2], left[b][:n, :2]
-        squares.append(one * other)  # m^2 - d^2 / 4
-    return float(np.sqrt(max(0.0, 2 * float(np.nanmean(np.concatenate(squares))))))
 
 
 def pattern(

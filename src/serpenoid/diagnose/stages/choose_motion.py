@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import path_draws, path_error
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import path_draws, path_error
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
+from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -22,7 +23,7 @@ from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Try, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.diagnose.inference.select import VISIBLE, Selection, select
-from serpenoid.diagnose.residuals.residual_words import discrepancy, pattern
+from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.jumps import find_jumps
 from serpenoid.effects.active import ActiveEffect

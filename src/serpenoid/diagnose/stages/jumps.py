@@ -12,7 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ive
 
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import gap_steps
+from serpenoid.diagnose.data.paths import gap_steps
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.effects.active import ActiveEffect

@@ -20,8 +20,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import register
-from serpenoid.diagnose.data.noise import residuals, total
+from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import total
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.inference.finding import Stage

@@ -8,8 +8,8 @@ import numpy as np
 
 from serpenoid.diagnose.data.frame import added, of_frame
 from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.noise import path_rms, total
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import path_rms, total
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Prediction, Track, predicted_path

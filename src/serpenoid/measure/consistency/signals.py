@@ -17,7 +17,9 @@ from serpenoid.measure.clock import held
 
 MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
 LEAST_ROWS = 8  # that can be laid over anything
-MOVING = 4.0  # times the noise's variance
+MOVING = 4.0  # times the noise's variance: with few rows motion must be as clear
+ALIKE = 0.25  # of its variance that a row shares with the next: two witnesses of such motion correlate by 0.5
+UNLIKELY = 5.0  # standard deviations of what rows in disorder share with the next by chance
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
@@ -41,9 +43,14 @@ class Signal:
 
     @property
     def moves(self) -> bool:
-        """Whether any joint varies by more than its own noise does by chance."""
+        """Whether any joint varies by more than its own noise does by chance: in size, or alike from row to row."""
         whole = self.values[self.known]
-        return bool(len(whole) and (whole.var(axis=0) > MOVING * self.noise_variance).any())
+        if len(whole) < 2:
+            return False
+        size = whole.var(axis=0)
+        shared = ((whole[1:] - whole.mean(axis=0)) * (whole[:-1] - whole.mean(axis=0))).mean(axis=0)
+        alike = shared > max(ALIKE, UNLIKELY / np.sqrt(len(whole))) * size
+        return bool((alike | (size > MOVING * self.noise_variance)).any())
 
     @property
     def noise_variance(self) -> Floats:

@@ -1,0 +1,120 @@
+"""What windows add up to: paths, how far they stray, and how far chance makes them stray (the noise level F).
+
+F: RMS over a trial's path of the distance that the noise of windows, strung together, adds up to; doubt about the
+baseline repeats in every cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import GYRATION, turn
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.group import accumulate, relative
+
+DRAWS = 48
+
+
+def path_noise(motion: Motion, predictions: Sequence[Prediction]) -> float:
+    """F [m]: the path RMS that window noise adds up to."""
+    return total(path_draws(motion, predictions))
+
+
+def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
+    """Path RMS over all trials [m] as chance makes it, (DRAWS,)."""
+    rng = np.random.default_rng(0)
+    squares = np.empty((len(motion.tracks), DRAWS))
+    for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
+        chance = motion.noise.chance(track)
+        if track.noise is None:
+            chance[~track.playing] = np.broadcast_to(track.least, chance.shape)[~track.playing]
+        window, phase = np.unique(track.phase, return_inverse=True)
+        steps = np.nan_to_num(p.displacement)
+        true = accumulate(steps, np.zeros(3))[:, :2]
+        for n in range(DRAWS):
+            doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
+            path = accumulate(steps + rng.normal(size=chance.shape) * chance + doubted, np.zeros(3))[:, :2]
+            squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
+    return np.asarray(np.sqrt(squares.mean(axis=0)))
+
+
+def _mean_in_time(track: Track, values: Floats) -> float:
+    weight = track.duration
+    return float(((values[1:] + values[:-1]) / 2 * weight).sum() / weight.sum())
+
+
+def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
+    """RMS distance [m] of the measured path from the predicted one, started at the measured first pose.
+
+    mend: what the model does not account for across gaps of all markers is taken out first.
+    """
+    path = accumulate(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
+    measured = track.measured[:, :2].copy()
+    if mend:
+        for first, last, step in gap_steps(track, predicted):
+            measured[last:] -= turn(track.measured[first, 2], step[:2])
+    miss = ((measured - path) ** 2).sum(axis=1)
+    known = np.isfinite(miss)
+    return float(np.sqrt(_mean_in_time(track, np.interp(np.arange(len(miss)), np.flatnonzero(known), miss[known]))))
+
+
+def path_error(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> float:
+    """The same over all trials [m]."""
+    return total([path_rms(t, p, mend) for t, p in zip(motion.tracks, predictions, strict=True)])
+
+
+def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Floats]]:
+    """(boundary before, boundary after, unaccounted displacement (3,)) of every gap of all markers."""
+    known = np.isfinite(track.measured[:, 0])
+    found, i, last = [], 0, len(track.gap_windows)
+    while i < last:
+        if not track.gap_windows[i]:
+            i += 1
+            continue
+        a = i
+        while a > 0 and not known[a]:
+            a -= 1
+        b = i + 1
+        while b < last and (not known[b] or track.gap_windows[b]):
+            b += 1
+        if known[a] and known[b]:
+            said = accumulate(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
+            found.append((a, b, relative(track.measured[a], track.measured[b]) - said))
+        i = b
+    return found
+
+
+def total(values: Sequence[float] | Floats) -> float:
+    """RMS over trials."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def strength(motion: Motion, full: Sequence[Prediction], without: Sequence[Prediction]) -> float:
+    """Path RMS [m] between two models' paths on the same shapes, start poses fitted."""
+    trios = zip(motion.tracks, full, without, strict=True)
+    return total([apart(track, a.displacement, b.displacement) for track, a, b in trios])
+
+
+def apart(track: Track, one: Floats, other: Floats) -> float:
+    """Path RMS [m] between the paths that two trials' displacements (B - 1, 3) add up to, start poses fitted."""
+    here, there = (accumulate(np.nan_to_num(x), np.zeros(3)) for x in (one, other))
+    gyration = GYRATION * track.recording.body.total_length_m
+    return float(np.sqrt(_mean_in_time(track, ((here[:, :2] - _registered(there, here, gyration)) ** 2).sum(axis=1))))
+
+
+def _registered(path: Floats, target: Floats, gyration: float) -> Floats:
+    """Centroids of `path` (B, 3) moved rigidly to lie closest to `target`, headings included."""
+
+    def points(pose: Floats) -> Floats:
+        arm = gyration * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
+        return np.concatenate([pose[:, :2] + arm, pose[:, :2] - arm])
+
+    p, q = points(path), points(target)
+    a, b = p - p.mean(axis=0), q - q.mean(axis=0)
+    angle = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray((path[:, :2] - p.mean(axis=0)) @ np.array([[c, s], [-s, c]]) + q.mean(axis=0))

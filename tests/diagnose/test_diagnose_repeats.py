@@ -1,0 +1,79 @@
+"""What tells chance: trials played again, else cycles of one trial, else nothing, and then errors hide nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from blind.campaign import make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.protocol import COMBINATIONS, usual
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import window_noise
+from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.repeats import chance_from, repeats
+from serpenoid.diagnose.data.shared import repeatable
+from serpenoid.diagnose.data.used import CHANCE, remarks
+from serpenoid.diagnose.diagnose import diagnose
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.start import baseline
+
+PHASES, NOISE, SHARED = 8, 1e-3, 4e-3
+
+
+def track(gait: str, cycles: int, noise: object = None) -> Any:
+    """Eight windows a cycle and two of a pause, all of one second; at rest in the modelled world."""
+    cycle = np.repeat(np.arange(cycles), PHASES + 2)
+    phase = np.tile([*(np.arange(PHASES) + 0.5) / PHASES, 1.0, 1.0], cycles)
+    count = len(phase)
+    body = SimpleNamespace(total_length_m=0.5)
+    recording = SimpleNamespace(name=gait, setting=(gait, 3.0), remarks=("seen",), body=body)
+    return SimpleNamespace(
+        recording=recording, noise=noise, cycle=cycle, phase=phase, playing=phase < 1, least=np.zeros((count, 3)),
+        marker_noise=None, doubt=0.0, displacement=np.zeros((count, 3)), duration=np.ones(count),
+        boundaries=np.arange(count + 1), usable=np.ones(count, dtype=bool),
+    )  # fmt: skip
+
+
+def test_trials_tell_chance_before_cycles_do_and_what_is_poor_is_remarked() -> None:
+    once = [track("a", 1), track("b", 1)]
+    assert (chance_from(once), repeats(once)) == ("residuals", [])
+    assert remarks(once) == (CHANCE["residuals"], "a: seen", "b: seen")
+    (found,) = repeats([track("a", 2), track("b", 1)])
+    assert (found.one, found.other, *found.here[[0, -1]], *found.there[[0, -1]]) == (0, 0, 0, 9, 10, 19)
+    assert remarks([track("a", 2)]) == (CHANCE["cycles"], "a: seen")
+    again = [track("a", 3), track("b", 3), track("a", 2)]
+    (found,) = repeats(again)
+    assert (found.one, found.other, len(found.here), chance_from(again)) == (0, 2, 20, "trials")
+    assert remarks(again) == ("a: seen", "b: seen")
+    assert chance_from([track("a", 3, noise=1.0)]) == "points"  # an animal's windows bring their own
+
+
+def test_cycles_tell_chance_from_an_error_that_every_cycle_has() -> None:
+    rng = np.random.default_rng(0)
+    tracks = [track(gait, 5) for gait in "abcdef"]
+    shared = [np.tile(rng.normal(0, SHARED, (PHASES + 2, 3)), (5, 1)) for _ in tracks]
+    left = [s + rng.normal(0, NOISE, s.shape) for s in shared]
+    noise, differences = window_noise(tracks, left)
+    assert len(differences) == 6 * 4 * PHASES
+    np.testing.assert_allclose(noise.playing, NOISE, rtol=0.2)  # 192 differences, each shared by two: 6 % is one SD
+    motion = cast(Motion, SimpleNamespace(tracks=tuple(tracks), noise=noise))
+    assert repeatable(motion, left)[0] > 10  # 1 + 2 (4/1)^2 = 33
+    assert repeatable(motion, [x - s for x, s in zip(left, shared, strict=True)])[0] == pytest.approx(1, abs=0.3)
+
+
+def test_two_effects_that_hide_one_another_are_found_though_nothing_was_played_twice(tmp_path: Path) -> None:
+    """Noise is what a model leaves: with one of the two it is large, and the one alone would be below detection."""
+    settings = tuple(replace(s, plan=replace(s.plan, cycles=1)) for s in usual(3, COMBINATIONS[:4]).settings)
+    hidden = [Effect("grip_saturation", None, {"saturation_speed": 0.06}), Effect("load", 2, {"share": 1.0})]
+    write(make(3, hidden, protocol=replace(usual(3), settings=settings, plays=1)), tmp_path)
+    file, recordings = read_recordings(tmp_path)
+    found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
+    assert {(n.effect.name, n.effect.place) for n in found.named} == {("grip_saturation", None), ("load", 2)}
+    assert found.verdict == "explained"
