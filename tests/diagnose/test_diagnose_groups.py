@@ -21,11 +21,11 @@ from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.inference.finding import BAND, Stage, excludable
 from serpenoid.diagnose.inference.medium import fit
-from serpenoid.diagnose.inference.names import trace, visible
+from serpenoid.diagnose.inference.names import kept, trace, visible
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, held_out_labels
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, held_out_labels, named_of
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
@@ -119,13 +119,32 @@ def test_an_experiment_for_the_group_stays_near_what_the_campaign_did(undecided:
     assert (experiment.plan.start[:2] <= visited.max(axis=0)).all()
 
 
-def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(tmp_path: Path) -> None:
-    found = motion(tmp_path, 950, SLOPE, TOE)
+@pytest.fixture(scope="module")
+def slope_and_toe(tmp_path_factory: pytest.TempPathFactory) -> MotionFinding:
+    return motion(tmp_path_factory.mktemp("two"), 950, SLOPE, TOE)
+
+
+def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(slope_and_toe: MotionFinding) -> None:
+    found = slope_and_toe
     assert members(found.stage) == {("slope", None), ("toe", None)}
     best = found.selection.best
     for effect, left in zip(best.effects, found.selection.bases, strict=True):
         assert {e.name for e in left.effects} == {e.name for e in best.effects} - {effect.name}
         assert excludable(left.chi2, best.chi2, float(best.evidence.count.sum()))
+
+
+def test_what_is_too_weak_to_be_named_stays_beside_what_is(slope_and_toe: MotionFinding) -> None:
+    found = slope_and_toe.selection
+    toe = next(i for i, e in enumerate(found.best.effects) if e.name == "toe")
+    faint = trace(found.motion, found.best, found.bases[toe], found.best.effects[toe])
+    louder = replace(found, **vars(kept(found.motion, found.null, found.best, faint / 1.5, [("toe", None)])))
+    assert [e.name for e in louder.best.effects] == ["slope"]
+    assert [t.added.name for t in louder.undetected] == ["toe"]
+    assert louder.best.coordinates[1:] != pytest.approx(found.best.coordinates[1:3], rel=1e-3)  # it is bent alone
+    told = [named_of(s, b, s.best.effects[i]) for s, b, i in
+            ((found, found.bases[1 - toe], 1 - toe), (louder, louder.bases[0], 0))]  # fmt: skip
+    assert told[0].effect == told[1].effect
+    assert told[0].intervals == told[1].intervals
 
 
 def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Path) -> None:
@@ -135,7 +154,7 @@ def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Pat
     both = fit(found.motion, found.best.model, [slope, toe], np.array([*found.best.coordinates, 1e-4]))
     best, bases, lost = visible(found.motion, found.null, both, found.noise_level_m)
     assert [e.name for e in best.effects] == ["slope"]
-    assert [(f.attempt.added.name, f.attempt.strength_m < found.noise_level_m) for f in lost] == [("toe", True)]
+    assert [(f.added.name, f.strength_m < found.noise_level_m) for f in lost] == [("toe", True)]
     assert [b.effects for b in bases] == [()]
 
 

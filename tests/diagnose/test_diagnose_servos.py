@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
@@ -19,7 +20,7 @@ from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
 from serpenoid.diagnose.stages.plays import carried
 from serpenoid.effects.active import ActiveEffect
 
@@ -175,3 +176,13 @@ def test_a_fit_must_pay_for_its_parameters_and_its_rivals() -> None:
     assert cheapest(base, [Priced(100 - toll - dear + 0.1, 2, 100.0)], 50) is None
     assert cheapest(base, [Priced(90.0, 2, 100.0), Priced(100 - toll - dear - 0.1, 2, 100.0)], 50) == 1
     assert cheapest(base, [], 50) is None
+
+
+def test_noise_blurs_what_rounding_does_to_the_mean_of_readings_at_rest() -> None:
+    ticks, at = np.arange(-8, 9), np.linspace(-0.5, 0.5, 40, endpoint=False)
+    for noise in (0.2, 0.4, 0.6):  # of a tick
+        below = norm.cdf((ticks + 0.5 - at[:, None]) / noise)
+        mean = (ticks[1:] * np.diff(below, axis=1)).sum(axis=1)
+        expected = np.sqrt(np.mean((mean - at) ** 2)) * TICK
+        # the second harmonic is half as large where nothing is blurred, and below a fifth of the first from here on
+        assert off_by_rounding(np.array(noise * TICK)) == pytest.approx(expected, rel=0.03)

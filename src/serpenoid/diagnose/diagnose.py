@@ -166,8 +166,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
             for n in stage.undetected
         ],
         "anisotropy_ratio": {
-            "before": found.null.model.medium.anisotropy_ratio, "after": found.best.model.medium.anisotropy_ratio,
-            "interval": list(ratio_interval(found, d.motion.stage)), "at_bound": ratio_at_bound(found.best.model),
+            "before": found.null.model.medium.anisotropy_ratio, "after": found.settled.model.medium.anisotropy_ratio,
+            "interval": list(ratio_interval(found, d.motion.stage)), "at_bound": ratio_at_bound(found.settled.model),
         },
         "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law},
         "discrepancy_m": d.motion.stage.discrepancy_m,

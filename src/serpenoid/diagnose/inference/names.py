@@ -9,8 +9,8 @@ noise level.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -21,6 +21,7 @@ from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.medium import (
     TO_THE_END,
     Fit,
+    fit_eps,
     fit_guided,
     fit_without,
     linearised,
@@ -28,10 +29,13 @@ from serpenoid.diagnose.inference.medium import (
 )
 from serpenoid.diagnose.inference.prices import least_idle, outweighed
 from serpenoid.diagnose.inference.ranking import needed
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.parallel import in_processes
 
 NORMAL = 1.96  # standard deviations: 95 %
+VISIBLE = 1.6  # times the noise level: a weaker trace is below detection, and does not stay below one
+PLAIN = VISIBLE**2  # chi squared per number: as much in the windows
+Key = tuple[str, int | None]
 
 
 @dataclass(frozen=True)
@@ -49,14 +53,6 @@ class Try:
 
 
 @dataclass(frozen=True)
-class Undetected:
-    """A try that gains but does not stand out, fitted on tracks made about it."""
-
-    attempt: Try
-    motion: Motion
-
-
-@dataclass(frozen=True)
 class Refused:
     """An effect of the search that is no cause, the share of chi squared that it would take away, the fit with it."""
 
@@ -65,22 +61,48 @@ class Refused:
     fit: Fit
 
 
-def kept(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float, alone: float = 0.0
-) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...], tuple[Refused, ...]]:
-    """What is both earned and visible, the fits without each of it; what is not visible, what is not earned.
+@dataclass(frozen=True)
+class Kept:
+    """best: what is named; bases: it without each of its effects; settled: it with what is too weak to be named, one of
+    which shifts what the other is taken for; undetected: what is too weak; refused: what is not earned."""
 
-    Effects earn their names together, so those that stay must earn theirs without the ones that are not visible.
-    alone: noise levels that an only effect must show; 0 where the search has judged it.
+    best: Fit
+    bases: tuple[Fit, ...]
+    settled: Fit
+    undetected: tuple[Try, ...]
+    refused: tuple[Refused, ...]
+
+
+def kept(
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Collection[Key] = (), alone: float = 0.0
+) -> Kept:
+    """What is both earned and visible of a fit.
+
+    hidden: what was not visible when it was found. It must be earned, too, and names are earned beside it: without it,
+    what is left is an error of another kind, and the names may be bent around it. Names must be earned without those
+    whose trace they took over. alone: noise levels that an only effect must show; 0 where the search has judged it.
     """
-    lost: tuple[Undetected, ...] = ()
-    refused: tuple[Refused, ...] = ()
+    lost: dict[Key, Try] = {}
+    best, refused = earned(motion, null, best)
+    settled = best
     while True:
-        best, rest = earned(motion, null, best)
-        best, bases, weak = visible(motion, null, best, noise_level_m, alone)
-        lost, refused = (*weak, *lost), (*refused, *rest)
-        if not weak:
-            return best, bases, lost, refused
+        shown, bases, weak = visible(motion, null, best, noise_level_m, hidden, alone)
+        lost |= {t.added.key: t for t in weak}
+        overtaken = [t.added for t in weak if t.added.key not in hidden]
+        if not overtaken:
+            break
+        best, rest = earned(motion, null, _bare_of(motion, best, overtaken))
+        refused = (*refused, *rest)
+    there = {*lost, *(e.key for e in shown.effects)}
+    settled = _bare_of(motion, settled, [e for e in settled.effects if e.key not in there])
+    return Kept(shown, bases, settled, tuple(lost.values()), refused)
+
+
+def _bare_of(motion: Motion, found: Fit, effects: Sequence[ActiveEffect]) -> Fit:
+    """A fit without some of its effects."""
+    for e in effects:
+        found = fit_without(motion, found, e)
+    return found
 
 
 def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ...]]:
@@ -117,33 +139,50 @@ def certain(motion: Motion, best: Fit) -> list[bool]:
 
 
 def visible(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float, alone: float = 0.0
-) -> tuple[Fit, tuple[Fit, ...], tuple[Undetected, ...]]:
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Collection[Key] = (), alone: float = 0.0
+) -> tuple[Fit, tuple[Fit, ...], tuple[Try, ...]]:
     """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
-    lost: list[Undetected] = []
+    lost: list[Try] = []
     while True:
         effects = best.effects
         bases = bases_of(motion, null, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
-        if not effects or min(traces) >= noise_level_m * (1.0 if len(effects) > 1 else alone):
+        usual = 1.0 if len(effects) > 1 else alone
+        ranks = [
+            t - (VISIBLE if e.key in hidden else usual) * noise_level_m for t, e in zip(traces, effects, strict=True)
+        ]
+        if not effects or min(ranks) >= 0:
             return best, bases, tuple(lost[::-1])
-        weakest = int(np.argmin(traces))
-        lost.append(Undetected(Try(best, effects[weakest], traces[weakest]), motion))
+        weakest = int(np.argmin(ranks))
+        lost.append(Try(best, effects[weakest], traces[weakest]))
         best = fit_guided(motion, bases[weakest], TO_THE_END)
 
 
 def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
     """Path RMS [m] that `effect` of a fit is worth: against the fit without it.
 
-    Where eps is known, and nearer to that with the effect, eps is not let run to take its place.
+    Where eps is known, and nearer to that with the effect, eps is not let run to take its place. Where windows show
+    plainly that the others do not take its place, they are not let run to do so on the path.
     """
     fitted_again = strength(motion, full.predictions, base.predictions)
     if motion.ratio is None:
-        return fitted_again
+        return max(fitted_again, alone(motion, full, effect)) if plain(full, base) else fitted_again
     near, far = (abs(np.log(f.model.medium.anisotropy_ratio / motion.ratio)) for f in (full, base))
     if near >= far:
         return fitted_again
     return max(fitted_again, strength(motion, full.predictions, predicted_without(motion, full, effect)))
+
+
+def plain(full: Fit, base: Fit) -> bool:
+    """Whether windows without an effect are off by much more than chance, whatever others are there."""
+    return bool(base.chi2 - full.chi2 > PLAIN * full.evidence.count.sum() and full.effects[1:])
+
+
+def alone(motion: Motion, full: Fit, effect: ActiveEffect) -> float:
+    """Path RMS [m] that an effect is worth with the others as they are, eps fitted again."""
+    others = [e for e in full.effects if e.key != effect.key]
+    bare = fit_eps(replace(motion, held=joined(motion.held, others)), full.model)
+    return strength(motion, full.predictions, bare.predictions)
 
 
 def each_without(motion: Motion, best: Fit) -> tuple[Fit, ...]:

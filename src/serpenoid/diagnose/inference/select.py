@@ -27,7 +27,7 @@ from serpenoid.diagnose.inference.medium import (
     fit_guided,
     fit_without,
 )
-from serpenoid.diagnose.inference.names import Refused, Try, Undetected, each_without, kept, trace
+from serpenoid.diagnose.inference.names import PLAIN, VISIBLE, Kept, Key, Try, each_without, kept, trace
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
@@ -43,7 +43,6 @@ HOPELESS = 0.5  # of the price of so many tries: what gains less to first order 
 SHARE = 0.03  # of the best: what earns a full fit
 IDLE = 3  # effects in a row that gain no more than the null: two may come before the one that makes them tell
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
-VISIBLE = 1.6  # times the noise level: a weaker trace is below detection, and does not stay below one
 MARKED = 1.3  # times the noise level, for what the windows show as clearly
 ASTRAY = 5.0  # times the noise level: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
@@ -54,30 +53,19 @@ Retrack = Callable[[Model], tuple[Track, ...]]
 
 
 @dataclass(frozen=True)
-class Selection:
-    """null: eps alone; best: what was chosen; bases: it without each of its effects; undetected: gains below noise;
-    refused: what gains no more than the null does."""
+class Selection(Kept):
+    """What is kept of a search on `motion`; null: eps alone."""
 
     motion: Motion
     null: Fit
-    best: Fit
-    bases: tuple[Fit, ...]
     noise_level_m: float
-    undetected: tuple[Undetected, ...]
-    refused: tuple[Refused, ...]
     scores: tuple[tuple[str, int | None, float], ...]
-
-    @property
-    def fullest(self) -> tuple[Motion, Fit]:
-        """The fit with all that is too weak to be named, and the tracks it was made on."""
-        last = self.undetected[-1] if self.undetected else None
-        return (self.motion, self.best) if last is None else (last.motion, last.attempt.fit)
 
     @property
     def extensions(self) -> tuple[Fit, ...]:
         """Fits with more than is named, which may predict better: with what is too weak, with all that was found."""
-        wider = [*(u.attempt.fit for u in self.undetected[-1:]), *(r.fit for r in self.refused[:1])]
-        return tuple(wider)
+        weaker = (self.settled,) if self.undetected else ()
+        return (*weaker, *(r.fit for r in self.refused[:1]))
 
 
 def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
@@ -91,8 +79,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, fit_eps(motion, model))
     best = null
-    undetected: tuple[Undetected, ...] = ()
-    noise_level: float | None = None
+    hidden: tuple[Key, ...] = ()  # whose traces are below detection
     rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
     idle = 0
@@ -111,29 +98,30 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         chosen = rule.choose(motion, best, [t.fit for t in tries], len(ranked))
         if chosen is None:
             break
-        first = tries[chosen]
-        others = [t for t in tries if t.added.name != first.added.name and not best.effects]
+        first, added = tries[chosen].fit, tries[chosen].added
+        others = [t for t in tries if t.added.name != added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
-        idle = 0 if best.chi2 - first.fit.chi2 > needed(motion, first.fit) else idle + 1
-        extended = retracked(motion, retrack, first.fit.model)
-        extended, better = calibrated(extended, fit_guided(extended, first.fit))
-        # repeats differ by what is missing, too, until it is there
-        noise_level = path_noise(extended, better.predictions)
-        astray = level > 0 and motion.ratio is None and unclear(better)
-        later = astray or motion.unrepeated  # what is missing may hide it: it is judged in the end
-        if not later and not stands_out(motion, best, first, noise_level):
-            undetected = (Undetected(replace(first, fit=better), extended),)
-            break
-        motion, noise_level = extended, None
+        idle = 0 if best.chi2 - first.chi2 > needed(motion, first) else idle + 1
+        motion = retracked(motion, retrack, first.model)
+        motion, first = calibrated(motion, fit_guided(motion, first))
         null = fit_guided(motion, null, STEPS)
-        best = pruned(motion, better, rule, len(ranked))
-        if idle == IDLE or not any(e.key == first.added.key for e in best.effects):
+        best = pruned(motion, first, rule, len(ranked))
+        if all(e.key != added.key for e in best.effects):
             break
-    noise_level = noise_level or path_noise(motion, best.predictions)
+        # repeats differ by what is missing, too, until it is there; and without what it makes needless it may tell more
+        noise_level = path_noise(motion, best.predictions)
+        astray = level > 0 and motion.ratio is None and unclear(best)
+        later = astray or motion.unrepeated  # what is missing may hide it: it is judged in the end
+        base = null if len(best.effects) == 1 else fit_without(motion, best, added)
+        if not later and not stands_out(motion, base, Try(best, added, trace(motion, best, base, added)), noise_level):
+            hidden = (*hidden, added.key)
+        if idle == IDLE:
+            break
+    noise_level = path_noise(motion, best.predictions)
     best = resited(motion, best)
     alone = VISIBLE if motion.unrepeated else 0.0
-    best, bases, lost, refused = kept(motion, null, best, noise_level, alone)
-    return Selection(motion, null, best, bases, noise_level, (*lost, *undetected), refused, scores)
+    found = kept(motion, null, best, noise_level, hidden, alone)
+    return Selection(**vars(found), motion=motion, null=null, noise_level_m=noise_level, scores=scores)
 
 
 def resited(motion: Motion, best: Fit) -> Fit:
@@ -185,7 +173,7 @@ def stands_out(motion: Motion, base: Fit, t: Try, noise_level_m: float) -> bool:
         return True
     gained = (base.chi2 - t.fit.chi2) / base.evidence.count.sum()
     marked = t.strength_m >= MARKED * noise_level_m or path_error(motion, base.predictions) > ASTRAY * noise_level_m
-    return bool(marked and gained > VISIBLE**2)
+    return bool(marked and gained > PLAIN)
 
 
 def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:

@@ -16,6 +16,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.finding import excludable
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.stages.plays import Plays, ways
 from serpenoid.effects.active import ActiveEffect
@@ -40,21 +41,38 @@ def plays(recordings: Sequence[Recording]) -> Plays:
     """Readings beside the set-points that most joints follow best, as they are or with one law for all servos."""
     every = list(ways(recordings))
     noise = np.min([data.noise for data in every], axis=0)
-    found = []
-    for data in (replace(d, noise=noise) for d in every):
-        played = [data.realised([])]
-        for kind in (k for k in shown(data) if k.place is None):
+    every = [replace(data, noise=noise) for data in every]
+    found: list[tuple[Plays, list[Floats]]] = []
+    for data in every:
+        played: list[Floats] = []
+        for kind in (None, *(k for k in shown(data) if k.place is None)):
+            played.append(_by_all(data, kind))
             if followed(data, played[-1], np.median):
-                break  # no other way can be better
-            (law,) = fit_everywhere(data, kind.name, (), kind.starts(data.readings, data.quickest))
-            played.append(data.realised([law.effect]))
-        if followed(data, played[-1], np.median):
-            return data.measured(played[-1])
+                return _told_apart(every, kind, data)
         found.append((data, played))
     data, played = min(found, key=lambda pair: min(float(np.median(pair[0].channels(p))) for p in pair[1]))
     for p in played:
         data = data.measured(p)
     return data
+
+
+def _by_all(data: Plays, kind: ActuationEffect | None) -> Floats:
+    """What servos play (R, m), as they are told or with a law fitted to all of them."""
+    if kind is None:
+        return data.realised([])
+    (law,) = fit_everywhere(data, kind.name, (), kind.starts(data.readings, data.quickest))
+    return data.realised([law.effect])
+
+
+def _told_apart(every: Sequence[Plays], kind: ActuationEffect | None, first: Plays) -> Plays:
+    """The first way in which set-points are followed with a law, unless readings exclude it: about what a slow log
+    reads, noise is hardly known, and much is followed."""
+    played = [_by_all(data, kind) for data in every]
+    noise = np.min([data.measured(p).noise for data, p in zip(every, played, strict=True)], axis=0)
+    measured = [replace(data, noise=noise) for data in every]
+    misses = [float(np.median(data.chi2(p))) for data, p in zip(measured, played, strict=True)]
+    best, own = int(np.argmin(misses)), [data is first for data in every].index(True)
+    return measured[best if excludable(misses[own], misses[best], len(first.readings)) else own]
 
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
@@ -17,6 +18,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 
 AT_MOST = 7
+AT_REST = 0.1  # of a tick, from one reading to the next
 VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
 
 
@@ -127,12 +129,35 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
         np.array([(slope * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
     )
     unsure = np.array([unsure_start(r) for r in data.recordings]) / np.sqrt(3)
-    sd = np.sqrt(max(1 / power, (scores**2).sum() / power**2) + ((late * unsure) ** 2).sum() / power**2)
+    chance = max(1 / power, (scores**2).sum() / power**2)
+    sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2)
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
     value = effect.parameters[parameter.name]
     bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
     stand_in = _law_error(best, effect) > LAW_ERROR
     return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound, stand_in)
+
+
+def _rounding(best: Played, slope: np.ndarray) -> float:
+    """Variance of a parameter's score (its columns: slope (R, m)) by what rounding to ticks does to joints at rest."""
+    data = best.data
+    off = off_by_rounding(np.sqrt(np.maximum(data.noise**2 - TICK**2 / 12, 0.0))) / data.noise
+    apart = float(np.median(np.concatenate([np.diff(t) for t in data.times])))
+    resting = np.abs(data.speed(best.angles)) * apart < AT_REST * TICK
+    ticks = np.round(best.angles / TICK).astype(int)
+    total = 0.0
+    for j, there in enumerate(resting.T):
+        shared = np.bincount(ticks[there, j] - ticks[:, j].min(), slope[there, j] * off[j])
+        total += float((shared**2).sum())
+    return total
+
+
+def off_by_rounding(noise: np.ndarray) -> np.ndarray:
+    """RMS [rad] of what the mean of many readings at rest is off by, as they are rounded to ticks with a noise [rad].
+
+    Noise blurs it; of its harmonics the first is the largest (Widrow, IRE Transactions on Circuit Theory 3, 266, 1956).
+    """
+    return TICK / (np.pi * np.sqrt(2)) * np.exp(-2 * (np.pi * noise / TICK) ** 2)
 
 
 def _strength(data: Plays, effect: ActiveEffect) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_draws, path_error
@@ -14,15 +15,15 @@ from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
-from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
-from serpenoid.diagnose.inference.names import Refused, Try, trace
+from serpenoid.diagnose.inference.names import VISIBLE, Refused, Try, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
-from serpenoid.diagnose.inference.select import VISIBLE, Selection, select
+from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.jumps import find_jumps
@@ -91,9 +92,9 @@ def finding(found: Selection) -> MotionFinding:
     after = path_error(motion, best.predictions)
     named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
-    missed_m = discrepancy(*_fullest(found))
+    missed_m = discrepancy(motion, found.settled.predictions)
     jumps = find_jumps(motion, best.predictions, noise_level, missed_m)
-    undetected = [undetected_of(f.attempt, noise_level) for f in found.undetected]
+    undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words = _left_over(found, mend=jumps is not None)
@@ -120,11 +121,6 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
     return effect.key in gains and gains[effect.key] < max(gains.values())
 
 
-def _fullest(found: Selection) -> tuple[Motion, tuple[Prediction, ...]]:
-    motion, fit = found.fullest
-    return motion, fit.predictions
-
-
 def _refusal(refused: Refused) -> str:
     """Why an effect that the search tried is not named."""
     return (
@@ -140,7 +136,7 @@ def undetected_of(t: Try, noise_level_m: float) -> Named:
 
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
-    motion, predictions = _fullest(found)
+    motion, predictions = found.motion, found.settled.predictions
     after_m = path_error(motion, predictions, mend)
     draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
     chance = float(np.exp(CERTAIN * np.hypot(draws.std(), NOISE_UNCERTAIN)))
@@ -149,51 +145,53 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
 
 
 def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
-    """Intervals from the curvature, strength from what the path loses without the effect (`base`)."""
-    best = found.best
-    columns = range(len(best.coordinates))
-    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
-    covariance = best.evidence.covariance(columns, spread)
+    """Values and intervals from the fit with all that is there, strength from what the path loses without the effect
+    (`base`)."""
+    settled = found.settled
     at = 1
-    for e in best.effects:
-        if e is effect:
+    for fitted in settled.effects:
+        if fitted.key == effect.key:
             break
-        at += len(e.effect.parameters)
+        at += len(fitted.effect.parameters)
     ends, bound = {}, []
-    for i, p in enumerate(effect.effect.parameters):
-        x = effect.coordinates[i]
-        value = effect.parameters[p.name]
-        if value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical):
-            bound.append(p.name)  # how far it may be from there: the fit itself held it
-            held, _ = linearised(found.motion, best.model, best.effects, hold=False)
-            covariance = held.covariance(columns, spread)
-        half = QUANTILE * float(np.sqrt(covariance[at + i, at + i])) + RELATIVE * abs(x)
+    for i, p in enumerate(fitted.effect.parameters):
+        x, value = fitted.coordinates[i], fitted.parameters[p.name]
+        held = value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical)
+        if held:
+            bound.append(p.name)
+        sd = float(deviations(found.motion, settled, hold=not held)[at + i])
+        half = QUANTILE * sd + RELATIVE * abs(x)
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
         )
-    return Named(effect, ends, trace(found.motion, best, base, effect) / found.noise_level_m, tuple(bound))
+    strength = trace(found.motion, found.best, base, effect) / found.noise_level_m
+    return Named(fitted, ends, strength, tuple(bound))
+
+
+def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
+    """Standard deviations of eps and all coordinates (P,), from the curvature.
+
+    hold: what ended at a bound stays there, as in the fit; else how far it may be from there.
+    """
+    evidence = fit.evidence if hold else linearised(motion, fit.model, fit.effects, hold=False)[0]
+    spread = SYSTEMATIC * max(1.0, np.sqrt(fit.chi2 / fit.evidence.count.sum()))
+    return np.sqrt(np.diag(evidence.covariance(range(len(fit.coordinates)), spread)))
 
 
 def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
-    """95 % interval of eps with what is named. Names that may be stand-ins may take a part of what resists, or
+    """95 % interval of eps with what is there. Names that may be stand-ins may take a part of what resists, or
     give it: then eps is known no better than with and without them."""
     unsure = found.motion.ratio is None and any(n.stand_in for n in stage.named)
-    low, high = zip(
-        *(_ratio_ends(found.motion, f) for f in ([found.best, found.null] if unsure else [found.best])), strict=True
-    )
+    fits = [found.settled, found.null] if unsure else [found.settled]
+    low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), strict=True)
     return min(low), max(high)
 
 
-def _ratio_ends(motion: Motion, best: Fit) -> tuple[float, float]:
+def _ratio_ends(motion: Motion, found: Fit) -> tuple[float, float]:
     """From the curvature and what gaits disagree about, within the bounds of eps."""
-    evidence, columns = best.evidence, range(len(best.coordinates))
-    if ratio_at_bound(best.model):  # the fit itself held it
-        evidence, _ = linearised(motion, best.model, best.effects, hold=False)
-    spread = SYSTEMATIC * max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
-    eps, covariance = best.model.medium.anisotropy_ratio, evidence.covariance(columns, spread)
-    half = QUANTILE * float(np.sqrt(covariance[0, 0])) + RELATIVE * eps
-    low, high = best.model.medium.limits(LEAST_EPS, MOST_EPS)
-    return _clipped(eps - half, low, high), _clipped(eps + half, low, high)
+    eps, low_high = found.model.medium.anisotropy_ratio, found.model.medium.limits(LEAST_EPS, MOST_EPS)
+    half = QUANTILE * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
+    return _clipped(eps - half, *low_high), _clipped(eps + half, *low_high)
 
 
 def _clipped(value: float, low: float, high: float) -> float:

@@ -53,7 +53,8 @@ def causes(found: MotionFinding, least: float, leave_out: LeaveOut) -> MotionFin
     share = explained_share(found.selection, leave_out)
     if share >= least:
         return found
-    bare = finding(replace(found.selection, best=found.selection.null, bases=(), undetected=()))
+    null = found.selection.null
+    bare = finding(replace(found.selection, best=null, bases=(), settled=null, undetected=()))
     names = " and ".join(e.name for e in chosen)
     would = f"would take away {share:.0%} of" if share > 0 else "would add to"
     words = (*bare.stage.words, f"{names} {would} the path's error: too little to be the cause")
