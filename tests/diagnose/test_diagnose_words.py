@@ -11,7 +11,7 @@ from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, reference, shown, times, title, undetected
-from serpenoid.diagnose.stages.choose_motion import ratio_interval
+from serpenoid.diagnose.stages.choose_motion import finding, ratio_interval
 
 
 @pytest.mark.parametrize(
@@ -105,6 +105,8 @@ def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_first_and_no_p
     verdict, cause, _ = cards(doubtful)
     assert verdict.sentences[0].startswith("The model is inadequate by 3.1 mm a window")
     assert not any("What to do" in text for text in cause.sentences)
+    settled = lines(doubtful | {"discrepancy_m": 0.0})[0]
+    assert settled.startswith("first             the reference followed a law that the catalogue does not hold")
     assert all(f"{title(e)} ({times(e['strength_over_noise'])}), perhaps a stand-in" in "\n".join(lines(doubtful))
                for e in record["effects"])  # fmt: skip
 
@@ -135,3 +137,13 @@ def test_beside_names_that_may_be_stand_ins_the_anisotropy_ratio_is_known_no_bet
     assert unsure[0] <= sure[0] < sure[1] <= unsure[1]
     assert unsure[0] < found.selection.null.model.medium.anisotropy_ratio < unsure[1]
     assert not sure[0] < found.selection.null.model.medium.anisotropy_ratio < sure[1]  # the load has a part of it
+
+
+def test_about_a_law_that_is_known_to_be_another_names_may_be_stand_ins_though_chance_is_all_that_is_left(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    found = diagnosed[0].motion
+    assert found.stage.discrepancy_m == 0
+    again = finding(found.selection, inadequate=True).stage.named
+    assert [n.effect.key for n in again] == [n.effect.key for n in found.stage.named]
+    assert all(n.stand_in for n in again)

@@ -54,6 +54,7 @@ class Reference(Baseline):
     """seen: the earlier observation model; servos: the earlier readings and what explains them; others: effects that
     were there before, beside the motion's.
 
+    missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
     usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
 
@@ -63,6 +64,7 @@ class Reference(Baseline):
     largest: Floats
     servos: Plays
     others: tuple[ActiveEffect, ...]
+    missed_m: float
 
     @property
     def known(self) -> tuple[ActiveEffect, ...]:
@@ -78,6 +80,11 @@ class Reference(Baseline):
     def ratio(self) -> float:
         """The earlier campaign's."""
         return self.model.medium.anisotropy_ratio
+
+    @property
+    def inadequate(self) -> bool:
+        """It was found to be so."""
+        return self.missed_m > 0
 
     def observation(self) -> Observation:
         """As it was before."""
@@ -133,7 +140,10 @@ def reference_of(d: Diagnosis) -> Reference:
     servos = replace(plays([t.recording for t in motion.tracks if isinstance(t.recording, Recording)]), known=shown)
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
-    return Reference(model, d.seen, _habits(motion, errors), usual, largest, servos, others, without=d.baseline.without)
+    return Reference(
+        model, d.seen, _habits(motion, errors), usual, largest, servos, others, d.motion.stage.discrepancy_m,
+        without=d.baseline.without,
+    )  # fmt: skip
 
 
 def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:

@@ -47,7 +47,12 @@ def inadequacy(record: Record) -> list[str]:
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
     servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
     said = []
-    if len(stand_ins) > len(servos):
+    if len(stand_ins) > len(servos) and record["discrepancy_m"] == 0:
+        said.append(
+            "the reference followed a law that the catalogue does not hold: names marked as stand-ins may mend it "
+            "where the change moves it"
+        )
+    elif len(stand_ins) > len(servos):
         size = shown(record["discrepancy_m"], record["length_unit"], 2)
         said.append(
             f"the model is inadequate by {size} a window, and what it misses repeats: names marked as stand-ins take a "

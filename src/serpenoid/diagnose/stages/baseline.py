@@ -45,6 +45,11 @@ class Baseline:
         """eps, where it was measured before; the calibration still begins at the model's."""
         return None
 
+    @property
+    def inadequate(self) -> bool:
+        """Whether its law is known to be another than the floor's: what it missed repeated."""
+        return False
+
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""
         mine = self.model.body

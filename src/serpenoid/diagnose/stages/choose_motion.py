@@ -81,12 +81,12 @@ def choose_on_tracks(
         model = fit_eps(motion, model).model
     chosen = select(motion, model, track, say, rule)
     law = dry_friction(chosen) if rule is PENALISED and baseline.ratio is None else ""  # with a reference it is known
-    found = finding(chosen)
+    found = finding(chosen, baseline.inadequate)
     return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
 
-def finding(found: Selection) -> MotionFinding:
-    """The selection in words and intervals."""
+def finding(found: Selection, inadequate: bool = False) -> MotionFinding:
+    """The selection in words and intervals; inadequate: its baseline's law is known to be another than the floor's."""
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
     before = path_error(motion, found.null.predictions)
     after = path_error(motion, best.predictions)
@@ -100,7 +100,7 @@ def finding(found: Selection) -> MotionFinding:
     words = _left_over(found, mend=jumps is not None)
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
-    if missed_m > 0:
+    if missed_m > 0 or inadequate:
         named = [replace(n, stand_in=may_stand_in(found, n.effect)) for n in named]
     if jumps is not None and jumps in named:
         after = path_error(motion, best.predictions, mend=True)
@@ -110,7 +110,8 @@ def finding(found: Selection) -> MotionFinding:
 
 
 def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
-    """Whether a name may be there for a cause that the catalogue does not hold, if what the model misses repeats.
+    """Whether a name may be there for a cause that the catalogue does not hold, if what the model misses repeats, or
+    what its reference missed did.
 
     Of the floor that may be all of it. With a reference what that left is no news, and what takes away most is the
     change; what stands beside it may mend the law about it, whose error is in proportion to what the change does.
