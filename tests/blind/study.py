@@ -21,7 +21,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ from blind.folder import seal, write
 from blind.follow_up import follow_up
 from blind.kinds import KINDS, Case, case
 from blind.pages import write_page
-from blind.score import Name, answer, errors, judge, odds
+from blind.score import REQUIRED, Answer, Name, answer, errors, judge, odds
 from blind.separation import separation
 from blind.strength import effective_eps, floor, strength
 from serpenoid.parallel import Workers, results
@@ -122,11 +122,8 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "eps_interval": diagnosis.get("anisotropy_ratio", {}).get("interval"),
         "eps_alone": diagnosis.get("anisotropy_ratio", {}).get("before"),
     }
-    if (
-        found.without and found.reference is None
-    ):  # another physics, healthy: what is named, and not said to stand in for a law, is wrong
-        row |= {"eps_effective": effective_eps(c), "strengths": []}
-        return row | {"outcome": "stand-in" if set(said.chosen) - set(said.stand_ins) else "right"}
+    if found.without and found.reference is None:
+        return row | healthy(c, said, f)
     if any(e.name not in CATALOGUE for e in c.effects):
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}
     strengths = [strength(c, e, f) for e in c.effects]
@@ -139,6 +136,17 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "covered": {name: abs(error) <= 1 for name, error in missed.items()},
         "errors_over_half_width": missed,
     }
+
+
+def healthy(c: Campaign, said: Answer, floor_m: float) -> dict[str, Any]:
+    """Another physics, nothing changed: what is named, and not said to stand in for a law, is wrong. Not scored where
+    the law that is out of the catalogue is weak itself: nor would an effect of the catalogue be."""
+    alone = replace(c, effects=c.base, base=())
+    strengths = [strength(alone, law, floor_m) for law in c.base]
+    named = sorted(set(said.chosen) - set(said.stand_ins), key=str)
+    apart = {f"{law.name} / {n}": separation(alone, law, n.name, n.place, floor_m) for law in c.base for n in named}
+    outcome = "right" if not named else "stand-in" if max(strengths) >= REQUIRED else "unscored"
+    return {"eps_effective": effective_eps(c), "strengths": strengths, "separations": apart, "outcome": outcome}
 
 
 def described(c: Campaign) -> dict[str, Any]:
