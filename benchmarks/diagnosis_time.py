@@ -105,9 +105,11 @@ def growth_table(folder: Path) -> str:
         found.append(diagnosed(folder / c.identity, folder / f"out-{c.identity}", MODEL))
         rows.append([str(len(c.trials)), f"{found[-1].wall_s:.1f}", f"{found[-1].processor_s:.1f}"])
         sys.stderr.write(f"{len(c.trials)} trials: {found[-1].wall_s:.1f} s\n")
-    power = exponent([8.0 * p for p in PLAYS], [t.processor_s for t in found])
-    limit = f"target for the last: {LABORATORY_S:.0f} s; processor time grows with trials to the power {power:.2f}."
-    return table(["trials", "s", "processor s"], rows) + f"\n\n{limit}"
+    limit = f"target for the last: {LABORATORY_S:.0f} s"
+    if len(PLAYS) > 1:
+        power = exponent([8.0 * p for p in PLAYS], [t.processor_s for t in found])
+        limit += f"; processor time grows with trials to the power {power:.2f}"
+    return table(["trials", "s", "processor s"], rows) + f"\n\n{limit}."
 
 
 def main() -> None:
