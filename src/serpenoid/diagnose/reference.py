@@ -21,6 +21,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.repeats import by_setting
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.inference.medium import linearised
@@ -147,10 +148,7 @@ def reference_of(d: Diagnosis) -> Reference:
 
 
 def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:
-    by: dict[Setting, list[int]] = {}
-    for i, track in enumerate(motion.tracks):
-        by.setdefault(track.recording.setting, []).append(i)
-    return {setting: _habit(motion, errors, trials) for setting, trials in by.items()}
+    return {setting: _habit(motion, errors, trials) for setting, trials in by_setting(motion.tracks).items()}
 
 
 def _habit(motion: Motion, errors: Sequence[Floats], trials: Sequence[int]) -> Habit:

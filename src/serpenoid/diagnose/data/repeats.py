@@ -40,10 +40,15 @@ def repeats(tracks: Sequence[Track]) -> list[Repeat]:
 
 def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
     """Indices of successive trials of one setting."""
-    by: dict[tuple[str, float], list[int]] = {}
+    return [(a, b) for same in by_setting(tracks).values() for a, b in zip(same[:-1], same[1:], strict=True)]
+
+
+def by_setting(tracks: Sequence[Track]) -> dict[tuple[str, float], list[int]]:
+    """Indices of the trials of each setting."""
+    found: dict[tuple[str, float], list[int]] = {}
     for i, t in enumerate(tracks):
-        by.setdefault(t.recording.setting, []).append(i)
-    return [(a, b) for same in by.values() for a, b in zip(same[:-1], same[1:], strict=True)]
+        found.setdefault(t.recording.setting, []).append(i)
+    return found
 
 
 def chance_from(tracks: Sequence[Track]) -> str:

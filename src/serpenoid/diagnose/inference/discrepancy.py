@@ -19,6 +19,7 @@ from scipy.optimize import minimize
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.repeats import by_setting
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, predicted_bare
 from serpenoid.diagnose.inference.prices import gained_by_chance
 
@@ -44,10 +45,7 @@ def deviance(motion: Motion, found: Fit) -> tuple[float, int]:
     left = residuals(motion.tracks, found.predictions)
     bare = predicted_bare(motion, found) if found.effects else found.predictions
     moved = [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
-    by: dict[tuple[str, float], list[int]] = {}
-    for i, t in enumerate(motion.tracks):
-        by.setdefault(t.recording.setting, []).append(i)
-    parts = [_means(motion, left, moved, trials) for trials in by.values()]
+    parts = [_means(motion, left, moved, trials) for trials in by_setting(motion.tracks).values()]
     mean, variance, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
     return least_deviance(mean, variance, effect), len(mean)
 

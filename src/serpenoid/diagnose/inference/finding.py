@@ -8,6 +8,7 @@ from typing import Any
 
 from serpenoid.effects.active import ActiveEffect
 
+VISIBLE = 1.6  # times the noise level: a weaker trace is below detection; of what is left, too, what is spoken of
 SEPARABLE = 3.0  # times the noise level
 BAND = 25.0  # chi squared: as much as an effect must gain to be named, a rival must lose to be excluded
 

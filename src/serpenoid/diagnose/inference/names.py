@@ -18,6 +18,7 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.inference.discrepancy import outdone
+from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
     TO_THE_END,
     Fit,
@@ -33,7 +34,6 @@ from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.parallel import in_processes
 
 NORMAL = 1.96  # standard deviations: 95 %
-VISIBLE = 1.6  # times the noise level: a weaker trace is below detection, and does not stay below one
 PLAIN = VISIBLE**2  # chi squared per number: as much in the windows
 Key = tuple[str, int | None]
 
@@ -166,7 +166,7 @@ def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
     """
     fitted_again = strength(motion, full.predictions, base.predictions)
     if motion.ratio is None:
-        return max(fitted_again, alone(motion, full, effect)) if plain(full, base) else fitted_again
+        return max(fitted_again, beside_the_others(motion, full, effect)) if plain(full, base) else fitted_again
     near, far = (abs(np.log(f.model.medium.anisotropy_ratio / motion.ratio)) for f in (full, base))
     if near >= far:
         return fitted_again
@@ -178,7 +178,7 @@ def plain(full: Fit, base: Fit) -> bool:
     return bool(base.chi2 - full.chi2 > PLAIN * full.evidence.count.sum() and full.effects[1:])
 
 
-def alone(motion: Motion, full: Fit, effect: ActiveEffect) -> float:
+def beside_the_others(motion: Motion, full: Fit, effect: ActiveEffect) -> float:
     """Path RMS [m] that an effect is worth with the others as they are, eps fitted again."""
     others = [e for e in full.effects if e.key != effect.key]
     bare = fit_eps(replace(motion, held=joined(motion.held, others)), full.model)

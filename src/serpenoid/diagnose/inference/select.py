@@ -17,6 +17,7 @@ from serpenoid.diagnose.data.paths import path_error, path_noise, strength
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.discrepancy import deviance
+from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
     STEPS,
     TO_THE_END,
@@ -27,7 +28,7 @@ from serpenoid.diagnose.inference.medium import (
     fit_guided,
     fit_without,
 )
-from serpenoid.diagnose.inference.names import PLAIN, VISIBLE, Kept, Key, Try, each_without, kept, trace
+from serpenoid.diagnose.inference.names import PLAIN, Kept, Key, Try, each_without, kept, trace
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
 from serpenoid.diagnose.inference.rules import PENALISED, Rule

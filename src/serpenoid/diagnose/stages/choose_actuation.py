@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.diagnose.data.noise import TICK
-from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
 from serpenoid.diagnose.stages.actuation import FOLLOWED, Attempt, attempts, fit_everywhere, followed, needed, slopes_of
@@ -19,7 +19,6 @@ from serpenoid.files.store import remembered
 
 AT_MOST = 7
 AT_REST = 0.1  # of a tick, from one reading to the next
-VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
-from serpenoid.diagnose.inference.finding import Named, Stage, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
-from serpenoid.diagnose.inference.names import VISIBLE, Refused, Try, trace
+from serpenoid.diagnose.inference.names import Refused, Try, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
@@ -154,13 +154,13 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
         if fitted.key == effect.key:
             break
         at += len(fitted.effect.parameters)
-    ends, bound = {}, []
+    ends, bound, usual = {}, [], deviations(found.motion, settled)
     for i, p in enumerate(fitted.effect.parameters):
         x, value = fitted.coordinates[i], fitted.parameters[p.name]
         held = value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical)
         if held:
             bound.append(p.name)
-        sd = float(deviations(found.motion, settled, hold=not held)[at + i])
+        sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
         half = QUANTILE * sd + RELATIVE * abs(x)
         ends[p.name] = interval(
             [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]

@@ -13,7 +13,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.finding import Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
@@ -37,7 +37,6 @@ AT_MOST = 7
 FULL_FITS = 6
 CONVERGED = 1e-4  # chi squared: the step that gains it is a hundredth of a standard deviation, the next far smaller
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
-VISIBLE = 1.6  # times the noise level: what is named, and what is spoken of when it is left
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 Key = tuple[str, int | None]
 

@@ -47,8 +47,8 @@ class Signal:
         whole = self.values[self.known]
         if len(whole) < 2:
             return False
-        size = whole.var(axis=0)
-        shared = ((whole[1:] - whole.mean(axis=0)) * (whole[:-1] - whole.mean(axis=0))).mean(axis=0)
+        away = whole - whole.mean(axis=0)
+        size, shared = (away**2).mean(axis=0), (away[1:] * away[:-1]).mean(axis=0)
         alike = shared > max(ALIKE, UNLIKELY / np.sqrt(len(whole))) * size
         return bool((alike | (size > MOVING * self.noise_variance)).any())
 
