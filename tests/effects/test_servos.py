@@ -56,3 +56,17 @@ def test_derivatives_are_those_of_the_angles(
 def test_a_stuck_joint_is_no_candidate(problem: Problem, setpoints: np.ndarray) -> None:
     with pytest.raises(ValueError, match="put it into the model"):
         servo_sensitivities(extended(problem), setpoints, TIMES, [typical("stuck_joint")])
+
+
+@pytest.mark.parametrize("name", ["servo_lag", "speed_saturation", "backlash"])
+def test_it_does_not_matter_into_how_many_rows_a_straight_line_is_cut(name: str, problem: Problem) -> None:
+    # quick strokes there and back: a servo meets its set-point, and is left behind, inside of rows
+    rows, times = np.array([0, 0.9, -1.1, 0.4, 0.5, -0.2, 1.3, 1.3]), np.array([0, 1, 1.7, 2.6, 4, 4.3, 6, 9.0])
+    often = np.union1d(np.linspace(0, 9, 1000), times)
+    model = extended(problem, ActiveEffect.typical(name, place_of(name)))
+    coarse, fine = (
+        realise(model, np.tile(np.interp(t, times, rows)[:, None], model.body.joint_count), t).angles
+        for t in (times, often)
+    )
+    np.testing.assert_allclose(fine[np.searchsorted(often, times)], coarse, atol=1e-12, rtol=0)  # 1000 roundings
+    assert np.abs(coarse[:, 2] - rows).max() > 0.01

@@ -12,13 +12,19 @@ SATURATED = (0.9, 0.7, 0.5, 0.3)  # of the quickest set-point: where fits begin
 
 
 class SpeedSaturation(ActuationEffect):
-    """The coordinate is 1 / max_speed. Sampled at the ends of the step: exact unless it catches up inside one."""
+    """The coordinate is 1 / max_speed. Exact for a set-point that is linear in time."""
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
-        """Go as far as the speed allows; written without the division by a coordinate of zero."""
-        wanted = after - angle
+        """Go as far as the speed allows; a set-point that is too quick is not followed once it is met, and a servo that
+        it comes towards turns round. Written without the division by a coordinate of zero."""
+        wanted, run = after - angle, after - before
         excess = ca.fmax(1.0, p.max_speed * ca.fabs(wanted) / duration)
-        return ca.if_else(excess > 1, angle + wanted / excess, after)
+        met = ca.if_else(excess > 1, angle + wanted / excess, after)
+        quick = p.max_speed * ca.fabs(run)
+        reach = ca.fabs(run) * duration / ca.fmax(quick, duration)
+        till = p.max_speed * ca.sign(run) * (angle - before) / (duration + quick)  # they meet, as a share of the step
+        passed = angle + ca.sign(run) * reach * ca.fmax(-1.0, ca.fmin(1.0, 1 - 2 * till))
+        return ca.if_else(quick > duration, passed, met)
 
     def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """Above the quickest set-point a saturation changes nothing."""
