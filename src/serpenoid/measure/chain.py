@@ -52,7 +52,16 @@ def marker_angles(body: Body, markers: Floats) -> Floats:
     """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where one is hidden."""
     edge, link = np.diff(markers, axis=1), link_of_edge(body)
     total = np.stack([edge[:, link == j].sum(axis=1) for j in range(link.max() + 1)], axis=1)
-    a, b = total[:, :-1], total[:, 1:]
+    return _turns(total)
+
+
+def bends(points: Floats) -> Floats:
+    """Angles (F, K - 2) between the successive stretches of a polygon with K corners (F, K, 2)."""
+    return _turns(np.diff(points, axis=1))
+
+
+def _turns(stretches: Floats) -> Floats:
+    a, b = stretches[:, :-1], stretches[:, 1:]
     cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
 

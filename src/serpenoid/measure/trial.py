@@ -14,25 +14,14 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate, estimate_about, estimate_chain
-from serpenoid.measure.clock import Offset, find_offset, interpolate
+from serpenoid.measure.clock import interpolate
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_jumps
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
+from serpenoid.measure.servo_alignment import MIN_CORRELATION, ServoAlignment, align_servo
 from serpenoid.measure.smooth import smooth_states
 
-QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
 SHORTEST_RUN = 8  # frames: less is no motion
-MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion
-
-
-@dataclass(frozen=True)
-class ServoAlignment:
-    """Servo log laid over the cameras: clock offset, per-joint zero (markers minus servo) and scatter [rad]."""
-
-    offset: Offset
-    joint_zero: Floats  # (m,)
-    sd: float
-    angles: Floats  # (F, m) on the frames, zero taken out; NaN outside the log
 
 
 @dataclass(frozen=True)
@@ -117,14 +106,23 @@ def build_motion(
     estimate = estimate_chain(body, markers)
     servo = None
     if log is not None:
-        servo, complaint = align_servo(estimate, time_s, log)
+        servo, complaint = align_servo(body, estimate, markers, time_s, log)
         notes += complaint
         if servo is not None:
-            estimate = estimate_chain(body, markers, servo.angles, servo.sd, estimate.marker_sd, estimate.determined)
+            sd = estimate.marker_sd if estimate.determined.any() else None
+            estimate = estimate_chain(body, markers, servo.angles, servo.sd, sd, estimate.determined)
     cuts = _cuts(estimate, time_s) if like is None else (like.gaps, like.jumps, like.runs)
     if not cuts[2]:
-        raise InputError(f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape.")
+        raise InputError(
+            f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape"
+            f"{_never_seen(markers)}. Where a servo log is given that fits them, three markers are enough."
+        )
     return _motion(body, time_s, markers, servo, estimate, cuts, labels), servo, notes
+
+
+def _never_seen(markers: Floats) -> str:
+    never = np.flatnonzero(~np.isfinite(markers[..., 0]).any(axis=0))
+    return f" (never seen: vertices {', '.join(str(k) for k in never)}, counted from the tail, 0)" if len(never) else ""
 
 
 def _cuts(estimate: ChainEstimate, time_s: Floats) -> tuple:
@@ -152,36 +150,6 @@ def _motion(
         time_s, markers, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
         known & first.determined, known & ~first.determined, first.marker_sd, *cuts, *labels,
     )  # fmt: skip
-
-
-def align_servo(estimate: ChainEstimate, time_s: Floats, log: ServoLog) -> tuple[ServoAlignment | None, list[str]]:
-    """Clock offset, joint zeros and scatter of a servo log against angles from markers alone."""
-    if log.position.shape[1] != estimate.joint_angles.shape[1]:
-        joints = estimate.joint_angles.shape[1]
-        return None, [f"servo log has {log.position.shape[1]} joints, the body {joints}: not used"]
-    offset = find_offset(time_s, estimate.joint_angles, log.time_s, log.position)
-    if offset is None or offset.correlation < MIN_CORRELATION:
-        seen = "no common motion" if offset is None else f"correlation {offset.correlation:.2f}"
-        return None, [f"servo log does not match the cameras ({seen}): not used"]
-    angles = interpolate(log.time_s + offset.offset_s, log.position, time_s)
-    difference = estimate.joint_angles - angles
-    zero = np.nanmedian(difference, axis=0)
-    sd = _servo_sd(difference - zero, np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2))
-    return ServoAlignment(offset, zero, sd, angles + zero), []
-
-
-def _servo_sd(difference: Floats, variance: Floats) -> float:
-    """Scatter of the servos' angles beyond the markers' own noise, no smaller than these data can tell.
-
-    One standard error is added: servos that agree with the markers within their noise are not thereby exact, and their
-    errors (rounding, interpolation between log rows, the zero itself) last longer than a frame.
-    """
-    both = np.isfinite(difference) & np.isfinite(variance)
-    weight = np.where(both, 1 / np.where(both, variance, 1.0) ** 2, 0.0)
-    excess = np.where(both, difference, 0.0) ** 2 - np.where(both, variance, 0.0)
-    scatter = (weight * excess).sum() / weight.sum()
-    unsure = np.sqrt(2 / both.sum()) / np.sqrt(weight.sum() / both.sum())
-    return float(np.sqrt(max(scatter, QUANTISATION_SD**2) + unsure))
 
 
 def schedule_start(

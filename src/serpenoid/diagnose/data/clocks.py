@@ -14,17 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.geometry import LEAST_MARKERS, bends, shapes
+from serpenoid.diagnose.data.geometry import LEAST_MARKERS, shapes
 from serpenoid.errors import InputError
+from serpenoid.measure.chain import bends
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN
 
 ITERATIONS = 5
 SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
-OFTEN = 0.5  # share of the frames that a marker must be seen in to be a corner of the polygon
-ALIKE = 0.5  # correlation of two records of one motion: other joints' motion has less
 SMOOTHED_S = 0.075  # of the readings' speed
 OUTLYING = 5.0  # robust standard deviations
 
@@ -56,7 +56,7 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
             f"the servo log ({np.ptp(log.time_s):.3g} s) and the recording ({np.ptp(camera):.3g} s) cannot be laid "
             "over each other: one of them is too short."
         )
-    if found.correlation < ALIKE:
+    if found.correlation < MIN_CORRELATION:
         raise InputError(
             f"the servo log and the cameras did not see the same motion (correlation {found.correlation:.2f}). "
             "A log of another trial, joints in another order or with another sign, or markers not tail first?"

@@ -25,13 +25,6 @@ def shapes(body: Body, angles: Floats) -> Floats:
     return np.asarray(points - centre[:, None])
 
 
-def bends(points: Floats) -> Floats:
-    """Angles (F, K - 2) between the successive stretches of a polygon with K corners (F, K, 2)."""
-    edge = np.diff(points, axis=1)
-    a, b = edge[:, :-1], edge[:, 1:]
-    return np.asarray(np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2)))
-
-
 def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:
     """Poses (F, 3) that carry points (F, N, 2) to visible markers by least squares, and residuals (F, N, 2).
 

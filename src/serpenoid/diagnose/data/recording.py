@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.clocks import ALIKE, Clock, align, start_on_log
+from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
 from serpenoid.diagnose.data.shape_in_time import PER_KNOT, Course, ShapeInTime, Source, fitted, spacing
 from serpenoid.diagnose.data.shapes_from_points import angles_shown
@@ -24,6 +24,7 @@ from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_f
 from serpenoid.measure.chain import marker_angles
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.servo_alignment import MIN_CORRELATION
 from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
 
 READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
@@ -255,7 +256,7 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
 
 def _start_by_shape(schedule: Schedule, time: Floats, angles: Floats) -> tuple[float, float]:
     found = start_by_shape(schedule, time, angles)
-    if found is None or found.correlation < ALIKE:
+    if found is None or found.correlation < MIN_CORRELATION:
         raise InputError(
             "nothing says when the motion began, and the joint table is not found in the recorded shapes. Another "
             "gait's table, joints in another order, or markers not tail first?"

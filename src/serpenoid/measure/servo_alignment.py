@@ -1,0 +1,102 @@
+"""A servo log laid over what the cameras saw: clock offset, zero of each joint, scatter.
+
+Legend: F frames, N vertices, m joints, R rows of the log.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Body
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.chain import ChainEstimate, bends, chain_vertices, marker_angles
+from serpenoid.measure.clock import Offset, find_offset, interpolate
+from serpenoid.measure.logs import ServoLog
+
+QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
+MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion: other joints' have less
+OFTEN = 0.5  # share of the frames that a marker must be seen in to be a corner of the polygon
+
+
+@dataclass(frozen=True)
+class ServoAlignment:
+    """Servo log laid over the cameras: clock offset, per-joint zero (markers minus servo) and scatter [rad]."""
+
+    offset: Offset
+    joint_zero: Floats  # (m,); 0 for joints that no frame shows
+    sd: float
+    angles: Floats  # (F, m) on the frames, zero taken out; NaN outside the log
+
+
+def align_servo(
+    body: Body, estimate: ChainEstimate, markers: Floats, time_s: Floats, log: ServoLog
+) -> tuple[ServoAlignment | None, list[str]]:
+    """Clock offset, joint zeros and scatter of a servo log against what markers (F, N, 2) alone show.
+
+    Where they do not show the whole chain, the clock is found by the bends of the polygon of those that are seen, and a
+    joint that they do not show keeps the log's zero (a vertex guessed from its neighbours has two mirror positions).
+    """
+    if log.position.shape[1] != body.joint_count:
+        return None, [f"servo log has {log.position.shape[1]} joints, the body {body.joint_count}: not used"]
+    corners = _corners(body, markers)
+    whole = len(corners) == body.joint_count + 2 and estimate.determined.mean() >= OFTEN
+    offset = (
+        find_offset(time_s, estimate.joint_angles, log.time_s, log.position)
+        if whole
+        else _offset_by_corners(body, corners, markers, time_s, log)
+    )
+    if offset is None or offset.correlation < MIN_CORRELATION:
+        seen = "no common motion" if offset is None else f"correlation {offset.correlation:.2f}"
+        return None, [f"servo log does not match the cameras ({seen}): not used"]
+    angles = interpolate(log.time_s + offset.offset_s, log.position, time_s)
+    shown = estimate.joint_angles if whole else marker_angles(body, markers)
+    zero, unseen = _zeros(shown - angles)
+    variance = np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2) if whole else None
+    sd = offset.rms if len(unseen) == body.joint_count else _servo_sd(shown - angles - zero, variance)
+    return ServoAlignment(offset, zero, sd, angles + zero), _remarks(unseen)
+
+
+def _corners(body: Body, markers: Floats) -> list[int]:
+    """Ends and joints whose markers are seen often."""
+    share = np.isfinite(markers[..., 0]).mean(axis=0)
+    return [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] >= OFTEN]
+
+
+def _offset_by_corners(body: Body, corners: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:
+    if len(corners) < 3:
+        return None
+    read = chain_vertices(body, np.zeros((len(log.time_s), 3)), log.position)
+    return find_offset(time_s, bends(markers[:, corners]), log.time_s, bends(read[:, corners]))
+
+
+def _zeros(difference: Floats) -> tuple[Floats, list[int]]:
+    """Medians of the columns (F, m), 0 where a column is never known, and which those are."""
+    known = np.asarray(np.isfinite(difference).any(axis=0))
+    zero = np.zeros(len(known))
+    zero[known] = np.nanmedian(difference[:, known], axis=0)
+    return zero, [int(k) for k in np.flatnonzero(~known)]
+
+
+def _remarks(unseen: list[int]) -> list[str]:
+    if not unseen:
+        return []
+    joints = ", ".join(str(k + 1) for k in unseen)
+    return [f"no frame shows joint {joints}: its angle is the servo log's, and whether its zero is right is not known"]
+
+
+def _servo_sd(difference: Floats, variance: Floats | None) -> float:
+    """Scatter of the servos' angles beyond the markers' own noise, no smaller than these data can tell.
+
+    One standard error is added: servos that agree with the markers within their noise are not thereby exact, and their
+    errors (rounding, interpolation between log rows, the zero itself) last longer than a frame. With the markers' own
+    noise unknown (variance None) it stays in.
+    """
+    variance = np.full_like(difference, QUANTISATION_SD**2) if variance is None else variance
+    both = np.isfinite(difference) & np.isfinite(variance)
+    weight = np.where(both, 1 / np.where(both, variance, 1.0) ** 2, 0.0)
+    excess = np.where(both, difference, 0.0) ** 2 - np.where(both, variance, 0.0)
+    scatter = (weight * excess).sum() / weight.sum()
+    unsure = np.sqrt(2 / both.sum()) / np.sqrt(weight.sum() / both.sum())
+    return float(np.sqrt(max(scatter, QUANTISATION_SD**2) + unsure))

@@ -1,0 +1,55 @@
+"""A servo log beside markers of which some are never seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rehearsal import serpenoid_table, snake
+from serpenoid.body import Body
+from serpenoid.errors import InputError
+from serpenoid.measure.chain import chain_vertices
+from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.trial import build_motion
+
+SD = 0.001  # of the markers [body lengths]
+CLOCK_S = 7.3  # cameras minus log
+HERTZ = 60.0
+
+
+def _trial() -> tuple[Body, np.ndarray, np.ndarray, np.ndarray, ServoLog]:
+    """Times (F,), joint angles (F, m), markers (F, N, 2) of three cycles, and the log on its own clock."""
+    body = snake().body
+    schedule = Schedule(serpenoid_table(50), 2.0, 3, 1.0, start_s=10.0)
+    time = np.arange(9.5, 18.5, 1 / HERTZ)
+    angles = schedule.commanded(time)
+    poses = np.stack([0.02 * time, 0.01 * np.sin(time), 0.1 * np.cos(time)], axis=1)
+    rng = np.random.default_rng(3)
+    markers = chain_vertices(body, poses, angles) + rng.normal(scale=SD, size=(len(time), body.vertices, 2))
+    at = np.arange(9.6, 18.4, 0.02)
+    log = ServoLog(at - CLOCK_S, schedule.commanded(at), None, None, None, None, {}, "servo.csv")
+    return body, time, angles, markers, log
+
+
+@pytest.mark.parametrize("never", [[0], [11], [5], [0, 4, 8]], ids=str)
+def test_joints_that_cameras_never_show_are_the_servos(never: list[int]) -> None:
+    body, time, angles, markers, log = _trial()
+    markers[:, never] = np.nan
+    motion, servo, notes = build_motion(body, time, markers, log, ((), ()))
+    assert servo is not None
+    assert servo.offset.offset_s == pytest.approx(CLOCK_S, abs=0.003)  # a fifth of a frame
+    inside = (time > 10.0) & (time < 18.0)
+    assert motion.measured[inside].mean() > 0.9
+    miss = (motion.joint_angles - angles)[inside]
+    # markers alone are off by sqrt(6) SD over a link of L / 11: 0.027 rad; servos know better
+    assert np.sqrt(np.nanmean(miss**2, axis=0)).max() < 0.027
+    shown = "joint " + ", ".join(str(j) for j in range(1, 11) if {j - 1, j, j + 1} & set(never)) + ":"
+    assert any(note.startswith(f"no frame shows {shown}") for note in notes)
+
+
+def test_without_a_log_a_tail_that_is_never_seen_is_named() -> None:
+    body, time, _, markers, _ = _trial()
+    markers[:, 0] = np.nan
+    with pytest.raises(InputError, match=r"never seen: vertices 0, counted from the tail.*Where a servo log"):
+        build_motion(body, time, markers, None, ((), ()))
