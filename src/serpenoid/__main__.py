@@ -31,6 +31,7 @@ def entry() -> None:
         code = stopped()
     if heard:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # or Ctrl-C as Python ends changes the exit code
+    exec("")  # forgets a Ctrl-C that came as a dataclass was made: Python would send it to itself once more as it ends
     sys.exit(code)
 
 

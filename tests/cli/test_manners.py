@@ -173,6 +173,18 @@ def test_ctrl_c_and_sigterm_alike_end_a_search_with_what_there_is(
     assert signal.getsignal(number) is before
 
 
+def test_ctrl_c_inside_generated_code_has_the_usual_exit_code(tmp_path: Path) -> None:
+    """Of `python -m`: Python remembers an interrupt of `exec`, as dataclasses use it, though it was handled."""
+    (tmp_path / "interrupted.py").write_text(
+        "import serpenoid.cli.main as cli\nfrom serpenoid.__main__ import entry\n"
+        "def main():\n    try:\n        exec('raise KeyboardInterrupt')\n    except KeyboardInterrupt:\n"
+        "        return cli.stopped()\ncli.main = main\nentry()\n"
+    )
+    words = [sys.executable, "-m", "interrupted"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stderr) == (130, "serpenoid: stopped.\n")
+
+
 def test_what_is_found_after_the_file_was_read_names_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["solve", str(PROBLEMS / "sidewinding.toml"), "--ladder", "--out", str(tmp_path)]
     assert main(words) == 2
