@@ -64,8 +64,29 @@ def test_cycles_tell_chance_from_an_error_that_every_cycle_has() -> None:
     assert len(differences) == 6 * 4 * PHASES
     np.testing.assert_allclose(noise.playing, NOISE, rtol=0.2)  # 192 differences, each shared by two: 6 % is one SD
     motion = cast(Motion, SimpleNamespace(tracks=tuple(tracks), noise=noise))
-    assert repeatable(motion, left)[0] > 10  # 1 + 2 (4/1)^2 = 33
-    assert repeatable(motion, [x - s for x, s in zip(left, shared, strict=True)])[0] == pytest.approx(1, abs=0.3)
+    assert repeatable(motion, left).ratio > 10  # 1 + 2 (4/1)^2 = 33
+    assert repeatable(motion, [x - s for x, s in zip(left, shared, strict=True)]).ratio == pytest.approx(1, abs=0.3)
+
+
+@pytest.mark.parametrize(("cycles", "shared"), [(2, 1.3), (12, 0.7)])
+def test_something_repeats_no_more_often_than_stated_on_chance_that_neighbours_share(
+    cycles: int, shared: float
+) -> None:
+    """shared: of what repeats, over chance, that a campaign so long tells nearly always."""
+    rng = np.random.default_rng(1)
+    tracks = [track(gait, cycles) for gait in "aabb"]
+    ends = np.arange(len(tracks[0].phase) + 1)
+    motion = cast(
+        Motion, SimpleNamespace(tracks=tuple(tracks), noise=SimpleNamespace(of=lambda t: np.ones((len(t.phase), 3))))
+    )
+
+    def news(size: float) -> bool:
+        same = [size * rng.normal(size=(len(ends) - 1, 3)) for _ in "ab"]
+        poses = rng.normal(size=(4, len(ends), 3)) / np.sqrt(2)  # of markers: a window has the noise of both its ends
+        return repeatable(motion, [np.diff(p, axis=0) + same[i // 2] for i, p in enumerate(poses)]).news
+
+    assert sum(news(0.0) for _ in range(60)) <= 1  # 1 % of 60
+    assert sum(news(shared) for _ in range(20)) >= 18
 
 
 def test_two_effects_that_hide_one_another_are_found_though_nothing_was_played_twice(tmp_path: Path) -> None:

@@ -57,6 +57,12 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
     return noise, moved
 
 
+def noise_uncertain(tracks: Sequence[Track]) -> float:
+    """Standard deviation of the logarithm of a noise level: told by as many windows as were played again, or are."""
+    told = sum(len(r.here) for r in repeats(tracks)) or sum(len(t.usable) for t in tracks)
+    return float(1 / np.sqrt(2 * max(told, 1)))
+
+
 def _finite(parts: Sequence[Floats]) -> Floats:
     joined = np.concatenate(parts)
     return np.asarray(joined[np.isfinite(joined).all(axis=1)])

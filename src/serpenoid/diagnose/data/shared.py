@@ -1,44 +1,75 @@
-"""What repeats share of the residuals: noise of shapes, a little of which is alike in repeats, or else a discrepancy.
+"""What repeats share of the residuals: chance, or else a discrepancy.
 
 With m the mean and d the difference of two repeats' residuals, the ratio 4 sum m^2 / sum d^2 is 1 if only chance is
-left. What the baseline is in doubt about repeats, too, and is no news.
+left, and exceeds a quantile of Fisher's F with a stated probability. How many numbers the residuals are worth, the
+fourth moment of d tells: directions, settings and pauses differ in noise. Neighbouring windows have a pose in common,
+so that at most half of their noise is the same. What the baseline is in doubt about repeats, too, and is no news.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import largest_ratio
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
 
-RATIO = 2.0  # repeatable over unrepeatable: on nothing 1 +- 0.2, and noise of shapes repeats a little
+GAUSSIAN = 3.0  # fourth moment over the squared second
+COMMON = 1 + 2 * 0.5**2  # variance of a sum of products over that of unlike ones: neighbours correlate by -1/2 at most
 
 
-def repeatable(motion: Motion, left: Sequence[Floats]) -> tuple[float, Floats]:
-    """Ratio over all windows and components, and by component (3,).
+@dataclass(frozen=True)
+class Shared:
+    """Ratio over all windows and components, and by component (3,); chance: the largest ratio that chance makes."""
+
+    ratio: float = 1.0
+    by: Floats = field(default_factory=lambda: np.ones(3))
+    chance: float = np.inf
+
+    @property
+    def news(self) -> bool:
+        """Whether more is shared than chance makes."""
+        return self.ratio > self.chance
+
+
+def repeatable(motion: Motion, left: Sequence[Floats]) -> Shared:
+    """What repeats share of residuals (W, 3) of each track.
 
     Where tracks bring their own noise nothing is repeated: mean squares in units of that noise.
     """
     own = [x / motion.noise.of(t) for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
-    if own:
-        by = np.nanmean(np.concatenate(own) ** 2, axis=0)
-        return float(by.mean()), by
-    top, bottom = np.zeros(3), np.zeros(3)
+    return _beyond(own) if own else _shared(motion, left)
+
+
+def _beyond(white: Sequence[Floats]) -> Shared:
+    """Of residuals (W, 3) of each track in units of their noise."""
+    squares = np.concatenate(white) ** 2
+    count = int(np.isfinite(squares).sum())
+    return Shared(float(np.nanmean(squares)), np.nanmean(squares, axis=0), largest_ratio(count))
+
+
+def _shared(motion: Motion, left: Sequence[Floats]) -> Shared:
+    top, bottom, fourth = np.zeros(3), np.zeros(3), 0.0
     for repeat in repeats(motion.tracks):
         track, (one, other) = motion.tracks[repeat.one], repeat.both(left)
         noise = motion.noise.of(track)[repeat.here]
         doubt = np.broadcast_to(track.doubt, track.displacement.shape)[repeat.here] / noise
         m, d = (one + other) / noise, (one - other) / noise
+        known = np.isfinite(d)
         top += np.nansum(m**2, axis=0)
-        bottom += np.nansum(d**2 + np.where(np.isfinite(d), 2 * doubt, 0.0) ** 2, axis=0)
+        bottom += np.nansum(d**2 + np.where(known, 2 * doubt, 0.0) ** 2, axis=0)
+        fourth += float(np.nansum(d**4))
     if not bottom.any():
-        return 1.0, np.ones(3)
-    return float(top.sum() / bottom.sum()), np.divide(top, bottom, out=np.ones(3), where=bottom > 0)
+        return Shared()
+    ratio, by = top.sum() / bottom.sum(), np.divide(top, bottom, out=np.ones(3), where=bottom > 0)
+    degrees = GAUSSIAN * float(bottom.sum()) ** 2 / fourth / COMMON if fourth > 0 else 0.0
+    return Shared(float(ratio), by, largest_ratio(degrees))
 
 
 def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
@@ -47,7 +78,7 @@ def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
     m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2.
     """
     left = residuals(motion.tracks, predictions)
-    if repeatable(motion, left)[0] <= RATIO:
+    if not repeatable(motion, left).news:
         return 0.0
     squares = [x**2 - motion.noise.of(t) ** 2 for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
     for repeat in [] if squares else repeats(motion.tracks):

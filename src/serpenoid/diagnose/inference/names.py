@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.inference.discrepancy import outdone
@@ -33,7 +34,6 @@ from serpenoid.diagnose.inference.ranking import needed
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.parallel import in_processes
 
-NORMAL = 1.96  # standard deviations: 95 %
 PLAIN = VISIBLE**2  # chi squared per number: as much in the windows
 Key = tuple[str, int | None]
 

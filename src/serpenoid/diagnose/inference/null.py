@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.inference.evidence import SILENT, Evidence
 
-ERROR = 0.01  # false alarms a search: stated
 DRAWS = 2000
 COLLINEAR = 1e-6  # of a column's square: what the fit's own columns leave of it says nothing
 

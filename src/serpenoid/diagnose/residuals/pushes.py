@@ -16,13 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import LEFT
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import FEW
 from serpenoid.diagnose.data.paths import apart
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
 
-DRAWS, ERROR = 300, 0.01
+DRAWS = 300
 CLEAR = 5.0  # standard deviations: noise is only about normal
 MEDIAN = 0.6745  # of |x| of a normal variable
 MANY = 24  # numbers: a median of these is good to a fifth
@@ -77,7 +78,7 @@ def pushed(motion: Motion, left: Sequence[Floats]) -> list[tuple[int, int, Float
     if sizes.max() <= CLEAR:
         return []
     drawn = found.measured(np.random.default_rng(0).normal(size=(DRAWS, *found.values.shape))).max(axis=(1, 2))
-    rows = np.flatnonzero(sizes > max(CLEAR, np.quantile(drawn, 1 - ERROR)))
+    rows = np.flatnonzero(sizes > max(CLEAR, np.quantile(drawn, 1 - LEFT)))
     return [(int(found.track[i]), int(found.window[i]), np.sqrt(2) * found.values[i]) for i in rows]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.shared import RATIO, repeatable
+from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.residuals.pushes import pushed, trace
 
@@ -28,12 +28,12 @@ def pattern(
     """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause;
     visible_m: the smallest trace in a path that is spoken of."""
     left = residuals(motion.tracks, predictions)
-    ratio, by = repeatable(motion, left)
+    shared = repeatable(motion, left)
     words = []
-    if ratio > RATIO:
-        worst = int(by.argmax())
+    if shared.news:
+        worst = int(shared.by.argmax())
         verb = "is" if motion.tracks[0].noise is not None else "repeats:"
-        words.append(f"what is left {verb} {ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
+        words.append(f"what is left {verb} {shared.ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _when(motion, left, worst)
         words += _where(motion, left)
     if path > chance:

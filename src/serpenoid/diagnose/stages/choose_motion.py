@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import SYSTEMATIC, largest_factor
 from serpenoid.diagnose.data.motion import Motion, Noise
+from serpenoid.diagnose.data.noise import noise_uncertain
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_draws, path_error
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
@@ -34,9 +36,6 @@ GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
 QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
-CERTAIN = 3.5  # standard deviations of the logarithm of a path RMS that chance makes
-NOISE_UNCERTAIN = 0.06  # standard deviation of the logarithm of a noise level that is itself estimated from repeats
-SYSTEMATIC = 1.15  # noise of shapes, alike in all trials of a gait
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,7 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     motion, predictions = found.motion, found.settled.predictions
     after_m = path_error(motion, predictions, mend)
     draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
-    chance = float(np.exp(CERTAIN * np.hypot(draws.std(), NOISE_UNCERTAIN)))
+    chance = largest_factor(float(np.hypot(draws.std(), noise_uncertain(motion.tracks))))
     visible_m = VISIBLE * found.noise_level_m
     return pattern(motion, predictions, after_m / found.noise_level_m, chance, visible_m)
 

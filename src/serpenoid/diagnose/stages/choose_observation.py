@@ -10,12 +10,13 @@ import numpy as np
 from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
-from serpenoid.diagnose.inference.null import ERROR, Scored, largest_by_chance
+from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.marker_evidence import (
     Sample,

@@ -17,11 +17,11 @@ import numpy as np
 from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
 from serpenoid.diagnose.data.observation import Observation, across, column_count
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.null import ERROR
 from serpenoid.measure.chain import link_of_edge, marker_angles
 
 FRAMES_PER_TRIAL = 250

@@ -1,0 +1,22 @@
+"""The stated errors, and what chance alone makes at these: whatever is held against chance is held against them."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import fdtri, ndtri
+
+ERROR = 0.01  # false alarms of a test: stated
+LEFT = ERROR / 3  # of each way to ask whether chance is all that is left: what repeats share, where paths end, pushes
+NORMAL = 1.96  # standard deviations that an interval reaches: 95 %, stated
+SYSTEMATIC = 1.15  # noise of shapes, a little of which is alike in all trials of a gait, beside what repeats tell
+
+
+def largest_ratio(degrees: float) -> float:
+    """Ratio that two mean squares of so many numbers each exceed by chance with probability LEFT (Fisher's F), where
+    the one holds the noise of shapes that is alike in repeats."""
+    return SYSTEMATIC**2 * float(fdtri(degrees, degrees, 1 - LEFT)) if degrees > 0 else np.inf
+
+
+def largest_factor(deviation: float) -> float:
+    """The same of an RMS beside the noise level, whose logarithm is about normal with this deviation."""
+    return SYSTEMATIC * float(np.exp(ndtri(1 - LEFT) * deviation))
