@@ -10,13 +10,9 @@ import argparse
 import difflib
 import importlib
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
 
 import serpenoid
 from serpenoid import interrupts
@@ -81,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         logging = log.begin(args, words)
     except InputError as error:
         return _complain(str(error), 2)
-    with logging, _noted_interrupts() as interrupted:
+    with logging, interrupts.listening() as interrupted:
         return log.ended(_run(args, interrupted))
 
 
@@ -116,34 +112,6 @@ def _located(message: str, args: argparse.Namespace) -> str:
     """What begins with a section of the problem file, found after it was read, names the file too."""
     file = getattr(args, "problem", None)
     return f"{file}: {message}" if message.startswith("[") and isinstance(file, str) else message
-
-
-@contextmanager
-def _noted_interrupts() -> Iterator[list[int]]:
-    """A list that is no longer empty once Ctrl-C was pressed: inside CasADi it surfaces as some other exception.
-
-    SIGTERM, with which schedulers and shutdowns end programs, is heard like Ctrl-C; children of this process die of it.
-    """
-    interrupted, owner = interrupts.noted, os.getpid()
-    interrupted.clear()
-
-    def note(number: int, _frame: FrameType | None) -> None:
-        if number == signal.SIGTERM and os.getpid() != owner:
-            signal.signal(number, signal.SIG_DFL)
-            os.kill(os.getpid(), number)
-        interrupted.append(number)
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupted
-        return
-    heard = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN]
-    previous = {number: signal.signal(number, note) for number in heard}
-    try:
-        yield interrupted
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, handler)
 
 
 def _complain(message: str, code: int) -> int:
