@@ -10,8 +10,9 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.measure.chain import chain_vertices, estimate_about, estimate_chain
+from serpenoid.measure.chain import estimate_about, estimate_chain
 from serpenoid.measure.clock import find_offset
+from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.quality import find_gaps, find_jumps
 from serpenoid.measure.relabel import label_vertices
 from serpenoid.measure.schedule import Schedule, start_by_shape

@@ -8,7 +8,7 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.measure.chain import chain_vertices
+from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.trial import build_motion

@@ -15,7 +15,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.compare.linearise import relative_poses
 from serpenoid.files.store import remember
-from serpenoid.measure.chain import chain_vertices
+from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion, Passage, Trial
 from serpenoid.measure.usage import whole_pieces

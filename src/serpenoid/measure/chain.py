@@ -17,6 +17,7 @@ from scipy.special import gammainc, gammaincinv
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.links import link_directions, link_of_edge, vertices_by_links
 
 Flags = NDArray[np.bool_]
 ITERATIONS = 60
@@ -40,30 +41,6 @@ class ChainEstimate:
     determined: Flags  # (F,)
     marker_sd: float  # [body lengths], from the misfit of the rigid links
     marker_residual: Floats  # (F, N, 2), NaN where hidden
-
-
-def link_of_edge(body: Body) -> NDArray[np.int64]:
-    """Which rigid link each edge belongs to, shape (N - 1,)."""
-    is_joint = np.isin(np.arange(1, body.vertices - 1), body.joint_vertices)
-    return np.concatenate([[0], np.cumsum(is_joint)]).astype(np.int64)
-
-
-def marker_angles(body: Body, markers: Floats) -> Floats:
-    """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where one is hidden."""
-    edge, link = np.diff(markers, axis=1), link_of_edge(body)
-    total = np.stack([edge[:, link == j].sum(axis=1) for j in range(link.max() + 1)], axis=1)
-    return _turns(total)
-
-
-def bends(points: Floats) -> Floats:
-    """Angles (F, K - 2) between the successive stretches of a polygon with K corners (F, K, 2)."""
-    return _turns(np.diff(points, axis=1))
-
-
-def _turns(stretches: Floats) -> Floats:
-    a, b = stretches[:, :-1], stretches[:, 1:]
-    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
 
 
 def estimate_chain(
@@ -111,7 +88,7 @@ def estimate_about(
     are hidden the covariance is large instead of the frame missing: the time grid stays whole.
     """
     weight = None if servo is None or servo_sd is None else (marker_sd / servo_sd) ** 2
-    unknowns = _unknowns(body, poses, joint_angles)
+    unknowns = link_directions(body, poses, joint_angles)
     _, information, gradient, _ = _normal(body, vertices, servo, weight, unknowns)
     information = information + (marker_sd / VAGUE_SD) ** 2 * np.eye(unknowns.shape[1])
     moved = unknowns + np.linalg.solve(information, gradient[..., None])[..., 0]
@@ -150,7 +127,7 @@ def _normal(
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Cost (F,), information, gradient and marker residuals at `unknowns`."""
     seen = np.asarray(np.isfinite(vertices).all(axis=2))
-    points, jacobian = _vertices(body, unknowns)
+    points, jacobian = vertices_by_links(body, unknowns)
     residual = np.where(seen[..., None], vertices - points, 0.0)
     masked = np.where(seen[..., None, None], jacobian, 0.0).reshape(len(vertices), -1, unknowns.shape[1])
     information = np.swapaxes(masked, 1, 2) @ masked
@@ -164,26 +141,6 @@ def _normal(
         gradient[:, 2:] += weight * miss @ bend
         cost = cost + weight * (miss**2).sum(axis=1)
     return cost, information, gradient, residual
-
-
-def _vertices(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
-    """Vertices (F, N, 2) and their Jacobian (F, N, 2, 2 + L)."""
-    link, n = link_of_edge(body), body.vertices
-    psi = unknowns[:, 2:]
-    unit = np.stack([np.cos(psi), np.sin(psi)], axis=2)[:, link] * body.edges[:, None]
-    reach = _reach(body)  # (N, N - 1): how much of edge j lies between centroid and vertex k
-    points = unknowns[:, None, :2] + np.einsum("kj,fji->fki", reach, unit)
-    normal = np.stack([-unit[..., 1], unit[..., 0]], axis=2)
-    jacobian = np.zeros((len(psi), n, 2, unknowns.shape[1]))
-    jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
-    for j, its_link in enumerate(link):
-        jacobian[..., 2 + its_link] += reach[None, :, j, None] * normal[:, None, j]
-    return points, jacobian
-
-
-def _reach(body: Body) -> Floats:
-    behind = np.tril(np.ones((body.vertices, body.vertices - 1)), -1)
-    return behind - body.vertex_weights @ behind
 
 
 def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
@@ -202,7 +159,7 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     psi = _fill_by_bends(psi, np.stack([_fill_in_time(column) for column in bends.T], axis=1))
     psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
     unknowns = np.concatenate([np.zeros((len(psi), 2)), _within_half_a_turn(psi)], axis=1)
-    shape, _ = _vertices(body, unknowns)
+    shape, _ = vertices_by_links(body, unknowns)
     with np.errstate(invalid="ignore"):
         seen = np.isfinite(vertices)
         offset = np.where(seen, vertices - shape, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
@@ -281,22 +238,8 @@ def _assemble(
     covariance = sd**2 * to_state @ np.linalg.inv(safe) @ to_state.T
     poses, angles = state[:, :3].copy(), state[:, 3:].copy()
     poses[determined, 2] = np.unwrap(poses[determined, 2])
-    points, _ = _vertices(body, unknowns)
+    points, _ = vertices_by_links(body, unknowns)
     for values in (poses, angles, covariance, points):
         values[~determined] = np.nan
     hidden = np.where(residual == 0.0, np.nan, residual)
     return ChainEstimate(poses, angles, covariance, points, determined, sd, hidden)
-
-
-def chain_vertices(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
-    """Vertices (R, N, 2) of poses (R, 3) and joint angles (R, m)."""
-    points, _ = _vertices(body, _unknowns(body, poses, joint_angles))
-    return points
-
-
-def _unknowns(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
-    """Centroid and link directions of poses and joint angles, shape (R, 2 + L)."""
-    share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
-    psi = np.concatenate([np.zeros((len(poses), 1)), np.cumsum(joint_angles, axis=1)], axis=1)
-    psi += (poses[:, 2] - psi @ share)[:, None]
-    return np.concatenate([poses[:, :2], psi], axis=1)

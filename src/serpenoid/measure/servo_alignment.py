@@ -11,8 +11,9 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.chain import ChainEstimate, bends, chain_vertices, marker_angles
+from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate
+from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import ServoLog
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks

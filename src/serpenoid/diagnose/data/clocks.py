@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, shapes
 from serpenoid.errors import InputError
-from serpenoid.measure.chain import bends
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
+from serpenoid.measure.links import bends
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
-from serpenoid.measure.chain import link_of_edge
+from serpenoid.measure.links import link_of_edge
 
 LEAST_MARKERS = 3  # two fix a pose, a third says how well
 GYRATION = 0.29  # of a straight rod, body lengths

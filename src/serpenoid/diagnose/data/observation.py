@@ -15,7 +15,7 @@ from serpenoid.diagnose.data import views
 from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.effects.base import Marks
 from serpenoid.effects.catalogue import catalogue, find, places, view_effects
-from serpenoid.measure.chain import link_of_edge
+from serpenoid.measure.links import link_of_edge
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from serpenoid.diagnose.data.shapes_from_points import angles_shown
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
-from serpenoid.measure.chain import marker_angles
 from serpenoid.measure.consistency.claims import believe
+from serpenoid.measure.links import marker_angles
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION
 from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files

@@ -18,7 +18,8 @@ from scipy.interpolate import CubicSpline
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import filled, register, shapes
 from serpenoid.errors import InputError
-from serpenoid.measure.chain import estimate_chain, marker_angles
+from serpenoid.measure.chain import estimate_chain
+from serpenoid.measure.links import marker_angles
 from serpenoid.measure.smooth import WINDOWS, smooth, smoother
 
 

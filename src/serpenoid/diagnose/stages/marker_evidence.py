@@ -22,7 +22,7 @@ from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
 from serpenoid.diagnose.data.observation import Observation, across, column_count
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.measure.chain import link_of_edge, marker_angles
+from serpenoid.measure.links import link_of_edge, marker_angles
 
 FRAMES_PER_TRIAL = 250
 AVERAGED_S = 0.09  # markers are looked at over this time: as the poses at a window's ends are

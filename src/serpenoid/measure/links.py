@@ -1,0 +1,71 @@
+"""A chain of rigid links in numbers: vertices from link directions, joint angles from vertices.
+
+Unknowns of a frame: the weighted centroid c and the direction psi_l of every rigid link; vertices
+p_k = c + sum_j (e_j' u(psi_l(j))). Legend: F frames, N vertices, L = m + 1 links, m joints; lengths in body lengths.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.body import Body
+from serpenoid.measure.cells import Floats
+
+
+def link_of_edge(body: Body) -> NDArray[np.int64]:
+    """Which rigid link each edge belongs to, shape (N - 1,)."""
+    is_joint = np.isin(np.arange(1, body.vertices - 1), body.joint_vertices)
+    return np.concatenate([[0], np.cumsum(is_joint)]).astype(np.int64)
+
+
+def marker_angles(body: Body, markers: Floats) -> Floats:
+    """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where one is hidden."""
+    edge, link = np.diff(markers, axis=1), link_of_edge(body)
+    total = np.stack([edge[:, link == j].sum(axis=1) for j in range(link.max() + 1)], axis=1)
+    return _turns(total)
+
+
+def bends(points: Floats) -> Floats:
+    """Angles (F, K - 2) between the successive stretches of a polygon with K corners (F, K, 2)."""
+    return _turns(np.diff(points, axis=1))
+
+
+def _turns(stretches: Floats) -> Floats:
+    a, b = stretches[:, :-1], stretches[:, 1:]
+    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
+
+
+def chain_vertices(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
+    """Vertices (R, N, 2) of poses (R, 3) and joint angles (R, m)."""
+    points, _ = vertices_by_links(body, link_directions(body, poses, joint_angles))
+    return points
+
+
+def link_directions(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
+    """Centroid and link directions of poses and joint angles, shape (R, 2 + L)."""
+    share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
+    psi = np.concatenate([np.zeros((len(poses), 1)), np.cumsum(joint_angles, axis=1)], axis=1)
+    psi += (poses[:, 2] - psi @ share)[:, None]
+    return np.concatenate([poses[:, :2], psi], axis=1)
+
+
+def vertices_by_links(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
+    """Vertices (F, N, 2) and their Jacobian (F, N, 2, 2 + L)."""
+    link, n = link_of_edge(body), body.vertices
+    psi = unknowns[:, 2:]
+    unit = np.stack([np.cos(psi), np.sin(psi)], axis=2)[:, link] * body.edges[:, None]
+    reach = _reach(body)  # (N, N - 1): how much of edge j lies between centroid and vertex k
+    points = unknowns[:, None, :2] + np.einsum("kj,fji->fki", reach, unit)
+    normal = np.stack([-unit[..., 1], unit[..., 0]], axis=2)
+    jacobian = np.zeros((len(psi), n, 2, unknowns.shape[1]))
+    jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
+    for j, its_link in enumerate(link):
+        jacobian[..., 2 + its_link] += reach[None, :, j, None] * normal[:, None, j]
+    return points, jacobian
+
+
+def _reach(body: Body) -> Floats:
+    behind = np.tril(np.ones((body.vertices, body.vertices - 1)), -1)
+    return behind - body.vertex_weights @ behind
