@@ -143,7 +143,7 @@ def test_derivatives_of_a_path_are_those_of_the_simulation(
         assert motion.status.ok
         return motion.poses
 
-    np.testing.assert_array_equal(found.trajectory.poses, path(extended(problem, *effects)))
+    np.testing.assert_array_equal(found.poses, path(extended(problem, *effects)))
     for i in range(3):
         high, low = (path(extended(problem, *effects), start + x * np.eye(3)[i]) for x in (STEP, -STEP))
         np.testing.assert_allclose(found.by_start[..., i], (high - low) / (2 * STEP), atol=1e-6)

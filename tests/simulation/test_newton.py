@@ -7,10 +7,13 @@ import pytest
 
 from serpenoid import group
 from serpenoid.body import Floats
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.mechanics.substitution import banded, substituted
 from serpenoid.model import Model
 from serpenoid.simulation.balance import solve_balance
-from serpenoid.simulation.chain import solve_chain
+from serpenoid.simulation.chain import Chain, solve_chain, solve_chains
 from serpenoid.simulation.inertia import carried, coefficients, matrix
+from serpenoid.simulation.law import MediumNumbers
 from serpenoid.simulation.newton import State, implicit_derivative, newton, solution
 from serpenoid.simulation.steps import TOLERANCE, shape_rows, solve_steps
 from specimens import reference, serpenoid_table, uneven
@@ -50,7 +53,7 @@ def pulled(loads: Floats, ages: int) -> tuple[Floats, State]:
         residual = (1 + (x**2).sum(1))[:, None] * x - behind / 2 - loads[steps]
         return State(residual, slopes, (x.sum(1),))
 
-    return newton(equations, np.zeros_like(loads), together=len(loads) if ages > 1 else 1)
+    return newton(equations, np.zeros_like(loads), np.array([len(loads)]) if ages > 1 else None)
 
 
 @pytest.mark.parametrize("ages", [1, 2])
@@ -85,6 +88,36 @@ def test_a_singular_system_is_a_short_step_alone_and_none_in_a_chain() -> None:
     right = np.ones((2, 3, 1))
     np.testing.assert_array_equal(solution(np.zeros((1, 2, 3, 3)), right), right)
     np.testing.assert_array_equal(solution(np.zeros((2, 2, 3, 3)), right), 0.0)
+
+
+def test_forward_substitution_is_the_banded_solution_chain_by_chain() -> None:
+    rng = np.random.default_rng(1)
+    slopes, right, chains = rng.normal(size=(4, 9, 3, 3)), rng.normal(size=(9, 3, 2)), np.array([5, 1, 3])
+    slopes[0] += 5 * np.eye(3)  # far from singular: rounding is all that differs
+    slopes[0, 5] = 0.0  # the chain of one step is singular
+    found = substituted(slopes, right, chains)
+    for part in (slice(0, 5), slice(5, 6), slice(6, 9)):
+        np.testing.assert_allclose(found[part], banded(slopes[:, part], right[part]), rtol=1e-12, atol=1e-13)
+    assert not found[5].any()
+
+
+def test_motions_side_by_side_are_those_alone() -> None:
+    """Two bodies with momentum, one of which begins in motion; windows of different lengths."""
+    plain = reference()
+    model = Model(plain.body, plain.medium, (ActiveEffect.of("inertia", relaxation_time=0.05),))
+    table = serpenoid_table(model, 20)
+    _, elements = shape_rows(model, np.concatenate([table, table[:1]]))
+    m, motions = model.structure.elements, []
+    for rows, start in ((21, np.zeros((1, 3))), (13, group.accumulate(np.full((2, 3), 0.01)))):
+        times, every = np.linspace(0, 1, rows), elements[:, : m * rows]
+        law, spans = MediumNumbers.of(model), np.column_stack([times[:-1], times[1:]])
+        chain = Chain.of(law, every[:, :-m], every[:, m:], spans, coefficients(times))
+        motions.append((chain, start, np.zeros((rows - 1, 3))))
+    together = solve_chains(model, *zip(*motions, strict=True))
+    for motion, found in zip(motions, together, strict=True):
+        alone = solve_chains(model, *([part] for part in motion))[0]
+        assert found.sound.all()
+        np.testing.assert_allclose(found.relative, alone.relative, atol=SAME)
 
 
 def test_impulses_are_the_matrix_of_the_nlp_and_sum_to_the_last_momentum() -> None:

@@ -25,32 +25,25 @@ def solve_independent(model: Model, before: Floats, after: Floats, times: Floats
     return solve_balance(model, before, after, spans, np.zeros_like(guess), guess)
 
 
-def solve_extended(
-    model: Model, elements: Floats, times: Floats, start: Floats | None = None, near: Floats | None = None
-) -> Steps:
+def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None = None) -> Steps:
     """Relative poses of a sequence of shapes: elements (4, M R) at `times` (R,) [s], first pose `start` on the floor.
 
     With inertia the body is at rest before the first row. `start` (K + 1, 3): it is moving already, and these are its
     first poses; where a model knows place or history its first K steps are these, and their momentum is carried on.
-    near (R - 1, 3): relative poses of a model much like this one, where the search begins if steps need those before.
     """
     m = model.structure.elements
     before, after = elements[:, :-m], elements[:, m:]
     known = np.zeros((1, 3)) if start is None else np.atleast_2d(np.asarray(start, float))
-    if near is not None and _in_order(model):
-        steps = solve_chain(model, before, after, times, known, near)
-        if steps.sound.all():
-            return steps
     guess = solve_steps(model, before, after).relative
     guess = np.where(np.isfinite(guess), guess, 0.0)
     starts = group.accumulate(guess, known[0])[:-1]
     steps = solve_balance(model, before, after, np.column_stack([times[:-1], times[1:]]), starts, guess)
-    if not _in_order(model):
+    if not in_order(model):
         return steps
     near = np.where(steps.sound[:, None], steps.relative, guess)
     return solve_chain(model, before, after, times, known, near)
 
 
-def _in_order(model: Model) -> bool:
+def in_order(model: Model) -> bool:
     """Whether steps need those before them."""
     return model.knows("place") or model.knows("history")

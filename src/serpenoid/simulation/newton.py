@@ -3,10 +3,11 @@
     r_i(x_i, x_{i-1}, .., x_{i-K+1}; theta) = 0,   slopes[k, i] = d r_i / d x_{i-k}
     dx = -A^{-1} r,   dx / dtheta = -A^{-1} dr / dtheta        (implicit function theorem: the same system)
 
-A is block-banded: of steps that do not know each other K is 1, each has a damping of its own and leaves when it is
-done; of a chain (place, momentum) all steps are damped together. Equations are the only difference.
+A is block-banded: of steps that do not know each other K is 1; of a chain (place, momentum) each step knows those
+before. Every chain (or step alone) has a damping of its own and leaves when it is done. Equations are the only
+difference.
 
-Legend: S steps, n some of them, d unknowns of a step (3 in the plane, 6 in space), P parameters.
+Legend: S steps in G chains, n some of them, d unknowns of a step (3 in the plane, 6 in space), P parameters.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, solve_banded
 
 from serpenoid.body import Floats
+from serpenoid.mechanics.substitution import substituted
 
 TOLERANCE = 1e-12  # of a root's residual
 ITERATIONS = 60
@@ -53,54 +54,62 @@ Equations = Callable[[Floats, np.ndarray], State]  # unknowns (n, d), numbers of
 
 
 def newton(
-    equations: Equations, guess: Floats, together: int = 1, tolerance: float = TOLERANCE / 10
+    equations: Equations, guess: Floats, chains: np.ndarray | None = None, tolerance: float = TOLERANCE / 10
 ) -> tuple[Floats, State]:
-    """Unknowns (S, d) and the state there, from a guess; `together` successive steps share their damping.
+    """Unknowns (S, d) and the state there, from a guess; chains (G,): how many successive steps each has (one).
 
     Whether they are roots says the state: a step that finds none stays where its residual was least.
     """
-    every = np.arange(len(guess))
-    x, kept = guess.copy(), equations(guess, every)
-    size, damping = _largest(kept, together), np.ones(len(guess) // together)
-    step = -solution(kept.slopes, kept.residual[..., None])[..., 0]
+    lengths = np.ones(len(guess), int) if chains is None else chains
+    owner = np.repeat(np.arange(len(lengths)), lengths)
+    x, kept = guess.copy(), equations(guess, np.arange(len(guess)))
+    size, damping = _largest(kept, lengths), np.ones(len(lengths))
+    step = -solution(kept.slopes, kept.residual[..., None], lengths)[..., 0]
     bad = ~np.isfinite(kept.residual).all(1)
     kept.residual[bad], kept.slopes[:, bad] = np.inf, 0.0
     todo = np.flatnonzero((size > tolerance) & (size < np.inf))
     for _ in range(ITERATIONS):
         if todo.size == 0:
             break
-        steps = (todo[:, None] * together + np.arange(together)).ravel()
-        trial = x[steps] + np.repeat(damping[todo], together)[:, None] * step[steps]
+        going = np.zeros(len(lengths), bool)
+        going[todo] = True
+        steps = np.flatnonzero(going[owner])
+        trial = x[steps] + damping[owner[steps], None] * step[steps]
         found = equations(trial, steps)
-        now = _largest(found, together)
+        now = _largest(found, lengths[todo])
         better = now < size[todo]
-        won, lost, which = todo[better], todo[~better], np.repeat(better, together)
+        won, lost, which = todo[better], todo[~better], np.repeat(better, lengths[todo])
         x[steps[which]], size[won] = trial[which], now[better]
         kept.put(steps[which], found, which)
-        step[steps[which]] = -solution(found.slopes[:, which], found.residual[which, :, None])[..., 0]
+        further = solution(found.slopes[:, which], found.residual[which, :, None], lengths[won])
+        step[steps[which]] = -further[..., 0]
         damping[won], damping[lost] = np.minimum(1.0, 2 * damping[won]), damping[lost] / 3
         todo = todo[(size[todo] > tolerance) & (damping[todo] > LEAST_DAMPING)]
     return x, kept
 
 
-def _largest(state: State, together: int) -> Floats:
-    """Largest residual of each group; infinite where one is not a number."""
-    size = state.size.reshape(-1, together).max(1)
+def _largest(state: State, lengths: np.ndarray) -> Floats:
+    """Largest residual of each chain; infinite where one is not a number."""
+    size = state.size
+    if len(lengths) < len(size):
+        size = np.maximum.reduceat(size, np.cumsum(lengths) - lengths)
     return np.where(np.isfinite(size), size, np.inf)
 
 
-def implicit_derivative(slopes: Floats, by: Floats) -> Floats:
+def implicit_derivative(slopes: Floats, by: Floats, chains: np.ndarray | None = None) -> Floats:
     """Derivatives (S, d, P) of the roots, from slopes (K, S, d, d) and derivatives (S, d, P) of the residuals there."""
-    return -solution(slopes, by)
+    return -solution(slopes, by, chains)
 
 
-def solution(slopes: Floats, right: Floats) -> Floats:
-    """Solutions (n, d, P) of the block-banded system with `right` (n, d, P).
+def solution(slopes: Floats, right: Floats, chains: np.ndarray | None = None) -> Floats:
+    """Solutions (n, d, P) of the block-banded system with `right` (n, d, P); chains: their lengths, by default one.
 
     Where it is singular: of a step alone `right` itself (a short step downhill), of a chain zero (a body that touches
     nothing, a window that went astray).
     """
-    return _alone(slopes[0], right) if len(slopes) == 1 else _banded(slopes, right)
+    if len(slopes) == 1:
+        return _alone(slopes[0], right)
+    return substituted(slopes, right, np.array([len(right)]) if chains is None else chains)
 
 
 def _alone(matrix: Floats, right: Floats) -> Floats:
@@ -108,21 +117,3 @@ def _alone(matrix: Floats, right: Floats) -> Floats:
     singular = np.abs(np.linalg.det(known)) <= 1e-300
     regular = np.where(singular[:, None, None], np.eye(matrix.shape[1]), known)
     return np.asarray(np.linalg.solve(regular, right))
-
-
-def _banded(slopes: Floats, right: Floats) -> Floats:
-    k, count, d, _ = slopes.shape
-    lower, upper = d * k - 1, d - 1
-    bands = np.zeros((lower + upper + 1, d * count))
-    row, column = np.meshgrid(np.arange(d), np.arange(d), indexing="ij")
-    for below in range(k):
-        steps = np.arange(below, count)
-        i, j = d * steps[:, None, None] + row, d * (steps[:, None, None] - below) + column
-        bands[upper + i - j, j] = slopes[below, below:]
-    if not np.isfinite(bands).all():
-        return np.zeros_like(right)
-    try:
-        found = solve_banded((lower, upper), bands, right.reshape(d * count, right.shape[2]))
-    except LinAlgError:
-        return np.zeros_like(right)
-    return np.asarray(found).reshape(right.shape)

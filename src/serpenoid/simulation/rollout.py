@@ -63,24 +63,19 @@ def simulate_realised(model: Model, joint_angles: Floats, times: Floats, start: 
 
 
 def simulate_vertices(
-    model: Model,
-    vertices: Floats,
-    start: Floats | None = None,
-    times: Floats | None = None,
-    near: Floats | None = None,
+    model: Model, vertices: Floats, start: Floats | None = None, times: Floats | None = None
 ) -> Trajectory:
     """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame; only their shape counts.
 
     `times` (R,) [s since the start of the motion], for effects that know speed. These shapes are realised ones:
     actuation effects do not act on them. `start` (3,), or the first poses (K + 1, 3) of a body that is moving.
-    near: see `solve_extended`.
     """
     shapes = body_frame(model, np.asarray(vertices, float))
     lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
     if not np.isfinite(shapes).all() or (lengths <= 0).any():
         return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
     elements = elements_of_vertices(model, shapes)
-    return _assemble(model, shapes, _solve_rows(model, elements, times, start, near), 1, start)
+    return _assemble(model, shapes, _solve_rows(model, elements, times, start), 1, start)
 
 
 @dataclass(frozen=True)
@@ -160,13 +155,11 @@ def _simulate_extended(model: Model, table: Floats, cycles: int, start: Floats |
     return replace(trajectory, steps_per_cycle=len(table)) if closed else trajectory
 
 
-def _solve_rows(
-    model: Model, elements: Floats, times: Floats | None, start: Floats | None, near: Floats | None = None
-) -> Steps:
+def _solve_rows(model: Model, elements: Floats, times: Floats | None, start: Floats | None) -> Steps:
     """Steps of consecutive rows, elements (4, M R): the baseline's, or with effects."""
     m = model.structure.elements
     if not model.is_plain:
-        return solve_extended(model, elements, _checked_times(model, times, elements.shape[1] // m), start, near)
+        return solve_extended(model, elements, _checked_times(model, times, elements.shape[1] // m), start)
     return solve_steps(model, elements[:, :-m], elements[:, m:])
 
 

@@ -22,7 +22,7 @@ from serpenoid.group import accumulate, relative
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
-from serpenoid.simulation.path import path_sensitivities
+from serpenoid.simulation.path import PathSensitivities, paths_of
 from serpenoid.simulation.poses import body_frame
 from serpenoid.simulation.sensitivity import Column, MeasuredSteps, StepSensitivities, sensitivities_of
 from serpenoid.simulation.steps import elements_of_vertices
@@ -112,11 +112,7 @@ def predictions(
     near: what a model much like this one makes of them: where the search for roots begins.
     """
     inside = [c for c in candidates if c.effect.site == "medium"]
-    if model.knows("history"):
-        begin = [None] * len(tracks) if near is None else [p.steps for p in near]
-        found = [coasting(model, t, inside, steps) for t, steps in zip(tracks, begin, strict=True)]
-    else:
-        found = balanced(model, tracks, inside, near)
+    found = (coasting if model.knows("history") else balanced)(model, tracks, inside, near)
     mine, keys = of_frame(model.effects), {e.key for e in model.effects}
     more = [c for c in of_frame(candidates) if c.key not in keys]
     return [in_frame(t, p, mine, more) for t, p in zip(tracks, found, strict=True)] if mine or more else found
@@ -160,10 +156,9 @@ def by_track(
     near: Sequence[Prediction] | None = None,
 ) -> Iterator[tuple[Track, StepSensitivities, Floats]]:
     """Each track with its own steps, and the relative poses (S, 3) of these and its lead's."""
-    begin = None
-    if near is not None and all(p.steps is not None for p in near):
-        begin = np.concatenate([p.steps for p in near if p.steps is not None])
-    found = sensitivities_of(model, MeasuredSteps.joined([t.steps for t in tracks]), candidates, begin)
+    begin = _steps(near)
+    joined = None if begin is None else np.concatenate(begin)
+    found = sensitivities_of(model, MeasuredSteps.joined([t.steps for t in tracks]), candidates, joined)
     end = 0
     for track in tracks:
         first, end = end, end + len(track.steps)
@@ -171,19 +166,33 @@ def by_track(
         yield track, own, found.relative[first:end]
 
 
+def _steps(near: Sequence[Prediction] | None) -> list[Floats] | None:
+    """Relative poses of all steps of each, if they are known."""
+    known = [p.steps for p in near or () if p.steps is not None]
+    return known if near is not None and len(known) == len(near) else None
+
+
 def coasting(
-    model: Model, track: Track, candidates: Sequence[ActiveEffect] = (), near: Floats | None = None
-) -> Prediction:
-    """The same for a model whose earlier steps matter: the whole trial, free running; near: its steps, roughly."""
+    model: Model,
+    tracks: Sequence[Track],
+    candidates: Sequence[ActiveEffect] = (),
+    near: Sequence[Prediction] | None = None,
+) -> list[Prediction]:
+    """The same for a model whose earlier steps matter: whole trials, free running."""
     length = model.body.total_length_m
     scale = np.array([length, length, 1.0])
-    if track.lead is None:
-        vertices, start = track.vertices / length, track.poses[0] / scale
-        found = path_sensitivities(model, vertices, track.time, start, candidates, near)
+    if any(t.lead for t in tracks):  # parts of one recording ask for the same run
+        runs = [free_run(model, t.lead.run, tuple(candidates)) for t in tracks if t.lead]
     else:
-        found = free_run(model, track.lead.run, tuple(candidates))
+        starts = [t.poses[0] / scale for t in tracks]
+        runs = paths_of(model, [t.steps for t in tracks], starts, candidates, _steps(near))
+    return [_coasted(track, run, scale) for track, run in zip(tracks, runs, strict=True)]
+
+
+def _coasted(track: Track, found: PathSensitivities, scale: Floats) -> Prediction:
+    """Windows of a track on a path [body lengths, rad]."""
     at = track.boundaries + (track.lead.rows if track.lead else 0)
-    path, by = found.trajectory.poses[at] * scale, found.jacobian[at] * scale[:, None]
+    path, by = found.poses[at] * scale, found.jacobian[at] * scale[:, None]
     moved, change = relative(path[:-1], path[1:]), by[1:] - by[:-1]
     c, s = np.cos(path[:-1, 2])[:, None], np.sin(path[:-1, 2])[:, None]
     turned = by[:-1, 2]  # turning the frame that it is seen from
@@ -195,7 +204,7 @@ def coasting(
         ],
         axis=1,
     )
-    poses = found.trajectory.poses[: len(track.steps) + 1]
+    poses = found.poses[: len(track.steps) + 1]
     return Prediction(moved + track.offset, jacobian, found.columns, relative(poses[:-1], poses[1:]))
 
 
