@@ -19,7 +19,8 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
-from serpenoid.diagnose.inference.finding import BAND, Stage, excludable
+from serpenoid.diagnose.inference.finding import Stage, excludable
+from serpenoid.diagnose.inference.groups import band
 from serpenoid.diagnose.inference.medium import fit
 from serpenoid.diagnose.inference.names import kept, trace, visible
 from serpenoid.diagnose.stages.actuation import plays
@@ -130,7 +131,7 @@ def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(s
     best = found.selection.best
     for effect, left in zip(best.effects, found.selection.bases, strict=True):
         assert {e.name for e in left.effects} == {e.name for e in best.effects} - {effect.name}
-        assert excludable(left.chi2, best.chi2, float(best.evidence.count.sum()))
+        assert excludable(left.chi2, best.chi2, float(best.evidence.count.sum()), band(best))
 
 
 def test_what_is_too_weak_to_be_named_stays_beside_what_is(slope_and_toe: MotionFinding) -> None:
@@ -174,8 +175,8 @@ def test_where_the_best_fit_leaves_more_than_chance_a_difference_counts_for_less
     left_per_residual: float, excluded: bool
 ) -> None:
     least = 100 * left_per_residual
-    assert excludable(least + 2 * BAND, least, 100) is excluded
-    assert not excludable(np.nextafter(least, 0), least, 100)
+    assert excludable(least + 50, least, 100, 25) is excluded
+    assert not excludable(np.nextafter(least, 0), least, 100, 25)
 
 
 def _repeat(gait: str, duration: float) -> Recording:

@@ -18,7 +18,7 @@ from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.contest import Explanation, Plan, Unplayable, expected_chi2
-from serpenoid.diagnose.inference.finding import BAND
+from serpenoid.diagnose.inference.groups import band
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.gaits import EllipseGait
 from serpenoid.measure.schedule import Schedule
@@ -37,15 +37,19 @@ RIVALS = 3
 
 @dataclass(frozen=True)
 class Experiment:
-    """What to play, and the expected chi squared (n,) by which each of the rivals would be told from the choice."""
+    """What to play, and the expected chi squared (n,) by which each of the rivals would be told from the choice.
+
+    band: what excludes one.
+    """
 
     plan: Plan
     chi2: Floats
+    band: float
 
     @property
     def worth(self) -> float:
         """Between 0 and 1: the mean over rivals of how likely each is to be excluded."""
-        return float((self.chi2 / (self.chi2 + BAND)).mean())
+        return float((self.chi2 / (self.chi2 + self.band)).mean())
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,7 @@ def next_experiment(laboratory: Laboratory) -> Experiment | None:
 
 def _search(laboratory: Laboratory, seed: int) -> Experiment | None:
     rng = np.random.default_rng(seed)
+    width = band(laboratory.choice)
     one, others = Explanation.of(laboratory.choice), [Explanation.of(f) for f in laboratory.rivals]
     best: tuple[Experiment, Floats] | None = None
 
@@ -90,7 +95,7 @@ def _search(laboratory: Laboratory, seed: int) -> Experiment | None:
         if plan is None:
             return False
         try:
-            e = Experiment(plan, expected_chi2(one, others, laboratory.noise, plan))
+            e = Experiment(plan, expected_chi2(one, others, laboratory.noise, plan), width)
         except Unplayable:
             return False
         if best is None or e.worth > best[0].worth:

@@ -9,8 +9,6 @@ from typing import Any
 from serpenoid.effects.active import ActiveEffect
 
 VISIBLE = 1.6  # times the noise level: a weaker trace is below detection; of what is left, too, what is spoken of
-SEPARABLE = 3.0  # times the noise level
-BAND = 25.0  # chi squared: as much as an effect must gain to be named, a rival must lose to be excluded
 
 
 @dataclass(frozen=True)
@@ -53,11 +51,6 @@ class Rival:
     instead_of: ActiveEffect
     separation: float
 
-    @property
-    def separable(self) -> bool:
-        """Whether the two differ visibly: then they form no group, whatever their chi squared."""
-        return self.separation >= SEPARABLE
-
     def record(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""
         e, other = self.effect, self.instead_of
@@ -67,12 +60,13 @@ class Rival:
         }  # fmt: skip
 
 
-def excludable(chi2: float, least: float, count: float, slack: float = 0.0) -> bool:
+def excludable(chi2: float, least: float, count: float, band: float, slack: float = 0.0) -> bool:
     """Whether the data exclude a fit: chi squared above the least of `count` residuals by more than chance explains.
 
-    Where even the best fit leaves more than chance, differences count for as much less.
+    band: what the least would gain by chance if the other one were true (prices.most_gained). Where even the best fit
+    leaves more than chance, differences count for as much less.
     """
-    return chi2 - least > BAND * max(1.0, least / count) + slack
+    return chi2 - least > band * max(1.0, least / count) + slack
 
 
 @dataclass(frozen=True)

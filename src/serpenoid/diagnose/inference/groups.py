@@ -1,9 +1,9 @@
 """Groups on the stage of motion: what else could stand in the place of each chosen effect, the others kept.
 
 A rival is fitted to the data together with eps and the kept effects. It belongs to the group if the data cannot exclude
-it (chi squared within a band of the choice) and if it is not separable: S_ab, the path RMS between the predictions of
-the choice and of the rival over the noise level, is below three. Candidates are scored linearly first; those that
-could come close are fitted in full.
+it: were it true, the choice would by chance be as much better as it is. S_ab, the path RMS between the predictions of
+the choice and of the rival over the noise level, is told. Candidates are scored linearly first; those that could come
+close are fitted in full.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.inference.finding import Rival, excludable
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of
+from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.inference.ranking import score, shortlist
 from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.diagnose.inference.select import SCREENING, Selection, attempt, finished
@@ -39,18 +40,25 @@ def groups(found: Selection) -> tuple[Swap, ...]:
     return tuple(sorted(swaps, key=lambda s: s.fit.chi2))
 
 
+def band(choice: Fit) -> float:
+    """Chi squared by which a rival of an effect of a fit must be worse to be excluded."""
+    parameters = max((len(e.effect.parameters) for e in choice.effects), default=1)
+    return most_gained(parameters, len(candidates_of(choice)))
+
+
 def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     motion, best, gained = found.motion, found.best, base.chi2 - found.best.chi2
     size = float(best.evidence.count.sum())
     close = promising(score(motion, base), {e.key for e in best.effects}, FIRST_ORDER * gained)
     tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in close])
-    tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, SCREENED * gained)]
+    width = band(best)
+    tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, width, SCREENED * gained)]
     rivals: dict[tuple[str, int | None], Swap] = {}
     for t in in_processes([(finished, (motion, base, t, TO_THE_END)) for t in tries]):
         apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
         rival = Rival(t.fitted, effect, apart)
         key = t.added.key
-        if excludable(t.fit.chi2, best.chi2, size) or rival.separable:
+        if excludable(t.fit.chi2, best.chi2, size, width):
             continue
         if key not in rivals or t.fit.chi2 < rivals[key].fit.chi2:
             rivals[key] = Swap(rival, t.fit)

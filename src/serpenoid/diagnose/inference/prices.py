@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 import numpy as np
+from scipy.special import chdtri
+
+from serpenoid.diagnose.data.chance import ERROR
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,14 @@ E = TypeVar("E", bound=Explanation)
 def gained_by_chance(tries: int) -> float:
     """Chi squared, beyond the price of its parameters, that the best of so many candidates gains by chance."""
     return float(2 * np.log(max(tries, 1)))
+
+
+def most_gained(parameters: int, tries: int) -> float:
+    """Chi squared that none of so many candidates of so many parameters each gains by chance, but for ERROR.
+
+    If one of them is true, none of the others is better by more: a rival that is worse by more is excluded.
+    """
+    return float(chdtri(parameters, ERROR / max(tries, 1)))
 
 
 def cheapest(base: Priced, fits: Sequence[Priced], tries: int) -> int | None:

@@ -8,7 +8,6 @@ from typing import Any
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.diagnose import Diagnosis, record
-from serpenoid.diagnose.inference.finding import BAND
 from serpenoid.files.writing import provenance, write_json
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
@@ -40,7 +39,7 @@ def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
     if not swaps or not all(isinstance(t.recording, Recording) for t in found.motion.tracks):  # animals play no tables
         return None
     best = next_experiment(Laboratory.of(found.best, [s.fit for s in swaps], found.motion))
-    if best is None or best.chi2.max(initial=0.0) < BAND:  # expected to exclude none of them
+    if best is None or best.chi2.max(initial=0.0) < best.band:  # expected to exclude none of them
         return None
     schedule = best.plan.schedule
     write_table(folder / "next-experiment.csv", schedule.table)

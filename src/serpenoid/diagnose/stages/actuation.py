@@ -18,6 +18,7 @@ from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import excludable
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
+from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.stages.plays import Plays, ways
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, Effect, Parameter
@@ -71,8 +72,9 @@ def _told_apart(every: Sequence[Plays], kind: ActuationEffect | None, first: Pla
     noise = np.min([data.measured(p).noise for data, p in zip(every, played, strict=True)], axis=0)
     measured = [replace(data, noise=noise) for data in every]
     misses = [float(np.median(data.chi2(p))) for data, p in zip(measured, played, strict=True)]
+    band = most_gained(1, len(shown(first)) * len(every))
     best, own = int(np.argmin(misses)), [data is first for data in every].index(True)
-    return measured[best if excludable(misses[own], misses[best], len(first.readings)) else own]
+    return measured[best if excludable(misses[own], misses[best], len(first.readings), band) else own]
 
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:

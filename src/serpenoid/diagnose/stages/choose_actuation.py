@@ -11,7 +11,7 @@ import numpy as np
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
-from serpenoid.diagnose.inference.prices import Priced, cheapest, earned
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
 from serpenoid.diagnose.stages.actuation import FOLLOWED, Attempt, attempts, fit_everywhere, followed, needed, slopes_of
 from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
@@ -92,13 +92,14 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
     data, least, keys = best.data, best.priced, {e.key for e in best.effects}
     kept = [e for e in best.effects if e is not effect]
     tries = attempts(data, kept) if kept else singles
+    band = most_gained(1, len(tries))
     roughly = min(float(t.chi2.sum()) for t in tries)  # each with the shifts in time of all joints' fits together
-    close = [t.effect for t in tries if not excludable(float(t.chi2.sum()), roughly, least.count)]
+    close = [t.effect for t in tries if not excludable(float(t.chi2.sum()), roughly, least.count, band)]
     found = []
     for other in (Played(data, (*kept, e)) for e in close if e.key not in keys):
         apart = float((np.sqrt(((other.angles - best.angles) ** 2).mean(axis=0)) / data.level).max())
         rival = Rival(other.effects[-1], effect, apart)
-        found += [] if rival.separable or excludable(other.priced.chi2, least.chi2, least.count) else [rival]
+        found += [] if excludable(other.priced.chi2, least.chi2, least.count, band) else [rival]
     return found
 
 

@@ -17,7 +17,7 @@ from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
-from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
+from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained, outweighed
 from serpenoid.diagnose.stages.marker_evidence import (
     Sample,
     along,
@@ -220,15 +220,16 @@ def rivals_of(best: Looked, key: Key) -> list[Rival]:
     """What else could stand in the place of one chosen effect, the others kept: scored linearly, then fitted."""
     data, body, least = best.data, best.data.body, best.priced
     base = best.without_one(best.keys.index(key))
+    band = most_gained(len(columns_of(body, *key)), 1 + len(best.others))
     slack = FIRST_ORDER * (base.priced.chi2 - least.chi2)
     found = []
     for other in best.others:
         columns = [*base.own, *columns_of(body, *other)]
-        if excludable(base.sums.chi2(columns), least.chi2, least.count, slack):
+        if excludable(base.sums.chi2(columns), least.chi2, least.count, band, slack):
             continue
         fitted = base.beside(other)
         rival = Rival(effect_of(fitted, other), effect_of(best, key), apart(data, best.now, fitted.now))
-        if not rival.separable and not excludable(fitted.priced.chi2, least.chi2, least.count):
+        if not excludable(fitted.priced.chi2, least.chi2, least.count, band):
             found.append(rival)
     return found
 
