@@ -32,11 +32,14 @@ from blind.study import Study, commit
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.stages.actuation import plays
-from serpenoid.diagnose.stages.choose_actuation import Played, _law_error, choose_actuation
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_actuation import Played, _law_error
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.plays import Plays, carried
+from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.errors import InputError
+from serpenoid.medium import Medium
+from serpenoid.model import Model
 
 Laws = dict[str, float | str]
 REFUSED = re.compile(
@@ -68,8 +71,9 @@ def said_of(folder: Path) -> Said:
 
 def _said(folder: Path) -> Said:
     _, recordings = read_recordings(folder)
-    servos = plays(recordings)
-    actuation, observation = choose_actuation(servos), Stage("observation")
+    model = Model(recordings[0].body, Medium(anisotropy_ratio=0.2))  # of the floor nothing is asked
+    recordings, servos, actuation = of_servos(recordings, Baseline(model))
+    observation = Stage("observation")
     carrying = carried(recordings, servos, [n.effect for n in (*actuation.named, *actuation.undetected)])
     if all(r.by_servos for r in carrying):
         observation, _ = choose_observation(carrying, Observation.neutral(carrying[0].body))

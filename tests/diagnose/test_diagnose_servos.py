@@ -20,9 +20,13 @@ from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
 from serpenoid.diagnose.stages.plays import carried
+from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
+from serpenoid.model import Model
 
 SEED, SETTINGS = 71, 2
 
@@ -117,6 +121,25 @@ def test_a_fault_of_one_servo_that_is_no_law_of_the_catalogue_gets_no_name(
     stage = choose_actuation(plays([reading(recordings[0], 4, law)]))  # a law that is wrong in one trial is none
     assert not stage.named
     assert stage.words[0].startswith("joint 4 follows its command no better")
+
+
+def test_a_log_that_is_late_at_one_joint_is_told_and_is_no_servo_that_lags(recordings: tuple[Recording, ...]) -> None:
+    late = 0.15
+
+    def delayed(r: Recording) -> Recording:
+        position = r.position.copy()
+        position[:, 3] = np.interp(r.read_at - late, r.read_at, r.position[:, 3])
+        return replace(r, position=position)
+
+    baseline = Baseline(Model(recordings[0].body, Medium(anisotropy_ratio=0.2)))
+    read, _, stage = of_servos([delayed(recordings[0])], baseline)
+    assert not stage.named
+    (words,) = stage.words
+    said = re.fullmatch(r"the log of joint 4 is (\S+) s late: markers show that it does as it is told", words)
+    assert said
+    assert float(said[1]) == pytest.approx(late, abs=0.01)  # two figures are said
+    # later stages have the joint as it was, but for rounding, flicker and when the trial began
+    np.testing.assert_allclose(read[0].position, recordings[0].position, atol=8 * TICK)
 
 
 def test_what_is_nearest_to_a_fault_that_is_no_law_is_told(recordings: tuple[Recording, ...]) -> None:

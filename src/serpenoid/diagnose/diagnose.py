@@ -23,12 +23,12 @@ from serpenoid.diagnose.inference.select import unclear
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, ratio_interval
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
 from serpenoid.diagnose.stages.plays import carried
+from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 
 NO_LOG = "no servo log: shapes are what the points show"
@@ -82,8 +82,7 @@ class Diagnosis:
 def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[[str], None]) -> Diagnosis:
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
-    servos = baseline.plays(recordings)
-    actuation = choose_actuation(servos)
+    recordings, servos, actuation = of_servos(recordings, baseline)
     recordings = carried(recordings, servos, [n.effect for n in (*actuation.named, *actuation.undetected)])
     say("shape against markers")
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), baseline.observation()

@@ -219,11 +219,17 @@ def _between(r: Recording) -> Floats:
 def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Recording, ...]:
     """Recordings with what their servos are expected to do, joint by joint where readings are smoother about it."""
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
-    model = found.model(effects)
+    pairs = zip(recordings, expected(recordings, found, effects), strict=True)
+    return tuple(_carried(r, course) for r, course in pairs)
+
+
+def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Course, ...]:
+    """What servos are expected to do, trial by trial, with these effects beside the known ones."""
+    recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
     meshes = [np.unique(np.concatenate([_corners(r), _between(r) if effects else [0.0]])) for r in recordings]
-    played = realise_all(model, [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)], meshes)
-    pairs = zip(recordings, meshes, played, strict=True)
-    return tuple(_carried(r, Course(time, p.readings)) for r, time, p in pairs)
+    told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
+    played = realise_all(found.model(effects), told, meshes)
+    return tuple(Course(time, p.readings) for time, p in zip(meshes, played, strict=True))
 
 
 def _carried(r: Recording, course: Course) -> Recording:
