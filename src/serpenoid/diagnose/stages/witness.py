@@ -20,12 +20,13 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course
 from serpenoid.diagnose.inference.finding import VISIBLE, Stage, excludable
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.marker_evidence import angle_leverage
 from serpenoid.diagnose.stages.plays import Plays, carried, expected
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.measure.chain import marker_angles
+from serpenoid.measure.links import marker_angles
 
 LONGEST = 0.25  # of a cycle: a later reading looks like an earlier one
 
@@ -66,7 +67,8 @@ def wrong_log(recordings: Sequence[Recording], servos: Plays, found: Stage) -> W
     read, told = carried(recordings, servos, effects), expected(recordings, servos, shared)
     by_log, by_order, count = np.sum([_misfits(r, course) for r, course in zip(read, told, strict=True)], axis=0)
     worst = int(np.where(astray, by_log - by_order, -np.inf).argmax())
-    if not excludable(by_log[worst], by_order[worst], max(count[worst], 1.0)):
+    band = most_gained(1, len(astray))
+    if not excludable(by_log[worst], by_order[worst], max(count[worst], 1.0), band):
         return None
     return WrongLog(worst + 1, _late(read, told, worst))
 
