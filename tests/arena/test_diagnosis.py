@@ -88,7 +88,7 @@ def test_the_habitual_error_is_the_mean_over_repeats(then):
     known, motion, model = reference_of(then), then.motion.selection.motion, then.extension.model
     errors = residuals(motion.tracks, linearised(motion, model, model.effects)[1])
     first = [e for t, e in zip(motion.tracks, errors, strict=True) if t.recording.gait == "gait-1"]
-    np.testing.assert_allclose(known.habits["gait-1", 5.0].error, np.nanmean(first, axis=0), atol=1e-12)
+    np.testing.assert_allclose(known.explained[0].habits["gait-1", 5.0].error, np.nanmean(first, axis=0), atol=1e-12)
 
 
 def test_a_reference_of_another_body_is_refused(then):

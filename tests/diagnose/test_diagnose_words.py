@@ -12,6 +12,7 @@ from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, reference, shown, times, title, undetected
 from serpenoid.diagnose.stages.choose_motion import finding, ratio_interval
+from serpenoid.model import Model
 
 
 @pytest.mark.parametrize(
@@ -147,3 +148,21 @@ def test_about_a_law_that_is_known_to_be_another_names_may_be_stand_ins_though_c
     again = finding(found.selection, inadequate=True).stage.named
     assert [n.effect.key for n in again] == [n.effect.key for n in found.stage.named]
     assert all(n.stand_in for n in again)
+
+
+def test_about_a_law_that_is_known_to_be_another_intervals_hold_what_gaits_and_explanations_disagree_about(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    found = diagnosed[0].motion.selection
+    usual = diagnosed[0].motion.stage.named[0].intervals
+    wide = finding(found, inadequate=True).stage.named[0].intervals
+    other = replace(found.settled, model=shifted(found.settled.model))
+    wider = finding(found, inadequate=True, beside=((found.motion, other),)).stage.named[0].intervals
+    for name, (low, high) in usual.items():
+        assert wider[name][0] < wide[name][0] <= low < high <= wide[name][1] < wider[name][1]
+
+
+def shifted(model: Model) -> Model:
+    """With effects a tenth larger."""
+    larger = [e.with_coordinates([1.1 * c for c in e.coordinates[:-1]]) for e in model.effects]
+    return Model(model.body, model.medium, tuple(larger))

@@ -3,7 +3,8 @@
 Of the earlier campaign its own diagnosis is made first. What it names becomes part of the baseline; what it leaves is
 the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
 window by window from the motion, moment by moment from the servos' readings. What a change changes of this error is in
-proportion to what the change does (inference/discrepancy.py); where a gait is new, all of the error is in doubt.
+proportion to what the change does (inference/discrepancy.py); where a gait is new, all of the error is in doubt. What
+explains the error is a guess where names are stand-ins: the change is fitted beside other guesses, too (`otherwise`).
 
 Legend: W windows of a trial, R log rows, m joints.
 """
@@ -30,6 +31,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
+from serpenoid.model import Model
 
 READ = 0.5  # share of the habitual error of readings that a change may change
 UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
@@ -51,16 +53,34 @@ class Habit:
 
 
 @dataclass(frozen=True)
+class Explanation:
+    """A model of the earlier campaign, and what it leaves."""
+
+    model: Model
+    habits: dict[Setting, Habit]
+
+    def error(self, track: Track) -> tuple[Floats, Floats]:
+        """Habitual error of each window and its noise (B - 1, 3) each, NaN where nothing is known of it."""
+        count = len(track.playing)
+        error, noise = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
+        habit = self.habits.get(track.recording.setting)
+        if habit is not None and habit.fits(track):
+            n = min(count, len(habit.error))
+            error[:n], noise[:n] = habit.error[:n], habit.noise[:n]
+        return error, noise
+
+
+@dataclass(frozen=True)
 class Reference(Baseline):
-    """seen: the earlier observation model; servos: the earlier readings and what explains them; others: effects that
-    were there before, beside the motion's.
+    """seen: the earlier observation model; explained: the earlier motion, by the baseline's model and then by rivals;
+    servos: the earlier readings and what explains them; others: effects that were there before, beside the motion's.
 
     missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
     usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
 
     seen: Observation
-    habits: dict[Setting, Habit]
+    explained: tuple[Explanation, ...]
     usual: Floats
     largest: Floats
     servos: Plays
@@ -96,15 +116,23 @@ class Reference(Baseline):
         return tuple(self._corrected(t) for t in tracks)
 
     def _corrected(self, track: Track) -> Track:
-        count = len(track.playing)
-        error, noise = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
-        habit = self.habits.get(track.recording.setting)
-        if habit is not None and habit.fits(track):
-            n = min(count, len(habit.error))
-            error[:n], noise[:n] = habit.error[:n], habit.noise[:n]
+        error, noise = self.explained[0].error(track)
         unknown = np.isnan(error)
         doubt = np.where(unknown, np.where(track.playing[:, None], self.usual, 0.0), noise)
         return replace(track, offset=track.offset + np.where(unknown, 0.0, error), doubt=doubt)
+
+    def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model], ...]:
+        """The corrected tracks beside the rivals, where what the model missed repeated."""
+        if not self.inadequate:
+            return ()
+        found = []
+        for rival in self.explained[1:]:
+            changes = [rival.error(t)[0] - self.explained[0].error(t)[0] for t in motion.tracks]
+            tracks = [
+                replace(t, offset=t.offset + np.nan_to_num(c)) for t, c in zip(motion.tracks, changes, strict=True)
+            ]
+            found.append((replace(motion, tracks=tuple(tracks), held=rival.model.effects), rival.model))
+        return tuple(found)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """Readings with the earlier ones' error taken out."""
@@ -134,17 +162,23 @@ def reference_of(d: Diagnosis) -> Reference:
     """From the diagnosis of the earlier campaign."""
     found = d.motion.selection
     motion, model = found.motion, d.extension.model
-    errors = residuals(motion.tracks, linearised(motion, model, model.effects)[1])
+    errors = _left(motion, model)
     playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
     others = tuple(n.effect for n in d.named if n.effect not in model.effects)
     shown = tuple(e for e in others if isinstance(e.effect, ActuationEffect) and e.effect.shown)
     servos = replace(plays([t.recording for t in motion.tracks if isinstance(t.recording, Recording)]), known=shown)
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
+    rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused))]
+    explained = [Explanation(m, _habits(motion, _left(motion, m))) for m in dict.fromkeys([model, *rivals])]
     return Reference(
-        model, d.seen, _habits(motion, errors), usual, largest, servos, others, d.motion.stage.discrepancy_m,
+        model, d.seen, tuple(explained), usual, largest, servos, others, d.motion.stage.discrepancy_m,
         without=d.baseline.without,
     )  # fmt: skip
+
+
+def _left(motion: Motion, model: Model) -> list[Floats]:
+    return residuals(motion.tracks, linearised(motion, model, model.effects)[1])
 
 
 def _habits(motion: Motion, errors: Sequence[Floats]) -> dict[Setting, Habit]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.windows import Track
@@ -49,6 +50,10 @@ class Baseline:
     def inadequate(self) -> bool:
         """Whether its law is known to be another than the floor's: what it missed repeated."""
         return False
+
+    def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model], ...]:
+        """The same motion beside other explanations of what an earlier campaign's model missed, and their models."""
+        return ()
 
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""

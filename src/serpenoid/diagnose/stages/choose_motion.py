@@ -21,8 +21,9 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
+from serpenoid.diagnose.inference.law_doubt import Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
-from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Try, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.diagnose.inference.select import Selection, select
@@ -80,18 +81,34 @@ def choose_on_tracks(
         model = fit_eps(motion, model).model
     chosen = select(motion, model, track, say, rule)
     law = dry_friction(chosen) if rule is PENALISED and baseline.ratio is None else ""  # with a reference it is known
-    found = finding(chosen, baseline.inadequate)
+    found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
     return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
 
-def finding(found: Selection, inadequate: bool = False) -> MotionFinding:
-    """The selection in words and intervals; inadequate: its baseline's law is known to be another than the floor's."""
+def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit], ...]:
+    """What is there, fitted again beside other explanations of what the baseline's law misses, where that can be."""
+    effects, values = found.settled.effects, found.settled.coordinates
+    fits = []
+    for motion, model in baseline.otherwise(found.motion) if found.best.effects else ():
+        if {e.key for e in effects} & {e.key for e in model.effects}:
+            continue  # what changed was a guess about the reference, too
+        start = np.concatenate([[model.medium.anisotropy_ratio], values[1:]])
+        fits.append((motion, fit(motion, model, effects, start, TO_THE_END)))
+    whole = found.settled.evidence.count.sum()
+    return tuple((m, f) for m, f in fits if f.evidence.count.sum() >= whole)
+
+
+def finding(found: Selection, inadequate: bool = False, beside: Sequence[tuple[Motion, Fit]] = ()) -> MotionFinding:
+    """The selection in words and intervals; inadequate: its baseline's law is known to be another than the floor's;
+    beside: what is settled on, fitted beside other explanations of what the baseline's law misses."""
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
     before = path_error(motion, found.null.predictions)
     after = path_error(motion, best.predictions)
-    named = [named_of(found, base, e) for e, base in zip(best.effects, found.bases, strict=True)]
-    swaps = groups(found)
     missed_m = discrepancy(motion, found.settled.predictions)
+    wrong = bool(best.effects) and (missed_m > 0 or inadequate)
+    doubt = doubted([(motion, found.settled), *beside]) if wrong else None
+    named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
+    swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, noise_level, missed_m)
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
@@ -144,9 +161,9 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     return pattern(motion, predictions, after_m / found.noise_level_m, chance, visible_m)
 
 
-def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
+def named_of(found: Selection, base: Fit, effect: ActiveEffect, doubt: Doubted | None = None) -> Named:
     """Values and intervals from the fit with all that is there, strength from what the path loses without the effect
-    (`base`)."""
+    (`base`); doubt: where the law is known to be wrong, what that leaves open."""
     settled = found.settled
     at = 1
     for fitted in settled.effects:
@@ -161,9 +178,11 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect) -> Named:
             bound.append(p.name)
         sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
         half = QUANTILE * sd + RELATIVE * abs(x)
-        ends[p.name] = interval(
-            [_clipped(p.value(x - half), p.lower, p.upper), _clipped(p.value(x + half), p.lower, p.upper)]
-        )
+        low, high = x - half, x + half
+        if doubt is not None:
+            wide = QUANTILE * doubt.deviations[at + i]
+            low, high = min(low, doubt.values[at + i] - wide), max(high, doubt.values[at + i] + wide)
+        ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = trace(found.motion, found.best, base, effect) / found.noise_level_m
     return Named(fitted, ends, strength, tuple(bound))
 
