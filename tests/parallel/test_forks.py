@@ -1,13 +1,19 @@
-"""Forked workers end when they are told to, whatever the first process does with signals."""
+"""Forked workers end when they are told to, whatever they hold; none that is lost takes an answer with it."""
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
+import time
 
+import numpy as np
 import pytest
 
 from serpenoid.parallel import in_processes
+
+pytestmark = pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one core: nothing is forked")
+FIRST = os.getpid()
 
 
 def at_term() -> tuple[int, bool]:
@@ -15,7 +21,24 @@ def at_term() -> tuple[int, bool]:
     return os.getpid(), signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
-@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one core: nothing is forked")
+def killed_unless_first(number: int) -> int:
+    """Any worker that gets an odd number is killed, as by a machine without memory."""
+    if number % 2 and os.getpid() != FIRST:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def much(seed: int) -> np.ndarray:
+    """More than a pipe holds: the worker is in the middle of its answer while nobody reads."""
+    return np.full(2_000_000, float(seed))
+
+
+def refused(number: int) -> int:
+    if number == 3:
+        raise ValueError("number 3 is refused.")
+    return number
+
+
 def test_workers_do_not_inherit_a_handler_of_sigterm() -> None:
     before = signal.signal(signal.SIGTERM, lambda number, frame: None)
     try:
@@ -23,3 +46,34 @@ def test_workers_do_not_inherit_a_handler_of_sigterm() -> None:
     finally:
         signal.signal(signal.SIGTERM, before)
     assert all(process != os.getpid() and ends for process, ends in found)
+
+
+def test_what_a_killed_worker_had_begun_is_done_here() -> None:
+    assert in_processes([(killed_unless_first, (n,)) for n in range(9)]) == list(range(9))
+
+
+def test_a_stop_amid_large_answers_ends_all_workers_at_once() -> None:
+    """A pool whose workers share a lock waited for ever, seldom, for the one that held it."""
+
+    def stop(index: int) -> None:
+        if index == 2:
+            raise KeyboardInterrupt
+
+    for _ in range(5):
+        begun = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            in_processes([(much, (n,)) for n in range(8)], stop)
+        assert not multiprocessing.active_children()
+        assert time.monotonic() - begun < 60  # seconds where the old one waited for ever
+
+
+def test_what_a_task_raises_arrives_with_its_place_and_ends_the_others() -> None:
+    with pytest.raises(ValueError, match="number 3 is refused") as raised:
+        in_processes([(refused, (n,)) for n in range(50)])
+    assert "in refused" in "".join(raised.value.__notes__)
+    assert not multiprocessing.active_children()
+
+
+def test_an_answer_that_cannot_be_sent_is_an_error_and_no_wait() -> None:
+    with pytest.raises(Exception, match="pickle|local object"):
+        in_processes([(lambda: lambda: 0, ())] * 4)

@@ -1,7 +1,7 @@
 """Short pieces of one task, forked so that large inputs need not be sent; on as many cores as are allowed; in order.
 
-Ctrl-C reaches every process of a terminal. Workers ignore it; the first process ends them, and hears it only once they
-are all there: an interrupt amid a fork is lost or leaves one behind.
+Ctrl-C reaches every process of a terminal. Workers are deaf to it; the first process ends them. Each worker has a pipe
+of its own: pools of the standard library share locks, and wait for ever for one that a worker held as it was ended.
 """
 
 from __future__ import annotations
@@ -9,16 +9,19 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import threading
+import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from types import FrameType
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from typing import Any
+
+from serpenoid.parallel.local import interrupts_held, watch_parent
 
 AT_MOST = 4
 _allowed = AT_MOST
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
-_tasks: list[Task] = []
+Answer = tuple[bool, Any]  # True and what the task gave, or False and what it raised
 
 
 def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda index: None) -> list[Any]:
@@ -31,13 +34,77 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
         cores = 1
     if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
         return _collected((function(*arguments) for function, arguments in tasks), len(tasks), awaited)
-    global _tasks
-    _tasks = list(tasks)
-    with _interrupts_later() as hear:
-        pool = multiprocessing.get_context("fork").Pool(cores, _worker)
-        with pool:
-            hear()
-            return _collected(pool.imap(_run, range(len(tasks))), len(tasks), awaited)
+    workers: list[tuple[BaseProcess, Connection]] = []
+    try:
+        with interrupts_held():  # an interrupt amid a fork is lost or leaves one behind
+            workers.extend(_started(tasks) for _ in range(cores))
+        return _collected(_answers(tasks, [pipe for _, pipe in workers]), len(tasks), awaited)
+    finally:
+        for process, pipe in workers:
+            process.terminate()
+            process.join()
+            pipe.close()
+
+
+def _started(tasks: Sequence[Task]) -> tuple[BaseProcess, Connection]:
+    ours, theirs = multiprocessing.Pipe()
+    process = multiprocessing.get_context("fork").Process(target=_serve, args=(tasks, theirs, os.getpid()), daemon=True)
+    process.start()
+    theirs.close()  # held by the worker alone: it is heard when that ends
+    return process, ours
+
+
+def _serve(tasks: Sequence[Task], pipe: Connection, parent: int) -> None:
+    """A worker: indices in, answers out. SIGTERM ends it at once, whatever the first process does with signals."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    watch_parent(parent)
+    while True:
+        answer = _attempt(tasks[pipe.recv()])
+        try:
+            pipe.send(answer)
+        except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
+            pipe.send((False, error))
+
+
+def _attempt(task: Task) -> Answer:
+    function, arguments = task
+    try:
+        return True, function(*arguments)
+    except Exception as error:  # noqa: BLE001 - raised again in the first process
+        error.add_note(traceback.format_exc())  # where, which no pickle keeps
+        return False, error
+
+
+def _answers(tasks: Sequence[Task], pipes: list[Connection]) -> Iterator[Any]:
+    """What the tasks give, in order. A task whose worker was killed runs here."""
+    rest = iter(range(len(tasks)))
+    busy: dict[Connection, int] = {}
+    answers: dict[int, Answer] = {}
+
+    def give(pipe: Connection) -> None:
+        index = next(rest, None)
+        if index is not None:
+            busy[pipe] = index
+            with suppress(OSError):  # that its worker has ended is heard in the pipe
+                pipe.send(index)
+
+    for pipe in pipes:
+        give(pipe)
+    for index, task in enumerate(tasks):
+        while index not in answers and busy:
+            for pipe in [p for p in wait(list(busy)) if isinstance(p, Connection)]:
+                asked = busy.pop(pipe)
+                try:
+                    answers[asked] = pipe.recv()
+                except (EOFError, OSError):
+                    answers[asked] = _attempt(tasks[asked])
+                else:
+                    give(pipe)
+        done, value = answers.pop(index) if index in answers else _attempt(task)
+        if not done:
+            raise value
+        yield value
 
 
 def _collected(results: Iterator[Any], count: int, awaited: Callable[[int], None]) -> list[Any]:
@@ -57,34 +124,3 @@ def limited(cores: int) -> Iterator[None]:
         yield
     finally:
         _allowed = before
-
-
-@contextmanager
-def _interrupts_later() -> Iterator[Callable[[], None]]:
-    """Ctrl-C is noted, not heard, until the function given is called: then the usual handler is back and hears it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: None
-        return
-    noted: list[tuple[int, FrameType | None]] = []
-    usual = signal.signal(signal.SIGINT, lambda number, frame: noted.append((number, frame)))
-
-    def hear() -> None:
-        signal.signal(signal.SIGINT, usual)
-        if noted and callable(usual):
-            usual(*noted[0])
-
-    try:
-        yield hear
-    finally:
-        signal.signal(signal.SIGINT, usual)
-
-
-def _worker() -> None:
-    """SIGTERM, by which a pool ends its workers, ends them at once: waiting for a lock they may never run a handler."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-
-def _run(index: int) -> Any:
-    function, arguments = _tasks[index]
-    return function(*arguments)
