@@ -38,11 +38,14 @@ def realise(model: Model, setpoints: Floats, times: Floats) -> Realised:
     return realise_all(model, [setpoints], [times])[0]
 
 
-def realise_all(model: Model, setpoints: Sequence[Floats], times: Sequence[Floats]) -> list[Realised]:
-    """Several trials side by side."""
+def realise_all(
+    model: Model, setpoints: Sequence[Floats], times: Sequence[Floats], some: slice = slice(None)
+) -> list[Realised]:
+    """Several trials side by side; of all joints, or of some."""
+    setpoints = [s[:, some] for s in setpoints]
     if not model.actuation_effects:
         return [Realised(s, s) for s in setpoints]
-    most, theta = max(map(len, setpoints)), coordinates(model)
+    most, theta = max(map(len, setpoints)), coordinates(model)[:, some]
     # a first step on the spot gives the first row's angles; shorter trials stay on their last row
     rows = [np.concatenate([s[:1], s, np.repeat(s[-1:], most - len(s), axis=0)]) for s in setpoints]
     clocks = [np.concatenate([[1.0], np.diff(t), np.ones(most - len(t))]) for t in times]

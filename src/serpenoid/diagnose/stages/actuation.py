@@ -110,19 +110,21 @@ def fit_everywhere(
         return []
     columns = slice(0, 1) if kind.place is None else np.array([j - 1 for j in places if j is not None])
 
+    without = data.realised(base)
+
     def play(x: Floats) -> Floats:
         effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]
-        return data.realised([*base, *effects])
+        return data.realised([*base, *effects]) if only is None else data.realised_at(only, [*base, *effects], without)
 
     def own(by_joint: Floats) -> Floats:
         return by_joint.sum(keepdims=True) if kind.place is None else by_joint[columns]
 
-    tried = [own(data.chi2(play(start[columns]))) for start in starts] if len(starts) > 1 else [np.zeros(len(places))]
+    tried = [own(data.chi2(play(s[columns]))) for s in starts] if len(starts) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), [start[columns] for start in starts])
     positive = parameter.lower >= 0 and bool((values > 0).all())
     step_size = 1e-4 * max(abs(parameter.coordinate(parameter.typical)), 1e-3)
     best = play(values)
-    left, cost, damping = data.left(best), data.chi2(best), np.ones(len(values))
+    left, damping = data.left(best), np.ones(len(values))
     for _ in range(STEPS):
         moved = play(values + step_size)
         slope, bare = (left - data.left(moved)) / step_size, (moved - best) / step_size
@@ -133,15 +135,16 @@ def fit_everywhere(
             change = np.clip(change, -0.7 * np.abs(values), REACH * np.abs(values))
         trial = np.array([_inside(parameter, v) for v in values + change])
         new = play(trial)
-        better = own(data.chi2(new)) < own(cost)
+        missed = data.left(new)
+        better = own(data.sizes(missed)) < own(data.sizes(left))
         values = np.where(better, trial, values)
         damping = np.where(better, np.minimum(1.0, 2 * damping), damping / 4)
         if better.any():
             best = new if better.all() else play(values)
-            left, cost = data.left(best), data.chi2(best)
+            left = missed if better.all() else data.left(best)
         if np.abs(change).max() < 1e-4 * abs(parameter.typical):
             break
-    empty, joint = data.chi2(data.realised(base)), np.arange(data.readings.shape[1])
+    cost, empty, joint = data.sizes(left), data.chi2(without), np.arange(data.readings.shape[1])
     by_place = [cost if p is None else np.where(joint == p - 1, cost, empty) for p in places]
     pairs = zip(places, values, by_place, strict=True)
     return [Attempt(ActiveEffect.neutral(name, p).with_coordinates([v]), total) for p, v, total in pairs]

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -76,20 +77,30 @@ class Plays:
     def left(self, played: Floats) -> Floats:
         """Readings minus what is played (R, m), each trial's clock moved as far as that is worth it."""
         found, speed = self.readings - played, self.speed(played)
-        for number, (shift, rate) in enumerate(self._moves(found, speed)):
-            mine = self.trials == number
-            found[mine] -= (shift + rate * self.times[number])[:, None] * speed[mine]
+        moves = self._moves(found, speed)
+        for mine, time, (shift, rate) in zip(self._rows, self.times, moves, strict=True):
+            found[mine] -= (shift + rate * time)[:, None] * speed[mine]
         return found
+
+    @cached_property
+    def _rows(self) -> list[slice]:
+        """Of each trial, one after the other."""
+        ends = np.cumsum([len(t) for t in self.times])
+        return [slice(end - len(t), end) for end, t in zip(ends, self.times, strict=True)]
 
     def chi2(self, played: Floats) -> Floats:
         """Of each joint (m,)."""
-        return np.asarray((self.left(played) ** 2).sum(axis=0) / self.noise**2)
+        return self.sizes(self.left(played))
+
+    def sizes(self, left: Floats) -> Floats:
+        """Chi squared (m,) of what is left (R, m)."""
+        return np.asarray((left**2).sum(axis=0) / self.noise**2)
 
     def _moves(self, found: Floats, speed: Floats) -> list[tuple[float, float]]:
         """Of each trial, shift [s] and rate: the best that what is known of its clock allows."""
         moves = []
-        for number, (r, time) in enumerate(zip(self.recordings, self.times, strict=True)):
-            v, miss = (x[self.trials == number] / self.noise for x in (speed, found))
+        for mine, r, time in zip(self._rows, self.recordings, self.times, strict=True):
+            v, miss = (x[mine] / self.noise for x in (speed, found))
             power, pull = (v**2).sum(axis=1), (v * miss).sum(axis=1)
             once, late, later = (max(float((power * time**n).sum()), 1e-12) for n in range(3))
             now, then = float(pull.sum()), float((pull * time).sum())
@@ -102,8 +113,8 @@ class Plays:
 
     def speed(self, played: Floats) -> Floats:
         """Rates (R, m) [rad/s] of what is played."""
-        parts = zip(range(len(self.recordings)), self.times, strict=True)
-        return np.concatenate([np.gradient(played[self.trials == n], time, axis=0) for n, time in parts])
+        parts = zip(self._rows, self.times, strict=True)
+        return np.concatenate([np.gradient(played[mine], time, axis=0) for mine, time in parts])
 
     def slope(self, played: Floats, moved: Floats, step: float) -> Floats:
         """By which `left` (R, m) falls with a parameter whose `step` moves what is played."""
@@ -113,6 +124,15 @@ class Plays:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
         played = realise_all(self.model(effects), self.setpoints, self.meshes)
         return np.concatenate([p.readings[where] for p, where in zip(played, self.where, strict=True)]) + self.habit
+
+    def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
+        """The same where one joint (1 = next to the tail) alone reads anything else than `others` (R, m)."""
+        found, columns = others.copy(), slice(joint - 1, joint)
+        played = realise_all(self.model(effects), self.setpoints, self.meshes, columns)
+        parts = [p.readings[where] for p, where in zip(played, self.where, strict=True)]
+        habit = np.broadcast_to(self.habit, found.shape)
+        found[:, columns] = np.concatenate(parts) + habit[:, columns]
+        return found
 
     def model(self, effects: Sequence[ActiveEffect]) -> Model:
         """The robot with the known effects and these."""
