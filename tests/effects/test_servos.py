@@ -7,9 +7,10 @@ import pytest
 
 from effects.conftest import extended, place_of, typical
 from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.mechanics.servo import _one_by_one, memories, play
 from serpenoid.problem import Problem
 from serpenoid.simulation.sensitivity import servo_sensitivities
-from serpenoid.simulation.servos import realise
+from serpenoid.simulation.servos import coordinates, realise
 
 ACTUATION = [n for n, e in catalogue().items() if e.site == "actuation"]
 TIMES = np.concatenate([np.arange(51) * 0.1, 5 + np.arange(1, 12) * 0.1])
@@ -50,7 +51,16 @@ def test_derivatives_are_those_of_the_angles(
         difference = np.abs(exact - (up - down) / STEP)
         assert np.median(difference) < 1e-6
         assert (difference > 1e-4 * max(1.0, np.abs(exact).max())).mean() < 0.01
-    np.testing.assert_array_equal(found.angles, realise(model, setpoints, TIMES).angles)
+    # two exponentials: the C library's, and the polynomial of many joints at once
+    np.testing.assert_allclose(found.angles, realise(model, setpoints, TIMES).angles, rtol=0, atol=1e-14)
+
+
+def test_joints_side_by_side_are_those_one_after_the_other(problem: Problem, setpoints: np.ndarray) -> None:
+    theta = coordinates(extended(problem, *(typical(name) for name in ACTUATION)))
+    memory, durations = np.tile(setpoints[:1], (memories(), 1)), np.full_like(setpoints[1:], 0.02)
+    found = play(memory, setpoints, durations, theta)
+    for lanes, columns in zip(found, _one_by_one(memory, setpoints, durations, theta), strict=True):
+        np.testing.assert_allclose(lanes, columns, rtol=0, atol=1e-14)
 
 
 def test_a_stuck_joint_is_no_candidate(problem: Problem, setpoints: np.ndarray) -> None:

@@ -33,10 +33,18 @@ _UNARY = {
     ca.OP_COS: "lane_cos({0})",
     ca.OP_EXP: "lane_exp({0})",
     ca.OP_LOG: "lane_log({0})",
+    ca.OP_FABS: "fabs({0})",
+    ca.OP_SIGN: "({0} > 0.0 ? 1.0 : {0} < 0.0 ? -1.0 : 0.0)",
+    ca.OP_NOT: "({0} == 0.0 ? 1.0 : 0.0)",
 }
 _OF_TWO = {
     ca.OP_POW: "lane_exp({1} * lane_log({0}))",
     ca.OP_ATAN2: "lane_atan2({0}, {1})",
+    ca.OP_LT: "({0} < {1} ? 1.0 : 0.0)",
+    ca.OP_LE: "({0} <= {1} ? 1.0 : 0.0)",
+    ca.OP_FMIN: "({0} < {1} ? {0} : {1})",
+    ca.OP_FMAX: "({0} > {1} ? {0} : {1})",
+    ca.OP_IF_ELSE_ZERO: "({0} != 0.0 ? {1} : 0.0)",
 }  # powers: of what is positive
 
 

@@ -1,19 +1,24 @@
 """One joint during one step of its set-point: all actuation effects, one after the other.
 
-Legend: Q effects with memory, P coordinates.
+Legend: Q effects with memory, P coordinates; n steps of C joints side by side.
 """
 
 from __future__ import annotations
 
+import ctypes
 from functools import cache
+from typing import Any
 
 import casadi as ca
+import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.catalogue import actuation_effects
-from serpenoid.mechanics.compile import compiled
+from serpenoid.mechanics.columns import call
+from serpenoid.mechanics.compile import compiled, loaded
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.mechanics.functions import CSE
-
-SERIES = (32, 256)  # steps of one call
+from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
 
 
 def memories() -> int:
@@ -21,19 +26,72 @@ def memories() -> int:
     return sum(effect.memory for effect in actuation_effects())
 
 
+def play(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) -> tuple[Floats, Floats, Floats]:
+    """Rows (n + 1, C) of set-points played side by side for n steps of `durations` (n, C), from the memory (Q, C) of C
+    joints with coordinates theta (P, C): true angles and readings (n, C), and the memory after the last step."""
+    steps, columns = durations.shape
+    run = _in_lanes()
+    if run is None:
+        return _one_by_one(memory, setpoints, durations, theta)
+    found = [np.empty((steps, columns)), np.empty((steps, columns)), np.empty_like(memory, float)]
+    call(run, columns, [memory, setpoints, durations, theta], found, steps)
+    angles, readings, last = found
+    return angles, readings, last
+
+
 @cache
-def joint_series() -> dict[int, ca.Function]:
-    """By their number of steps: (memory (Q), before (1, n), after (1, n), durations (1, n), theta (P)) -> memory after
-    each step (Q, n), true angles (1, n), readings (1, n)."""
-    return dict(zip(SERIES, compiled([_series(count) for count in SERIES]), strict=True))
+def _in_lanes() -> Any:
+    """C of `play`: block after block of joints; for each of them, step after step."""
+    step, q = _joint_step(), memories()
+    sizes = [*(step.numel_in(i) for i in range(5)), *(step.numel_out(i) for i in range(3))]
+    places = [f"work + {sum(sizes[:i]) * LANES}" for i in range(len(sizes))]
+    names = ["known", "before", "after", "duration", "own", "kept", "angle", "reading"]
+    arrays = "\n".join(f"  double *{name} = {place};" for name, place in zip(names, places, strict=True))
+    body = f"""
+static void load(long n, const long k, long columns, const double *a, double *x) {{
+  for (long r = 0; r < k; ++r, a += columns, x += {LANES}) {{
+    memcpy(x, a, n * sizeof(double));
+    for (long i = n; i < (n + 7) / 8 * 8; ++i) x[i] = a[n - 1];
+  }}
+}}
+static void store(long n, const long k, long columns, const double *x, double *a) {{
+  for (long r = 0; r < k; ++r) memcpy(a + r * columns, x + r * {LANES}, n * sizeof(double));
+}}
+void play(long columns, const double *memory, const double *setpoints, const double *durations, const double *theta,
+          double *angles, double *readings, double *last, long steps) {{
+  static _Thread_local double work[{sum(sizes) * LANES}];
+{arrays}
+  for (long first = 0; first < columns; first += {LANES}) {{
+    const long n = columns - first < {LANES} ? columns - first : {LANES}, eights = (n + 7) / 8;
+    load(n, {q}, columns, memory + first, known);
+    load(n, {sizes[4]}, columns, theta + first, own);
+    for (long t = 0; t < steps; ++t) {{
+      load(n, 1, columns, setpoints + t * columns + first, before);
+      load(n, 1, columns, setpoints + (t + 1) * columns + first, after);
+      load(n, 1, columns, durations + t * columns + first, duration);
+      {step.name()}(eights, known, before, after, duration, own, kept, angle, reading);
+      store(n, 1, columns, angle, angles + t * columns + first);
+      store(n, 1, columns, reading, readings + t * columns + first);
+      double *const spare = known;
+      known = kept, kept = spare;
+    }}
+    store(n, {q}, columns, known, last + first);
+  }}
+}}
+"""
+    return loaded("play", PRELUDE + kernel(step) + body, lambda library: ctypes.CDLL(library).play, flags())
 
 
-def _series(count: int) -> ca.Function:
-    step = _joint_step()
-    inputs = [ca.MX.sym(step.name_in(0), memories()), *(ca.MX.sym(step.name_in(i), 1, count) for i in (1, 2, 3))]
-    theta = ca.MX.sym("theta", step.size1_in(4))
-    outputs = step.mapaccum(count)(*inputs, ca.repmat(theta, 1, count))
-    return ca.Function(f"joint_series_{count}", [*inputs, theta], list(outputs))
+def _one_by_one(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) -> tuple[Floats, Floats, Floats]:
+    """The same where no compiler is: CasADi's map, step by step."""
+    over = _joint_step().map(durations.shape[1])
+    found = []
+    for before, after, duration in zip(setpoints[:-1], setpoints[1:], durations, strict=True):
+        states, angles, readings = evaluate(over, memory.T, before, after, duration, theta.T)
+        found.append((angles[0], readings[0]))
+        memory = states
+    angles, readings = (np.array(x) for x in zip(*found, strict=True))
+    return angles, readings, memory
 
 
 @cache
@@ -65,6 +123,7 @@ def parameter_rows() -> dict[tuple[str, str], int]:
     return {pair: row for row, pair in enumerate(names) if pair[1]}
 
 
+@cache
 def _joint_step() -> ca.Function:
     """(memory (Q), before, after [rad], duration [s], theta (P)) -> memory (Q), true angle, what the servo reads."""
     kinds = actuation_effects()

@@ -16,8 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import actuation_effects
 from serpenoid.errors import InputError
-from serpenoid.mechanics.evaluate import evaluate
-from serpenoid.mechanics.servo import SERIES, joint_sensitivity, joint_series, memories
+from serpenoid.mechanics.servo import joint_sensitivity, memories, play
 from serpenoid.model import Model
 
 CHUNK = 1000  # steps evaluated in one call
@@ -50,15 +49,15 @@ def realise_all(
     rows = [np.concatenate([s[:1], s, np.repeat(s[-1:], most - len(s), axis=0)]) for s in setpoints]
     clocks = [np.concatenate([[1.0], np.diff(t), np.ones(most - len(t))]) for t in times]
     joints = setpoints[0].shape[1]
-    played, _ = _play(
-        np.tile(theta, (1, len(rows))),
+    angles, readings, _ = play(
+        np.tile(np.hstack([s[:1] for s in setpoints]), (memories(), 1)),
         np.hstack(rows),
         np.repeat(np.column_stack(clocks), joints, axis=1),
-        np.tile(np.hstack([s[:1] for s in setpoints]), (memories(), 1)),
+        np.tile(theta, (1, len(rows))),
     )
     parts = [slice(i * joints, (i + 1) * joints) for i in range(len(rows))]
     pairs = zip(parts, setpoints, strict=True)
-    return [Realised(played.angles[: len(s), part], played.readings[: len(s), part]) for part, s in pairs]
+    return [Realised(angles[: len(s), part], readings[: len(s), part]) for part, s in pairs]
 
 
 def realise_gait(model: Model, table: Floats) -> Floats:
@@ -69,9 +68,9 @@ def realise_gait(model: Model, table: Floats) -> Floats:
     durations = np.full(table.shape, model.step_duration(len(table)))
     memory = np.tile(table[:1], (memories(), 1))
     for _ in range(CYCLES):
-        realised, last = _play(theta, closed, durations, memory)
+        angles, _, last = play(memory, closed, durations, theta)
         if np.abs(last - memory).max() <= FADED:
-            return np.roll(realised.angles, 1, axis=0)
+            return np.roll(angles, 1, axis=0)
         memory = last
     raise InputError("[[effects]] the servos never settle into a periodic motion: the cycle is too quick for them.")
 
@@ -108,37 +107,11 @@ def coordinates(model: Model, candidates: Sequence[ActiveEffect] = ()) -> Floats
     return np.vstack(blocks)
 
 
-def _play(theta: Floats, setpoints: Floats, durations: Floats, memory: Floats) -> tuple[Realised, Floats]:
-    """Play rows (n + 1, m) for n steps of `durations` (n, m) from the memory (Q, m); theta (P, m).
-
-    n rows of angles and readings, and the memory after the last.
-    """
-    count, joints = durations.shape
-    angles, readings = np.empty((count, joints)), np.empty((count, joints))
-    shortest, longest = SERIES
-    first = 0
-    while first < count:
-        size = longest if count - first > longest // 2 else shortest
-        end = min(first + size, count)
-        rows = [setpoints[first:end], setpoints[first + 1 : end + 1], durations[first:end]]
-        filled = [np.concatenate([x, np.repeat(x[-1:], first + size - end, axis=0)]) for x in rows]
-        states, *found = evaluate(_side_by_side(size, joints), memory.T, *(x.T for x in filled), theta.T)
-        angles[first:end], readings[first:end] = (x.reshape(joints, size).T[: end - first] for x in found)
-        memory = states.T.reshape(joints, size, -1)[:, end - first - 1].T
-        first = end
-    return Realised(angles, readings), memory
-
-
 def _inputs(setpoints: Floats, durations: Floats, part: slice, theta: Floats) -> tuple[Floats, ...]:
     """Set-points before and after, durations and theta, one column per step and joint."""
     before, after = setpoints[:-1][part].reshape(1, -1), setpoints[1:][part].reshape(1, -1)
     repeated = np.repeat(durations[part], setpoints.shape[1])[None]
     return before, after, repeated, np.tile(theta, (1, part.stop - part.start))
-
-
-@lru_cache(maxsize=64)
-def _side_by_side(size: int, joints: int) -> ca.Function:
-    return joint_series()[size].map(joints)
 
 
 @lru_cache(maxsize=64)
