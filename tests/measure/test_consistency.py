@@ -327,3 +327,18 @@ def test_the_duration_of_a_single_cycle_is_told_by_how_long_the_body_moves(facto
     assert [one.kind for one in found] == ([] if factor == 1.0 else ["duration"])
     for one in found:
         assert float(re.findall(r"a cycle of ([0-9.]+) s", one.words)[0]) == pytest.approx(2.0, rel=0.02)
+
+
+@pytest.mark.parametrize("cycles", [1, 3])
+@pytest.mark.parametrize(("many", "unit"), [(1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")])
+def test_times_in_another_unit_are_told_before_anything_is_laid_over_anything(many, unit, cycles):
+    played = Schedule(serpenoid_table(40), 2.0, cycles, 1.0)
+    time = np.arange(-1.0, played.end_s + 1.0, 1 / 60)
+    angles = played.commanded(np.clip(time, 0.0, played.end_s))
+    seen, logged = Signal(time, angles), Signal(many * (time + 1.7e9), angles)  # since 1970
+    verdict = check([Claim("one", "gait-1", played, cameras=seen, servos=logged)], {"gait-1": played.table})
+    assert [one.said for one in verdict.contradictions] == [
+        f"the servo log's positions run {many:g} times as long as the schedule. "
+        f"Remedy: give times in seconds; are these {unit}?"
+    ]
+    assert verdict.rivals == ()

@@ -22,6 +22,7 @@ from serpenoid.measure.consistency.hypotheses import (
     SAME_TABLE,
     Fault,
     in_other_unit,
+    other_unit,
     rounded,
     schedule_faults,
     turned,
@@ -98,11 +99,36 @@ class Verdict:
 
 
 def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
-    """Score every promise of every trial. `tables`: all joint tables of the campaign by label."""
+    """Score every promise of every trial. `tables`: all joint tables of the campaign by label.
+
+    Units first: recordings that last a thousand times too long take as much longer to be laid over anything.
+    """
+    units = [found for claim in claims for found in _in_other_units(claim)]
+    if units:
+        return Verdict(tuple(units), (), ())
     judged = in_processes([(_judged, (claim, claims, tables)) for claim in claims])
     rivals = [rival for one in judged for rival in one.rivals]
     lost = [found for one in judged for found in one.contradictions]
     return Verdict((*_certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals))
+
+
+def _in_other_units(claim: Claim) -> list[Contradiction]:
+    """Witnesses whose motion lasts a thousand times the promised seconds."""
+    found = []
+    for signal, witness in ((claim.servos, "the servo log's positions"), (claim.cameras, "the recorded shapes")):
+        if claim.schedule is not None and signal is not None and signal.enough:
+            said = other_unit(_longer(signal, claim.schedule))
+            if said is not None:
+                found.append(Contradiction(claim.trial, "rate", f"{witness} {said[0]}", said[1], np.inf))
+    return found
+
+
+def _longer(signal: Signal, schedule: Schedule) -> float:
+    """By how much longer than promised it takes to repeat, or, where nothing repeats, how much longer it moves."""
+    own = period_s(signal)
+    if own is not None:
+        return own / schedule.period_s
+    return moving_s(signal) / (schedule.cycles * schedule.period_s - schedule.pause_s)
 
 
 def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:

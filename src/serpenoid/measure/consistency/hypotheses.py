@@ -20,7 +20,9 @@ from serpenoid.measure.schedule import Schedule
 
 SAME_TABLE = 1e-6  # rad: tables written with six decimals
 ROLLS = 12  # starting rows that are tried, a twelfth of a cycle apart; one twelfth is not told from play in the joints
+UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
+ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
 KINDS = 8  # of faults, alike in prior odds
 
 
@@ -144,9 +146,18 @@ def rounded(number: float) -> str:
     return f"{float(f'{number:.3g}'):g}"
 
 
-def in_other_unit(longer: float) -> str | None:
-    """The cure where something lasts a thousand times as long as it should."""
-    return "give times in seconds; are these milliseconds?" if abs(np.log(longer / 1000)) < NEAR else None
+def in_other_unit(longer: float, near: float = NEAR) -> str | None:
+    """The cure where something lasts a thousand, a million or a billion times as long as it should."""
+    for unit, many in UNITS.items():
+        if abs(np.log(longer / many)) < near:
+            return f"give times in seconds; are these {unit}?"
+    return None
+
+
+def other_unit(longer: float) -> tuple[str, str] | None:
+    """Words and cure where a motion lasts about so many times as long as the schedule that nothing but a unit makes."""
+    cure = in_other_unit(longer, ROUGHLY) if longer > 0 else None
+    return None if cure is None else (f"run {10 ** round(np.log10(longer)):g} times as long as the schedule", cure)
 
 
 def _rolled(schedule: Schedule) -> list[Fault]:
