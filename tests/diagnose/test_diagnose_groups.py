@@ -138,7 +138,7 @@ def test_what_is_too_weak_to_be_named_stays_beside_what_is(slope_and_toe: Motion
     found = slope_and_toe.selection
     toe = next(i for i, e in enumerate(found.best.effects) if e.name == "toe")
     faint = trace(found.motion, found.best, found.bases[toe], found.best.effects[toe])
-    louder = replace(found, **vars(kept(found.motion, found.null, found.best, faint / 1.5, [("toe", None)])))
+    louder = replace(found, **vars(kept(found.motion, found.null, found.best, 1.2 * faint, [("toe", None)])))
     assert [e.name for e in louder.best.effects] == ["slope"]
     assert [t.added.name for t in louder.undetected] == ["toe"]
     assert louder.best.coordinates[1:] != pytest.approx(found.best.coordinates[1:3], rel=1e-3)  # it is bent alone

@@ -33,7 +33,6 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.model import Model
 
-READ = 0.5  # share of the habitual error of readings that a change may change
 UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
 Setting = tuple[str, float]
 
@@ -135,26 +134,23 @@ class Reference(Baseline):
         return tuple(found)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
-        """Readings with the earlier ones' error taken out."""
+        """Readings with the earlier ones' error taken out; a change may change it by as much as it is."""
         now, then = plays(recordings), self.servos
         left = then.readings - then.realised([])
         spread = np.sqrt((left**2).mean(axis=0))
         habit = np.zeros_like(now.readings)
-        matched = np.zeros(len(habit), dtype=bool)
         for number, r in enumerate(now.recordings):
             for other, earlier in enumerate(then.recordings):
                 if earlier.setting == r.setting and np.array_equal(earlier.schedule.table, r.schedule.table):
                     mine, theirs = now.trials == number, then.trials == other
                     at, known = now.times[number], then.times[other]
                     habit[mine] = np.stack([np.interp(at, known, c) for c in left[theirs].T], axis=1)
-                    matched |= mine
-        share = np.sqrt(np.where(matched, READ**2, 1.0).mean())
         return replace(
             now,
             without=self.without,
             known=then.known,
             habit=habit,
-            noise=np.hypot(np.sqrt(2) * now.noise, share * spread),
+            noise=np.hypot(np.sqrt(2) * now.noise, spread),
         )
 
 

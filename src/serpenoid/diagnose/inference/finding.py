@@ -8,7 +8,7 @@ from typing import Any
 
 from serpenoid.effects.active import ActiveEffect
 
-VISIBLE = 1.6  # times the noise level: a weaker trace is below detection; of what is left, too, what is spoken of
+VISIBLE = 1.0  # times the noise level: what is smaller than noise is below detection, and if it is left not spoken of
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,6 @@ from serpenoid.diagnose.inference.ranking import needed
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.parallel import in_processes
 
-PLAIN = VISIBLE**2  # chi squared per number: as much in the windows
 Key = tuple[str, int | None]
 
 
@@ -73,20 +72,18 @@ class Kept:
     refused: tuple[Refused, ...]
 
 
-def kept(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Collection[Key] = (), alone: float = 0.0
-) -> Kept:
+def kept(motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Collection[Key] = ()) -> Kept:
     """What is both earned and visible of a fit.
 
     hidden: what was not visible when it was found. It must be earned, too, and names are earned beside it: without it,
     what is left is an error of another kind, and the names may be bent around it. Names must be earned without those
-    whose trace they took over. alone: noise levels that an only effect must show; 0 where the search has judged it.
+    whose trace they took over.
     """
     lost: dict[Key, Try] = {}
     best, refused = earned(motion, null, best)
     settled = best
     while True:
-        shown, bases, weak = visible(motion, null, best, noise_level_m, hidden, alone)
+        shown, bases, weak = visible(motion, null, best, noise_level_m)
         lost |= {t.added.key: t for t in weak}
         overtaken = [t.added for t in weak if t.added.key not in hidden]
         if not overtaken:
@@ -138,22 +135,16 @@ def certain(motion: Motion, best: Fit) -> list[bool]:
     return [bool(part.any()) for part in np.split(apart, ends)]
 
 
-def visible(
-    motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Collection[Key] = (), alone: float = 0.0
-) -> tuple[Fit, tuple[Fit, ...], tuple[Try, ...]]:
+def visible(motion: Motion, null: Fit, best: Fit, noise_level_m: float) -> tuple[Fit, tuple[Fit, ...], tuple[Try, ...]]:
     """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
     lost: list[Try] = []
     while True:
         effects = best.effects
         bases = bases_of(motion, null, best)
         traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
-        usual = 1.0 if len(effects) > 1 else alone
-        ranks = [
-            t - (VISIBLE if e.key in hidden else usual) * noise_level_m for t, e in zip(traces, effects, strict=True)
-        ]
-        if not effects or min(ranks) >= 0:
+        if not effects or min(traces) >= VISIBLE * noise_level_m:
             return best, bases, tuple(lost[::-1])
-        weakest = int(np.argmin(ranks))
+        weakest = int(np.argmin(traces))
         lost.append(Try(best, effects[weakest], traces[weakest]))
         best = fit_guided(motion, bases[weakest], TO_THE_END)
 
@@ -175,7 +166,7 @@ def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:
 
 def plain(full: Fit, base: Fit) -> bool:
     """Whether windows without an effect are off by much more than chance, whatever others are there."""
-    return bool(base.chi2 - full.chi2 > PLAIN * full.evidence.count.sum() and full.effects[1:])
+    return bool(base.chi2 - full.chi2 > VISIBLE**2 * full.evidence.count.sum() and full.effects[1:])
 
 
 def beside_the_others(motion: Motion, full: Fit, effect: ActiveEffect) -> float:

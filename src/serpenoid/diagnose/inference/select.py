@@ -13,7 +13,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals, window_noise
-from serpenoid.diagnose.data.paths import path_error, path_noise, strength
+from serpenoid.diagnose.data.paths import path_noise, strength
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.discrepancy import deviance
@@ -28,7 +28,7 @@ from serpenoid.diagnose.inference.medium import (
     fit_guided,
     fit_without,
 )
-from serpenoid.diagnose.inference.names import PLAIN, Kept, Key, Try, each_without, kept, trace
+from serpenoid.diagnose.inference.names import Kept, Key, Try, each_without, kept, trace
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
@@ -44,8 +44,6 @@ HOPELESS = 0.5  # of the price of so many tries: what gains less to first order 
 SHARE = 0.03  # of the best: what earns a full fit
 IDLE = 3  # effects in a row that gain no more than the null: two may come before the one that makes them tell
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
-MARKED = 1.3  # times the noise level, for what the windows show as clearly
-ASTRAY = 5.0  # times the noise level: such a path says little about small traces
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
 UNCLEAR = 2.0  # the same: with the right effects there is less
 
@@ -114,14 +112,13 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         astray = level > 0 and motion.ratio is None and unclear(best)
         later = astray or motion.unrepeated  # what is missing may hide it: it is judged in the end
         base = null if len(best.effects) == 1 else fit_without(motion, best, added)
-        if not later and not stands_out(motion, base, Try(best, added, trace(motion, best, base, added)), noise_level):
+        if not later and trace(motion, best, base, added) < VISIBLE * noise_level:
             hidden = (*hidden, added.key)
         if idle == IDLE:
             break
     noise_level = path_noise(motion, best.predictions)
     best = resited(motion, best)
-    alone = VISIBLE if motion.unrepeated else 0.0
-    found = kept(motion, null, best, noise_level, hidden, alone)
+    found = kept(motion, null, best, noise_level, hidden)
     return Selection(**vars(found), motion=motion, null=null, noise_level_m=noise_level, scores=scores)
 
 
@@ -166,15 +163,6 @@ def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
 def unclear(found: Fit) -> bool:
     """Whether windows are left with much more than chance."""
     return bool(found.chi2 > UNCLEAR * found.evidence.count.sum())
-
-
-def stands_out(motion: Motion, base: Fit, t: Try, noise_level_m: float) -> bool:
-    """Whether a trace in the path is above the noise level; less will do, or paths that stray, if windows show it."""
-    if t.strength_m >= VISIBLE * noise_level_m:
-        return True
-    gained = (base.chi2 - t.fit.chi2) / base.evidence.count.sum()
-    marked = t.strength_m >= MARKED * noise_level_m or path_error(motion, base.predictions) > ASTRAY * noise_level_m
-    return bool(marked and gained > PLAIN)
 
 
 def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try]:

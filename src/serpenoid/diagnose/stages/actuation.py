@@ -16,7 +16,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.finding import excludable
+from serpenoid.diagnose.inference.finding import VISIBLE, excludable
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.stages.plays import Plays, ways
@@ -26,7 +26,6 @@ from serpenoid.effects.catalogue import actuation_effects, find
 from serpenoid.files.store import remembered
 
 STEPS = 7
-FOLLOWED = 1.0  # beyond noise: as much again
 REACH = 3.0  # largest change of a positive scale in one step
 
 
@@ -78,8 +77,8 @@ def _told_apart(every: Sequence[Plays], kind: ActuationEffect | None, first: Pla
 
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:
-    """Whether what is left of no joint's readings (or of the median joint's) is more than noise and as much again."""
-    return bool(of_joints(data.missed(played)) < FOLLOWED)
+    """Whether what is left of no joint's readings (or of the median joint's) is visible beside their noise."""
+    return bool(of_joints(data.missed(played)) < VISIBLE**2)
 
 
 def shown(data: Plays) -> list[ActuationEffect]:

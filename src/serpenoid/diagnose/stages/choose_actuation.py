@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
-from serpenoid.diagnose.stages.actuation import FOLLOWED, Attempt, attempts, fit_everywhere, followed, needed, slopes_of
+from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
 from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
@@ -66,7 +66,7 @@ def choose_actuation(data: Plays) -> Stage:
     left = data.channels(best.angles)
     worst = int(left.argmax())
     words: tuple[str, ...] = ()
-    if left[worst] > VISIBLE:
+    if left[worst] > np.hypot(1.0, VISIBLE):
         words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
         words += refused
     every = [_named(best, e) for e in best.effects]
@@ -82,7 +82,7 @@ def _law_error(best: Played, effect: ActiveEffect) -> float:
     data, place = best.data, effect.place
     bare = data.realised([e for e in best.effects if e.key != effect.key])
     done = (((best.angles - bare) / data.level) ** 2).mean(axis=0)
-    missed = np.maximum(data.missed(best.angles) - FOLLOWED, 0.0)
+    missed = np.maximum(data.missed(best.angles) - VISIBLE**2, 0.0)
     errors = np.sqrt(missed / np.maximum(done, 1e-12))
     return float(np.median(errors)) if place is None else float(errors[place - 1])
 
