@@ -177,12 +177,12 @@ class Worth:
         return Priced(self.there - sum(self.gains), self.size, 100.0)
 
 
-def without(found: Worth, index: int) -> Worth:
-    return replace(found, gains=found.gains[:index] + found.gains[index + 1 :])
+def each_without(found: Worth) -> list[Worth]:
+    return [replace(found, gains=found.gains[:i] + found.gains[i + 1 :]) for i in range(found.size)]
 
 
 def test_effects_that_gain_no_more_than_the_null_are_dropped() -> None:
-    best = earned(Worth((500.0, 30.0, 200.0)), Worth(()), without, lambda found: 40.0)
+    best = earned(Worth((500.0, 30.0, 200.0)), Worth(()), each_without, lambda found: 40.0)
     assert best.gains == (500.0, 200.0)
 
 

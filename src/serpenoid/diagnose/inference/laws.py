@@ -14,6 +14,7 @@ from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
+from serpenoid.parallel import in_processes
 
 ROOTLESS = 0.02  # share of windows: a few steps about rest have no root on dry friction
 SOFTENING = 0.1  # at the default 0.01 a few steps of pauses have no root; chi squared differs by 6 % (arena)
@@ -27,8 +28,8 @@ def dry_friction(found: Selection) -> str:
     dry = on_dry_friction(found.null.model)
     if dry is None or not unclear(found.best):
         return ""
-    alone = _fitted(found, dry, ())
-    both = _fitted(found, dry, found.best.effects) or alone
+    on_dry = _fitted(found, dry, [(), found.best.effects] if found.best.effects else [()])
+    alone, both = on_dry[0], on_dry[-1] or on_dry[0]
     if alone is None or both is None:
         return ""
     fits = (found.null, found.best, alone, both)
@@ -62,16 +63,24 @@ def _acting(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
     return [e for e in effects if e.effect.acts_in("coulomb")]
 
 
-def _fitted(found: Selection, dry: Model, effects: Sequence[ActiveEffect]) -> Fit | None:
-    """The best fit on dry friction, of those in which nearly all steps have roots.
+def _fitted(found: Selection, dry: Model, explanations: Sequence[Sequence[ActiveEffect]]) -> list[Fit | None]:
+    """Of each explanation the best fit on dry friction, of those in which nearly all steps have roots.
 
     Begun without the effects, at the ratio of drag and at its root: dry friction's law has the square of its ratio.
     """
-    kept, eps = _acting(effects), dry.medium.anisotropy_ratio
-    resting = [p.resting for e in kept for p in e.effect.parameters]
-    fits = [fit(found.motion, dry, kept, np.array([x, *resting]), TO_THE_END) for x in (eps, np.sqrt(eps))]
+    eps = dry.medium.anisotropy_ratio
+    begun = [(_acting(effects), x) for effects in explanations for x in (eps, np.sqrt(eps))]
+    fits = in_processes([(_fit, (found.motion, dry, effects, x)) for effects, x in begun])
     size = (1 - ROOTLESS) * found.best.evidence.count.sum()
-    return min((f for f in fits if f.evidence.count.sum() >= size), key=lambda f: f.chi2, default=None)
+    pairs = zip(fits[::2], fits[1::2], strict=True)
+    return [
+        min((f for f in pair if f.evidence.count.sum() >= size), key=lambda f: f.chi2, default=None) for pair in pairs
+    ]
+
+
+def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float) -> Fit:
+    resting = [p.resting for e in effects for p in e.effect.parameters]
+    return fit(motion, dry, effects, np.array([eps, *resting]), TO_THE_END)
 
 
 def _white(motion: Motion, found: Fit) -> list[Floats]:

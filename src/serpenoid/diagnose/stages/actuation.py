@@ -24,6 +24,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, Effect, Parameter
 from serpenoid.effects.catalogue import actuation_effects, find
 from serpenoid.files.store import remembered
+from serpenoid.parallel import in_processes
 
 STEPS = 7
 REACH = 3.0  # largest change of a positive scale in one step
@@ -88,11 +89,9 @@ def shown(data: Plays) -> list[ActuationEffect]:
 
 def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
     """Every actuation effect that readings show, at every joint, beside those in `base`."""
-    found = []
-    for kind in shown(data):
-        if kind.place is not None or all(e.name != kind.name for e in base):
-            found += fit_everywhere(data, kind.name, base, kind.starts(data.readings, data.quickest))
-    return found
+    kinds = [k for k in shown(data) if k.place is not None or all(e.name != k.name for e in base)]
+    tasks = [(fit_everywhere, (data, k.name, base, k.starts(data.readings, data.quickest))) for k in kinds]
+    return [attempt for found in in_processes(tasks) for attempt in found]
 
 
 @remembered

@@ -16,6 +16,7 @@ from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywher
 from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
+from serpenoid.parallel import in_processes
 
 AT_MOST = 7
 AT_REST = 0.1  # of a tick, from one reading to the next
@@ -61,7 +62,7 @@ def choose_actuation(data: Plays) -> Stage:
         best = Played(data, _refined(data, [*best.effects, tries[found].effect]))
         if _strength(data, tries[found].effect) < VISIBLE:
             break
-    best = earned(best, bare, _without, lambda found: needed(data, found.effects))
+    best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     left = data.channels(best.angles)
     worst = int(left.argmax())
@@ -101,6 +102,11 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
         rival = Rival(other.effects[-1], effect, apart)
         found += [] if excludable(other.priced.chi2, least.chi2, least.count, band) else [rival]
     return found
+
+
+def _each_without(best: Played) -> list[Played]:
+    kept = [[e for e in best.effects if e is not out] for out in best.effects]
+    return [Played(best.data, effects) for effects in in_processes([(_refined, (best.data, k)) for k in kept])]
 
 
 def _without(best: Played, index: int) -> Played:

@@ -101,6 +101,10 @@ class Looked:
         now = self._cleared(self.keys[index])
         return replace(self, now=solved(self.data, now, kept) if kept else now, keys=kept)
 
+    def each_without(self) -> list[Looked]:
+        """One less, each in turn."""
+        return [self.without_one(i) for i in range(self.size)]
+
     def _cleared(self, key: Key) -> Observation:
         """The model with one effect's numbers as they were before."""
         now, body = self.now, self.data.body
@@ -130,7 +134,7 @@ def choose_observation(
         best = found
         if best.strength(best.keys[-1]) < VISIBLE:
             break
-    best = earned(best, bare, Looked.without_one, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
+    best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
     best = _beside_play(best)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     every = [_named(best, key) for key in best.keys]
