@@ -13,7 +13,7 @@ from serpenoid.compare.calibrate import calibrate, estimate
 from serpenoid.compare.lengths import lengths_sd, lengths_shift, others_of
 from serpenoid.compare.rehearse import Laboratory, Rehearsal, write_campaign
 from serpenoid.compare.segments import trial_segments
-from serpenoid.compare.study import Study, compare_campaign, shape_bias
+from serpenoid.compare.study import Study, compare_campaign, moving, shape_bias
 from serpenoid.errors import InputError
 from serpenoid.measure.load import Campaign, load_campaign
 from serpenoid.measure.usage import usage
@@ -99,6 +99,20 @@ def test_a_bias_of_resim_beyond_its_scatter_is_said(study):
     told = shape_bias([replace(first, resim_bias=-0.01 * first.resim.displacement, resim_sd=1e-4)])
     assert told[0].startswith("noise of the measured shapes makes Resim 1.0% shorter")
     assert shape_bias([replace(first, resim_bias=-0.001 * first.resim.displacement, resim_sd=1e-4)]) == []
+
+
+def test_a_gait_that_does_not_move_the_body_beyond_its_markers_noise_is_compared_with_nothing(study):
+    assert moving(list(study.comparisons)) == (list(study.comparisons), [])
+    rng = np.random.default_rng(8)
+    (gait, *_) = study.gaits
+    resting = []
+    for c in study.comparisons:
+        poses = c.exp.poses.copy()
+        poses[:, :2] = rng.normal(scale=c.exp_sd / 2, size=(len(poses), 2))  # two ends, two directions: exp_sd
+        resting.append(replace(c, exp=replace(c.exp, poses=poses)) if c.gait == gait else c)
+    kept, said = moving(resting)
+    assert kept == [c for c in resting if c.gait != gait]
+    assert said[0].startswith(f"{gait}: the body moved no farther than the markers' noise")
 
 
 def test_idle_power_and_dissipation_coefficient_are_recovered(study):

@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compare, write, report."""
     from serpenoid.compare.start import compared_model
-    from serpenoid.compare.study import compare_campaign
+    from serpenoid.compare.study import NOTHING, compare_campaign
     from serpenoid.compare.write import study_record, write_study
     from serpenoid.errors import InputError
 
@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
         study = compare_campaign(campaign, model, lambda done, total, name: advance(done, name))
         advance(len(campaign.trials))
     if not study.comparisons:
-        raise InputError("no trial has a motion file with a whole cycle in it. " + " ".join(study.notes))
+        raise InputError("; ".join([NOTHING, *study.notes]))
     record = study_record(study, campaign, origin)
     sign(args)
     with options.progress_bar(args, "drawing", len(study.comparisons)) as advance:
@@ -56,7 +56,7 @@ def lines(study: Study, origin: str) -> list[str]:
     """The summary."""
     medium = study.model.medium
     found = [f"anisotropy ratio  {medium.anisotropy_ratio:.6g} ({origin}), dissipation at each {medium.dissipation}"]
-    found.append(f"{'gait':<24}{'Exp':>9}{'Resim':>9}{'Sim':>9}   [body lengths]")
+    found += [f"{'gait':<24}{'Exp':>9}{'Resim':>9}{'Sim':>9}   [body lengths]"] if study.gaits else []
     for i, gait in enumerate(study.gaits):
         cells: list[Any] = [f"{study.displacement[k][i]:9.4f}" if k in study.displacement else f"{'-':>9}"
                             for k in ("Exp", "Resim", "Sim")]  # fmt: skip

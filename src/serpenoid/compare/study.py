@@ -19,6 +19,8 @@ from serpenoid.model import Model
 PAIRS = (("Exp", "Sim"), ("Exp", "Resim"), ("Sim", "Resim"))
 
 
+AT_REST = 2.0  # times the RMS that noise makes of a displacement: of a body at rest one in fifty goes farther
+NOTHING = "no trial has a motion file with a whole cycle in it: nothing to compare"
 TOLD = 2e-3  # of the displacement: less than the tape measure that gave the lengths
 
 
@@ -55,14 +57,35 @@ def compare_campaign(
             power = cycle_power(trial, found, model.body.mass_kg) if model.body.mass_kg else None
             if power is not None:
                 cycles.append(power)
-    gaits, displacement = gait_means(comparisons)
+    moved, still = moving(comparisons)
+    gaits, displacement = gait_means(moved)
     ratios, complaint = _ratios(gaits, displacement)
     if cycles and not model.body.mass_kg:
         notes.append("[body] has no `mass_kg`: no cost of transport")
     return Study(
         model, tuple(comparisons), gaits, displacement, ratios, tuple(cycles), cost_points(cycles), fit_power(cycles),
-        tuple([f"{total(map(usage, campaign.trials))}", *notes, *shape_bias(comparisons), *complaint]),
+        tuple([*_seconds(campaign, comparisons), *notes, *shape_bias(moved), *still, *complaint]),
     )  # fmt: skip
+
+
+def _seconds(campaign: Campaign, comparisons: list[Comparison]) -> list[str]:
+    return [f"{total(map(usage, campaign.trials))}"] if comparisons else []
+
+
+def moving(comparisons: list[Comparison]) -> tuple[list[Comparison], list[str]]:
+    """The passages of gaits that moved the body farther than noise shows of one at rest; words on the others."""
+    sums: dict[str, list[tuple[float, float]]] = {}
+    for c in comparisons:
+        sums.setdefault(c.gait, []).append((c.exp.displacement, c.exp_sd))
+    rms = {gait: np.sqrt(np.mean(np.square(values), axis=0)) for gait, values in sums.items()}
+    still = {gait: far for gait, (far, sd) in rms.items() if far <= AT_REST * sd}
+    if not still:
+        return comparisons, []
+    words = (
+        f"{', '.join(still)}: the body moved no farther than the markers' noise shows of one at rest "
+        f"({max(still.values()):.2g} body lengths); nothing is compared with that"
+    )
+    return [c for c in comparisons if c.gait not in still], [words]
 
 
 def shape_bias(comparisons: list[Comparison]) -> list[str]:
@@ -97,6 +120,6 @@ def gait_means(comparisons: list[Comparison]) -> tuple[tuple[str, ...], dict[str
 
 def _ratios(gaits: tuple[str, ...], displacement: dict[str, Floats]) -> tuple[tuple[RatioStatistics, ...], list[str]]:
     if len(gaits) < 2:
-        return (), ["performance ratios need two gaits or more"]
+        return (), [] if not gaits else ["performance ratios need two gaits or more"]
     usable = [(x, y) for x, y in PAIRS if x in displacement and y in displacement]
     return tuple(ratio_statistics(f"{x}/{y}", displacement[x], displacement[y]) for x, y in usable), []

@@ -56,6 +56,7 @@ class Comparison:
     sim: Path | None
     resim_sd: float  # of the resimulated displacement, from shape noise [body lengths]
     resim_bias: float  # of the same: what shape noise and the smoothing of it add on average
+    exp_sd: float  # of the measured one, from the noise of its first and last poses
     pieces: int  # between holes; their motions are joined end to end, the same for all three
 
     def error(self, part: str) -> dict[str, float]:
@@ -112,8 +113,14 @@ def _compare(trial: Trial, passage: Passage, model: Model, seed: int) -> Compari
     sds, biases = np.transpose([resimulation_error(model, motion, rows, seed) for rows in pieces])
     return Comparison(
         trial.name, trial.gait, passage.cycle, time, joined(measured), joined(resim), sim,
-        float(np.sqrt(np.sum(sds**2))), float(np.sum(biases)), len(pieces),
+        float(np.sqrt(np.sum(sds**2))), float(np.sum(biases)), _measured_error(motion, pieces), len(pieces),
     )  # fmt: skip
+
+
+def _measured_error(motion: Motion, pieces: list[slice]) -> float:
+    """SD of how far apart the first and last positions of all pieces are seen, frame by frame [body lengths]."""
+    variance = np.trace(motion.covariance[:, :2, :2], axis1=1, axis2=2)
+    return float(np.sqrt(sum(variance[rows][0] + variance[rows][-1] for rows in pieces)))
 
 
 def _joined_time(times: list[Floats]) -> Floats:

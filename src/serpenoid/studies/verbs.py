@@ -11,7 +11,7 @@ from pathlib import Path
 
 from serpenoid.compare.calibrate import Calibration, calibrate, drag_ratio
 from serpenoid.compare.start import compared_model, neutral_model
-from serpenoid.compare.study import Study, compare_campaign
+from serpenoid.compare.study import NOTHING, Study, compare_campaign
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.reference import reference_of
@@ -66,6 +66,8 @@ class Compared(Shown):
 
     def summary(self) -> str:
         """How far resimulated gaits go, of measured ones."""
+        if not self.study.gaits:
+            return "the body did not move"
         shares = self.study.displacement["Resim"] / self.study.displacement["Exp"]
         eps = self.study.model.medium.anisotropy_ratio
         said = f"{len(shares)} gait(s), Resim / Exp {shares.min():.3f} .. {shares.max():.3f}"
@@ -109,7 +111,7 @@ def compare(campaign: Place, anisotropy_ratio: float | None = None, dissipation:
     model, origin = compared_model(read, anisotropy_ratio, dissipation)
     study = compare_campaign(read, model)
     if not study.comparisons:
-        raise InputError("no trial has a motion file with a whole cycle in it. " + " ".join(study.notes))
+        raise InputError("; ".join([NOTHING, *study.notes]))
     return Compared(read, study, origin)
 
 
