@@ -15,8 +15,9 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
+from blind.schedule import lagged
 from serpenoid.diagnose.data.noise import TICK
-from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
@@ -97,6 +98,45 @@ def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     assert low is not None
     assert high is not None
     assert low < 0.6 < high
+
+
+def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
+    recordings: tuple[Recording, ...],
+) -> None:
+    rng, lag, late, noise = np.random.default_rng(2), 0.15, 0.12, 0.01
+
+    def filmed(r: Recording) -> Recording:
+        told = r.schedule.commanded(r.read_at + late)  # laid over the table where it looks most alike: later
+        true = lagged(r.read_at, told, np.full(len(told) - 1, lag))
+        unsure = UNSURE_CYCLE * r.schedule.cycle_duration_s
+        return replace(r, position=true + noise * rng.normal(size=true.shape), by_servos=False, t0_spread=unsure)
+
+    stage = choose_actuation(plays([filmed(r) for r in recordings]))
+    assert stage.settled
+    (named,) = stage.named
+    assert named.effect.name == "servo_lag"
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < lag < high
+    assert high - low < 0.2 * lag
+
+
+def test_where_a_servo_that_is_late_stops_after_the_end_does_not_bend_its_shape_before(
+    recordings: tuple[Recording, ...],
+) -> None:
+    once, lag = replace(recordings[0].schedule, cycles=1, pause_s=0.0), 0.4
+    r = replace(recordings[0], schedule=once, commands=None)
+    time, end = np.sort([*r.read_at, *r.time, once.period_s]), once.period_s
+    true = once.commanded(time)
+    true[:, [3]] = lagged(time, true[:, [3]], np.full(len(time) - 1, lag))
+    true[time > end] = true[time == end][0]  # it is let go
+    read, shown = (true[np.searchsorted(time, t)] for t in (r.read_at, r.time))
+    effect = ActiveEffect.typical("lagging_joint", 4).with_coordinates([lag])
+    stopped = replace(r, position=np.round(read / TICK) * TICK)
+    (found,) = carried([stopped], plays([stopped]), [effect])
+    inside = (r.time > 0) & (r.time < end)
+    np.testing.assert_allclose(found.angles[inside], shown[inside], atol=2 * TICK)  # corners of rows and rounding
 
 
 def reading(r: Recording, joint: int, law: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Recording:

@@ -79,6 +79,11 @@ class Recording:
         return self.schedule.cycles * self.schedule.period_s
 
     @property
+    def start_said(self) -> bool:
+        """Whether labels of a log say when the motion began."""
+        return self.t0_spread < UNSURE_CYCLE * self.schedule.cycle_duration_s
+
+    @property
     def read_at(self) -> Floats:
         """Times (R,) [s since t0 on the cameras' clock] of the readings."""
         return self.log_time / (1 + self.clock.rate)
@@ -96,11 +101,14 @@ class Recording:
 
     @cached_property
     def shape(self) -> ShapeInTime:
-        """Joint angles in time, as servos read them; with what the markers show where the log is slow."""
+        """Joint angles in time, as servos read them; with what the markers show where the log is slow.
+
+        Of what comes after the promised end nothing is known: a servo that is late goes on to its goal, or is let go.
+        """
         schedule, log_s = self.schedule, self.read_at
         begun = schedule.period_s * np.arange(schedule.cycles + 1)
         corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
-        apart, sources = spacing(schedule.cycle_duration_s), [self._read(log_s)]
+        apart, sources = spacing(schedule.cycle_duration_s), [self._read(log_s).until(self.promised_s)]
         slow = float(np.median(np.diff(log_s)))
         if self.by_servos and apart < PER_KNOT * slow:
             read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
@@ -110,6 +118,7 @@ class Recording:
             sources += shown
         if not self.by_servos:
             sources += self._partly_shown()
+        sources = [s.until(self.promised_s) for s in sources]
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
 
     def _read(self, time: Floats) -> Source:

@@ -40,6 +40,11 @@ class Source:
     values: Floats
     sd: Floats
 
+    def until(self, end: float) -> Source:
+        """The same to the first reading at or after a time [s]."""
+        count = int(np.searchsorted(self.time, end)) + 1
+        return replace(self, time=self.time[:count], values=self.values[:count])
+
 
 @dataclass(frozen=True)
 class Course:

@@ -134,7 +134,7 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     scores, late = (
         np.array([(slope * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
     )
-    unsure = np.array([unsure_start(r) for r in data.recordings]) / np.sqrt(3)
+    unsure = _unsure(data, speed)
     chance = max(1 / power, (scores**2).sum() / power**2)
     sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2)
     ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
@@ -142,6 +142,14 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
     stand_in = _law_error(best, effect) > LAW_ERROR
     return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound, stand_in)
+
+
+def _unsure(data: Plays, speed: np.ndarray) -> np.ndarray:
+    """Standard deviation [s] of each trial's beginning: by a log's labels; without any, as readings show it by their
+    rates (R, m) in units of noise."""
+    by_rates = [float((speed[data.trials == t] ** 2).sum()) for t in range(len(data.recordings))]
+    pairs = zip(data.recordings, by_rates, strict=True)
+    return np.array([unsure_start(r) / np.sqrt(3) if r.start_said else 1 / np.sqrt(max(v, 1e-12)) for r, v in pairs])
 
 
 def _rounding(best: Played, slope: np.ndarray) -> float:

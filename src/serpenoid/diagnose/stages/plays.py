@@ -33,6 +33,7 @@ ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 SURE = 2.0  # standard deviations of a clock's rate
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
+MEETINGS = 9  # steps in which it is found when a trial began: each far smaller than the last
 WITHIN_ROW = 4  # steps in which servos are followed from row to row
 
 
@@ -123,7 +124,18 @@ class Plays:
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
         played = realise_all(self.model(effects), self.setpoints, self.meshes)
-        return np.concatenate([p.readings[where] for p, where in zip(played, self.where, strict=True)]) + self.habit
+        sampled = (self._sampled(number, p.readings) for number, p in enumerate(played))
+        return np.concatenate(list(sampled)) + self.habit
+
+    def _sampled(self, number: int, angles: Floats) -> Floats:
+        """What a trial's mesh plays (K, m) when it is read; from where readings are met best if nothing says when it
+        began."""
+        recording, time = self.recordings[number], self.times[number]
+        if recording.start_said:
+            return angles[self.where[number]]
+        course = Course(self.meshes[number], angles)
+        late = _late(course, time, self.readings[self.trials == number], unsure_start(recording))
+        return course.at(time - late)
 
     def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
         """The same where one joint (1 = next to the tail) alone reads anything else than `others` (R, m)."""
@@ -165,6 +177,20 @@ class Plays:
 def unsure_start(r: Recording) -> float:
     """How far t0 may be off [s]."""
     return r.t0_spread + ACTED_ON_S
+
+
+def _late(course: Course, time: Floats, readings: Floats, near: float) -> float:
+    """By how much later [s], no more than `near`, a course is read best (R, m) at time (R,)."""
+    rates = np.diff(course.angles, axis=0) / np.diff(course.time)[:, None]
+    late = 0.0
+    for _ in range(MEETINGS):
+        at = time - late
+        rate = rates[np.clip(np.searchsorted(course.time, at) - 1, 0, len(rates) - 1)]
+        change = float(((readings - course.at(at)) * rate).sum() / max(float((rate**2).sum()), 1e-12))
+        late, before = float(np.clip(late - change, -near, near)), late
+        if abs(late - before) < JUMP_S:
+            break
+    return late
 
 
 def ways(recordings: Sequence[Recording]) -> Iterator[Plays]:
@@ -249,7 +275,15 @@ def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[Ac
     meshes = [np.unique(np.concatenate([_corners(r), _between(r) if effects else [0.0]])) for r in recordings]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     played = realise_all(found.model(effects), told, meshes)
-    return tuple(Course(time, p.readings) for time, p in zip(meshes, played, strict=True))
+    courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
+    return tuple(_begun(r, c) for r, c in zip(recordings, courses, strict=True))
+
+
+def _begun(r: Recording, course: Course) -> Course:
+    """A course from where a trial's readings meet it best."""
+    inside = (r.read_at > 0) & (r.read_at < r.end)
+    late = _late(course, r.read_at[inside], r.position[inside], unsure_start(r))
+    return Course(course.time + late, course.angles)
 
 
 def _carried(r: Recording, course: Course) -> Recording:
