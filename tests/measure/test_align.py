@@ -106,18 +106,19 @@ def test_smooth_path_is_nearer_to_the_truth_than_the_measurements():
     assert (smooth - angles).std() < 0.5 * (found.joint_angles - angles).std()
 
 
-def test_clock_offset_is_found_and_not_mistaken_by_a_cycle():
-    schedule = Schedule(serpenoid_table(50), 2.0, 3, 1.0, start_s=5.0)
-    time = np.arange(4.0, 15.0, 1 / 60)
+@pytest.mark.parametrize("since", [0.0, 1.7e9], ids=["since-the-start", "since-1970"])
+def test_clock_offset_is_found_and_not_mistaken_by_a_cycle(since):
+    schedule = Schedule(serpenoid_table(50), 2.0, 3, 1.0, start_s=since + 5.0)
+    time = since + np.arange(4.0, 15.0, 1 / 60)
     rng = np.random.default_rng(0)
     angles = schedule.commanded(time) + rng.normal(scale=0.005, size=(len(time), 10))
-    log_time = np.arange(5.0, 14.0, 0.02)
+    log_time = since + np.arange(5.0, 14.0, 0.02)
     found = find_offset(time, angles, log_time - 3.217, schedule.commanded(log_time))
     assert found is not None
     assert found.offset_s == pytest.approx(3.217, abs=0.002)  # a tenth of a frame
     again = start_by_shape(Schedule(schedule.table, 2.0, 3, 1.0), time, angles)
     assert again is not None
-    assert again.offset_s == pytest.approx(5.0, abs=0.002)
+    assert again.offset_s == pytest.approx(since + 5.0, abs=0.002)
 
 
 def _tracks(vertices: np.ndarray, names: list[str]) -> Tracks:

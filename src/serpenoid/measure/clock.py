@@ -53,11 +53,12 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     coarse = interpolate(t, signal, coarse_t)
     shifts = np.arange(low, high + GRID_S, GRID_S)
     best = shifts[int(np.argmin(_held_costs(len(shifts), low, coarse_t, coarse, _seen(t, coarse_t), other_s, other)))]
+    # about the best shift: a bounded search ends within 1e-8 of its argument, 18 s of a clock that counts from 1970
     found = minimize_scalar(
-        _cost, bounds=(best - GRID_S, best + GRID_S), args=(t, signal, other_s, other), method="bounded",
+        lambda more: _cost(best + more, t, signal, other_s, other), bounds=(-GRID_S, GRID_S), method="bounded",
         options={"xatol": 1e-6},
     )  # fmt: skip
-    shift = float(found.x)
+    shift = float(best + found.x)
     a, b = _common(shift, t, signal, other_s, other)
     scale = np.sqrt((a**2).sum() * (b**2).sum())
     correlation = float((a * b).sum() / scale) if scale > 0 else 0.0
