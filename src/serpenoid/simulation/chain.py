@@ -187,12 +187,12 @@ def coupled(
     """
     begins = np.cumsum(lengths) - lengths
 
-    def behind(values: Floats, age: int, known: Floats | None = None) -> Floats:
-        """What stands so many steps before each; before a run's first step what is known, or nothing."""
+    def behind(values: Floats, age: int, known: Floats) -> Floats:
+        """What stands so many steps before each; before a run's first step what is known."""
         found = np.empty_like(values)
         found[age:] = values[:-age]
         for j in range(age):
-            found[begins[lengths > j] + j] = 0.0 if known is None else known[lengths > j, j - age]
+            found[begins[lengths > j] + j] = known[lengths > j, j - age]
         return found
 
     pairs = np.hstack([behind(poses, 1, first[:, None]), poses]).T
@@ -202,11 +202,14 @@ def coupled(
     c0, c1, c2 = chain.inertia.T[..., None]
     momenta = value[:, 3:]
     residual = value[:, :3] + c0 * momenta + c1 * behind(momenta, 1, before) + c2 * behind(momenta, 2, before)
+    place = (np.arange(len(poses)) - np.repeat(begins, lengths))[:, None]
+    c0, c1, c2 = (c[..., None] for c in (c0, np.where(place > 0, c1, 0.0), np.where(place > 1, c2, 0.0)))
     start, end = slope[:, 3:, :3], slope[:, 3:, 3:]
-    c0, c1, c2 = (c[..., None] for c in (c0, c1, c2))
-    slopes = np.empty((AGES, *start.shape))
+    slopes = np.zeros((AGES, *start.shape))
     slopes[0] = slope[:, :3, 3:] + c0 * end
-    slopes[1] = slope[:, :3, :3] + c0 * start + c1 * behind(end, 1)
-    slopes[2] = c1 * behind(start, 1) + c2 * behind(end, 2)
-    slopes[3] = c2 * behind(start, 2)
+    slopes[1] = slope[:, :3, :3] + c0 * start
+    slopes[1, 1:] += c1[1:] * end[:-1]
+    slopes[2, 1:] = c1[1:] * start[:-1]
+    slopes[2, 2:] += c2[2:] * end[:-2]
+    slopes[3, 2:] = c2[2:] * start[:-2]
     return State(residual, slopes, (energy, momenta))
