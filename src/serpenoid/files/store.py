@@ -16,6 +16,7 @@ import io
 import json
 import math
 import os
+import weakref
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache, wraps
@@ -66,13 +67,32 @@ def remembered(work: Callable[P, T]) -> Callable[P, T]:
 
 def key(*inputs: Any) -> str:
     """SHA-256 of inputs and code, hexadecimal."""
+    return hashlib.sha256((source_digest() + _hashed(inputs)).encode()).hexdigest()
+
+
+def _hashed(value: Any) -> str:
+    """SHA-256 of a storable value."""
     arrays: list[Array] = []
-    digest = hashlib.sha256(source_digest().encode())
-    digest.update(json.dumps(_plain(inputs, arrays), sort_keys=True).encode())
+    digest = hashlib.sha256(json.dumps(_plain(value, arrays, _by_digest), sort_keys=True).encode())
     for array in arrays:
         digest.update(f"{array.dtype.str}{array.shape}".encode())
-        digest.update(np.ascontiguousarray(array).tobytes())
+        digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()
+
+
+_digests: dict[int, tuple[weakref.ref[Any], str]] = {}  # of records by identity, as long as they live
+
+
+def _by_digest(record: Any, _: list[Array]) -> Any:
+    """A dataclass by the digest of its fields; of a frozen one it is taken once: nobody writes into its arrays."""
+    known = _digests.get(id(record))
+    if known is not None and known[0]() is record:
+        return known[1]
+    found = _hashed([(f.name, getattr(record, f.name)) for f in dataclasses.fields(record)])
+    if type(record).__dataclass_params__.frozen:
+        number = id(record)
+        _digests[number] = weakref.ref(record, lambda _: _digests.pop(number, None)), found
+    return found
 
 
 @lru_cache(maxsize=1)
@@ -146,8 +166,13 @@ def _bound(place: Path, written: int) -> None:
         excess -= size
 
 
-def _plain(value: Any, arrays: list[Array]) -> Any:
-    """JSON of any storable value; arrays are set aside."""
+def _fields(record: Any, arrays: list[Array]) -> Any:
+    """JSON of a dataclass."""
+    return _plain({f.name: getattr(record, f.name) for f in dataclasses.fields(record)}, arrays)
+
+
+def _plain(value: Any, arrays: list[Array], of_record: Callable[[Any, list[Array]], Any] = _fields) -> Any:
+    """JSON of any storable value; arrays are set aside, `of_record` says what stands for a dataclass."""
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, np.ndarray):
@@ -158,20 +183,19 @@ def _plain(value: Any, arrays: list[Array]) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else {"float": repr(value)}
     if isinstance(value, set | frozenset):
-        return {"set": [_plain(item, arrays) for item in sorted(value)]}
+        return {"set": [_plain(item, arrays, of_record) for item in sorted(value)]}
     if isinstance(value, tuple | list):
-        return {type(value).__name__: [_plain(item, arrays) for item in value]}
+        return {type(value).__name__: [_plain(item, arrays, of_record) for item in value]}
     if isinstance(value, dict):
-        return {"dict": [[_plain(k, arrays), _plain(v, arrays)] for k, v in value.items()]}
+        return {"dict": [[_plain(k, arrays, of_record), _plain(v, arrays, of_record)] for k, v in value.items()]}
     if isinstance(value, slice):
         return {"slice": [value.start, value.stop, value.step]}
     name = f"{type(value).__module__}:{type(value).__qualname__}"
     if isinstance(value, Record):
         fields = {field: getattr(value, field) for field in type(value).model_fields}
-        return {"record": name, "fields": _plain(fields, arrays)}
+        return {"record": name, "fields": _plain(fields, arrays, of_record)}
     if dataclasses.is_dataclass(value):
-        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-        return {"dataclass": name, "fields": _plain(fields, arrays)}
+        return {"dataclass": name, "fields": of_record(value, arrays)}
     raise TypeError(f"{name} cannot be stored")
 
 
