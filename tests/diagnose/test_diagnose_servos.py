@@ -26,6 +26,7 @@ from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_
 from serpenoid.diagnose.stages.plays import carried
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.links import chain_vertices
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
@@ -180,6 +181,17 @@ def test_a_log_that_is_late_at_one_joint_is_told_and_is_no_servo_that_lags(recor
     assert float(said[1]) == pytest.approx(late, abs=0.01)  # two figures are said
     # later stages have the joint as it was, but for rounding, flicker and when the trial began
     np.testing.assert_allclose(read[0].position, recordings[0].position, atol=8 * TICK)
+
+
+def test_markers_that_are_finer_than_readings_accuse_no_log_of_its_noise(recordings: tuple[Recording, ...]) -> None:
+    first = recordings[0]
+    told = first.schedule.commanded(first.time.clip(0.0, first.end))
+    shape = first.body.total_length_m * chain_vertices(first.body, np.zeros((len(told), 3)), told)
+    fine = 5e-6 * np.random.default_rng(0).normal(size=shape.shape)  # m: 0.1 mrad, a fifth of what readings scatter by
+    stage = of_servos(
+        [replace(first, markers=shape + fine)], Baseline(Model(first.body, Medium(anisotropy_ratio=0.2)))
+    )[2]
+    assert stage.words == ()
 
 
 def test_what_is_nearest_to_a_fault_that_is_no_law_is_told(recordings: tuple[Recording, ...]) -> None:
