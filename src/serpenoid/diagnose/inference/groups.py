@@ -54,7 +54,7 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     width = band(best)
     tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, width, SCREENED * gained)]
     rivals: dict[tuple[str, int | None], Swap] = {}
-    for t in in_processes([(finished, (motion, base, t, TO_THE_END)) for t in tries]):
+    for t in in_processes([(finished, (motion, t, TO_THE_END)) for t in tries]):
         apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
         rival = Rival(t.fitted, effect, apart)
         key = t.added.key

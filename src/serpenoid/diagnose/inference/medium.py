@@ -169,9 +169,9 @@ def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:
     return fit(motion, found.model, list(found.effects), found.coordinates, steps, found.predictions)
 
 
-def fit_eps(motion: Motion, start: Model) -> Fit:
-    """The plain calibration: eps alone, from the model's."""
-    return fit(motion, start, [], np.array([start.medium.anisotropy_ratio]))
+def fit_eps(motion: Motion, start: Model, near: Sequence[Prediction] | None = None) -> Fit:
+    """The plain calibration: eps alone, from the model's; near: see `linearised`."""
+    return fit(motion, start, [], np.array([start.medium.anisotropy_ratio]), near=near)
 
 
 def fit_without(motion: Motion, found: Fit, effect: ActiveEffect) -> Fit:

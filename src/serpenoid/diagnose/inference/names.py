@@ -43,12 +43,18 @@ class Try:
 
     fit: Fit
     added: ActiveEffect
-    strength_m: float
 
     @property
     def fitted(self) -> ActiveEffect:
         """The added effect with its fitted values."""
         return next(e for e in self.fit.effects if e.key == self.added.key)
+
+
+@dataclass(frozen=True)
+class Weak(Try):
+    """One whose trace in the path is too weak to name it: path RMS [m]."""
+
+    strength_m: float
 
 
 @dataclass(frozen=True)
@@ -68,7 +74,7 @@ class Kept:
     best: Fit
     bases: tuple[Fit, ...]
     settled: Fit
-    undetected: tuple[Try, ...]
+    undetected: tuple[Weak, ...]
     refused: tuple[Refused, ...]
 
 
@@ -79,7 +85,7 @@ def kept(motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Col
     what is left is an error of another kind, and the names may be bent around it. Names must be earned without those
     whose trace they took over.
     """
-    lost: dict[Key, Try] = {}
+    lost: dict[Key, Weak] = {}
     best, refused = earned(motion, null, best)
     settled = best
     while True:
@@ -135,17 +141,19 @@ def certain(motion: Motion, best: Fit) -> list[bool]:
     return [bool(part.any()) for part in np.split(apart, ends)]
 
 
-def visible(motion: Motion, null: Fit, best: Fit, noise_level_m: float) -> tuple[Fit, tuple[Fit, ...], tuple[Try, ...]]:
+def visible(
+    motion: Motion, null: Fit, best: Fit, noise_level_m: float
+) -> tuple[Fit, tuple[Fit, ...], tuple[Weak, ...]]:
     """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
-    lost: list[Try] = []
+    lost: list[Weak] = []
     while True:
         effects = best.effects
         bases = bases_of(motion, null, best)
-        traces = [trace(motion, best, b, e) for e, b in zip(effects, bases, strict=True)]
+        traces = in_processes([(trace, (motion, best, b, e)) for e, b in zip(effects, bases, strict=True)])
         if not effects or min(traces) >= VISIBLE * noise_level_m:
             return best, bases, tuple(lost[::-1])
         weakest = int(np.argmin(traces))
-        lost.append(Try(best, effects[weakest], traces[weakest]))
+        lost.append(Weak(best, effects[weakest], traces[weakest]))
         best = fit_guided(motion, bases[weakest], TO_THE_END)
 
 
@@ -172,7 +180,7 @@ def plain(full: Fit, base: Fit) -> bool:
 def beside_the_others(motion: Motion, full: Fit, effect: ActiveEffect) -> float:
     """Path RMS [m] that an effect is worth with the others as they are, eps fitted again."""
     others = [e for e in full.effects if e.key != effect.key]
-    bare = fit_eps(replace(motion, held=joined(motion.held, others)), full.model)
+    bare = fit_eps(replace(motion, held=joined(motion.held, others)), full.model, full.predictions)
     return strength(motion, full.predictions, bare.predictions)
 
 

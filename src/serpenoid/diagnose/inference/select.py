@@ -13,7 +13,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals, window_noise
-from serpenoid.diagnose.data.paths import path_noise, strength
+from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.discrepancy import deviance
@@ -170,7 +170,7 @@ def attempts(motion: Motion, base: Fit, promising: Sequence[Ranked]) -> list[Try
     first = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in promising])
     first.sort(key=lambda t: t.fit.chi2)
     ahead = [t for t in first[:FINALISTS] if t.fit.chi2 < OUT_OF_REACH * first[0].fit.chi2]
-    return in_processes([(finished, (motion, base, t)) for t in ahead])
+    return in_processes([(finished, (motion, t)) for t in ahead])
 
 
 def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
@@ -187,21 +187,21 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 
-def finished(motion: Motion, base: Fit, t: Try, steps: int = STEPS) -> Try:
+def finished(motion: Motion, t: Try, steps: int = STEPS) -> Try:
     """Fitted on, if more can be gained."""
     found = t.fit if t.fit.converged else fit_guided(motion, t.fit, steps)
-    return Try(found, t.added, trace(motion, found, base, t.added))
+    return Try(found, t.added)
 
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
-    """Fit the base's effects and one more in full; its strength is what the path loses without it."""
+    """Fit the base's effects and one more in full."""
     neutral = np.concatenate([base.coordinates, added.coordinates[:-1]])
     for share in SHARES:
         start = neutral + share * (x - neutral)
         found = fit(motion, base.model, [*base.effects, added], start, steps, base.predictions)
         if found.evidence.count.sum() >= base.evidence.count.sum():
             break
-    return Try(found, added, strength(motion, found.predictions, base.predictions))
+    return Try(found, added)
 
 
 def pruned(motion: Motion, best: Fit, rule: Rule, tries: int) -> Fit:

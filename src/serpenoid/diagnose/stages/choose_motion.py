@@ -24,7 +24,7 @@ from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.law_doubt import Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps, linearised
-from serpenoid.diagnose.inference.names import Refused, Try, trace
+from serpenoid.diagnose.inference.names import Refused, Weak, trace
 from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
@@ -146,7 +146,7 @@ def _refusal(refused: Refused) -> str:
     )
 
 
-def undetected_of(t: Try, noise_level_m: float) -> Named:
+def undetected_of(t: Weak, noise_level_m: float) -> Named:
     """What windows show, though its trace in the path is too weak to name it."""
     return Named(t.fitted, {}, t.strength_m / noise_level_m)
 
