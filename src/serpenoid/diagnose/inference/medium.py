@@ -59,8 +59,9 @@ class Fit:
 
     @property
     def converged(self) -> bool:
-        """Whether another step would gain next to nothing."""
-        return _at_the_end(self.evidence)
+        """Whether, to first order, no more can be gained than is worth a step."""
+        least = self.evidence.chi2(range(self.evidence.matrix.shape[1]))
+        return bool(self.chi2 - least < CONVERGED * max(1.0, 1e-5 * self.chi2))
 
     def shrinking(self, evidence: Evidence) -> Evidence:
         """Evidence about this fit, whose first columns are its own, for fits without a gait."""
@@ -122,41 +123,46 @@ def fit(
     x: Floats,
     steps: int = STEPS,
     near: Sequence[Prediction] | None = None,
+    least: float = 0.0,
 ) -> Fit:
-    """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded; near: see `linearised`."""
+    """Levenberg-Marquardt in eps and the effects' coordinates from x (1 + P), bounded; near: see `linearised`.
+
+    least: where fewer residuals have roots at the start, it is no fit and stays there: no step finds others.
+    """
     model = with_values(start, effects, x, motion.held)
-    held = len(model.effects) - len(effects)
     evidence, predicted = linearised(motion, model, effects, near=near)
-    x = _coordinates(model, model.effects[held:])
-    best, damping = float(evidence.constant.sum()), 1e-4
+    begun = Fit(model, evidence, predicted, float(evidence.constant.sum()), len(model.effects) - len(effects))
+    return _descended(motion, begun, steps if evidence.count.sum() >= least else 0)
+
+
+@remembered
+def fit_on(motion: Motion, found: Fit, steps: int) -> Fit:
+    """Another few steps from a fit to the same windows."""
+    return _descended(motion, found, steps)
+
+
+def _descended(motion: Motion, found: Fit, steps: int) -> Fit:
+    damping, effects = 1e-4, list(found.effects)
     for _ in range(steps):
-        if _at_the_end(evidence):
+        if found.converged:
             break
-        matrix, vector = evidence.matrix.sum(axis=0), evidence.vector.sum(axis=0)
+        matrix, vector = found.evidence.matrix.sum(axis=0), found.evidence.vector.sum(axis=0)
         scale = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
-        regular = matrix / np.outer(scale, scale) + damping * np.eye(len(x))
+        regular = matrix / np.outer(scale, scale) + damping * np.eye(len(vector))
         step = np.linalg.solve(regular, vector / scale) / scale
-        trial = with_values(start, effects, x + step, motion.held)
-        new, elsewhere = linearised(motion, trial, effects, near=predicted)
-        cost = float(new.constant.sum()) if new.count.sum() == evidence.count.sum() else np.inf
-        if cost < best:
-            gained = best - cost
-            model, evidence, predicted, best = trial, new, elsewhere, cost
-            x, damping = _coordinates(model, model.effects[held:]), max(damping / 10, 1e-9)
-            if gained < CONVERGED * max(1.0, 1e-5 * best):
+        trial = with_values(found.model, effects, found.coordinates + step, motion.held)
+        new, elsewhere = linearised(motion, trial, effects, near=found.predictions)
+        cost = float(new.constant.sum()) if new.count.sum() == found.evidence.count.sum() else np.inf
+        if cost < found.chi2:
+            gained = found.chi2 - cost
+            found, damping = Fit(trial, new, elsewhere, cost, found.held), max(damping / 10, 1e-9)
+            if gained < CONVERGED * max(1.0, 1e-5 * cost):
                 break
         else:
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    found = Fit(model, evidence, predicted, best, held)
-    return replace(found, evidence=found.shrinking(evidence))
-
-
-def _at_the_end(evidence: Evidence) -> bool:
-    """Whether, to first order, no more can be gained than is worth a step."""
-    left = float(evidence.constant.sum())
-    return left - evidence.chi2(range(evidence.matrix.shape[1])) < CONVERGED * max(1.0, 1e-5 * left)
+    return replace(found, evidence=found.shrinking(found.evidence))
 
 
 def _resting(p: Parameter) -> float:

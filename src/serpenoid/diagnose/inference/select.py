@@ -26,6 +26,7 @@ from serpenoid.diagnose.inference.medium import (
     fit,
     fit_eps,
     fit_guided,
+    fit_on,
     fit_without,
 )
 from serpenoid.diagnose.inference.names import Kept, Key, Try, each_without, kept, trace
@@ -189,17 +190,18 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
 
 def finished(motion: Motion, t: Try, steps: int = STEPS) -> Try:
     """Fitted on, if more can be gained."""
-    found = t.fit if t.fit.converged else fit_guided(motion, t.fit, steps)
+    found = t.fit if t.fit.converged else fit_on(motion, t.fit, steps)
     return Try(found, t.added)
 
 
 def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps: int) -> Try:
     """Fit the base's effects and one more in full."""
-    neutral = np.concatenate([base.coordinates, added.coordinates[:-1]])
+    neutral, whole = np.concatenate([base.coordinates, added.coordinates[:-1]]), float(base.evidence.count.sum())
     for share in SHARES:
         start = neutral + share * (x - neutral)
-        found = fit(motion, base.model, [*base.effects, added], start, steps, base.predictions)
-        if found.evidence.count.sum() >= base.evidence.count.sum():
+        least = whole if share else 0.0  # the last is taken as it is
+        found = fit(motion, base.model, [*base.effects, added], start, steps, base.predictions, least)
+        if found.evidence.count.sum() >= whole:
             break
     return Try(found, added)
 
