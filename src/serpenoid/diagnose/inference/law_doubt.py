@@ -8,7 +8,7 @@ by a share of itself. The two shares are those of restricted maximum likelihood,
 (DerSimonian and Laird, Controlled Clinical Trials 7, 177, 1986). An error that all gaits have in common is not seen by
 comparing them; it is expected to be as large as what they do not share, so T counts once more (the prediction interval
 of Higgins, Thompson and Spiegelhalter, J. R. Stat. Soc. A 172, 137, 2009). What one explanation of an earlier campaign
-says of the change, another one does not: the scatter of their values is added.
+says of the change, another one does not, nor what stands beside it below detection: the scatter of values is added.
 
 Legend: G gaits, P coordinates (eps first), K explanations.
 """
@@ -30,31 +30,42 @@ STARTS = ((-12.0, -12.0), (-6.0, -6.0), (-2.0, -2.0))  # ln tau^2, of eps and of
 SMALLEST, LARGEST = -20.0, 6.0
 
 
+Coordinate = tuple[str, int | None, int]  # an effect's name and place, and which of its coordinates
+
+
 @dataclass(frozen=True)
 class Doubted:
-    """Coordinates (P,) and their standard deviations, the law's error included."""
+    """A value and its standard deviation, the law's error included."""
 
-    values: Floats
-    deviations: Floats
-
-
-def doubted(explained: Sequence[tuple[Motion, Fit]]) -> Doubted:
-    """Of the same effects, fitted beside one or more explanations of what the law misses."""
-    found = [of_gaits(motion, fit) for motion, fit in explained]
-    values = np.stack([d.values for d in found])
-    between = values.var(axis=0, ddof=1) if len(found) > 1 else np.zeros(values.shape[1])
-    within = np.mean([d.deviations**2 for d in found], axis=0)
-    return Doubted(values.mean(axis=0), np.sqrt(within + between))
+    value: float
+    deviation: float
 
 
-def of_gaits(motion: Motion, fit: Fit) -> Doubted:
-    """Of one fit, to first order about it; what was held at a bound stays there."""
+def doubted(explained: Sequence[tuple[Motion, Fit]]) -> dict[Coordinate, Doubted]:
+    """Of every coordinate, fitted beside one or more explanations of what the law misses."""
+    found: dict[Coordinate, list[Doubted]] = {}
+    for motion, fit in explained:
+        names = [(e.name, e.place, i) for e in fit.effects for i in range(len(e.effect.parameters))]
+        values, deviations = of_gaits(motion, fit)
+        for name, value, deviation in zip(names, values[1:], deviations[1:], strict=True):
+            found.setdefault(name, []).append(Doubted(float(value), float(deviation)))
+    return {name: _together(several) for name, several in found.items()}
+
+
+def _together(several: Sequence[Doubted]) -> Doubted:
+    values, variances = np.array([d.value for d in several]), np.array([d.deviation**2 for d in several])
+    between = values.var(ddof=1) if len(several) > 1 else 0.0
+    return Doubted(float(values.mean()), float(np.sqrt(variances.mean() + between)))
+
+
+def of_gaits(motion: Motion, fit: Fit) -> tuple[Floats, Floats]:
+    """Coordinates (P,) of one fit and their deviations, to first order about it; what ended at a bound stays there."""
     own = len(fit.coordinates)
     inflated = max(1.0, fit.chi2 / float(fit.evidence.count.sum()))
     matrix, vector = fit.evidence.matrix[:, :own, :own], fit.evidence.vector[:, :own]
     scale = _in_proportion(motion, fit, np.diag(matrix.sum(axis=0)))
     moved, spread = with_errors_of_gaits(matrix / inflated, vector / inflated, scale)
-    return Doubted(fit.coordinates + moved, spread)
+    return fit.coordinates + moved, spread
 
 
 def with_errors_of_gaits(matrix: Floats, vector: Floats, scale: Floats) -> tuple[Floats, Floats]:

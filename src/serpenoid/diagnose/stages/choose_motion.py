@@ -21,7 +21,7 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
-from serpenoid.diagnose.inference.law_doubt import Doubted, doubted
+from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Weak, trace
@@ -106,7 +106,8 @@ def finding(found: Selection, inadequate: bool = False, beside: Sequence[tuple[M
     after = path_error(motion, best.predictions)
     missed_m = discrepancy(motion, found.settled.predictions)
     wrong = bool(best.effects) and (missed_m > 0 or inadequate)
-    doubt = doubted([(motion, found.settled), *beside]) if wrong else None
+    alone = [(motion, best)] if found.undetected else []  # what is below detection may mend the law, too
+    doubt = doubted([(motion, found.settled), *alone, *beside]) if wrong else {}
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, noise_level, missed_m)
@@ -116,7 +117,7 @@ def finding(found: Selection, inadequate: bool = False, beside: Sequence[tuple[M
     words = _left_over(found, mend=jumps is not None)
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
-    if missed_m > 0 or inadequate:
+    if wrong:
         named = [replace(n, stand_in=may_stand_in(found, n.effect)) for n in named]
     if jumps is not None and jumps in named:
         after = path_error(motion, best.predictions, mend=True)
@@ -161,7 +162,9 @@ def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     return pattern(motion, predictions, after_m / found.noise_level_m, chance, visible_m)
 
 
-def named_of(found: Selection, base: Fit, effect: ActiveEffect, doubt: Doubted | None = None) -> Named:
+def named_of(
+    found: Selection, base: Fit, effect: ActiveEffect, doubt: Mapping[Coordinate, Doubted] | None = None
+) -> Named:
     """Values and intervals from the fit with all that is there, strength from what the path loses without the effect
     (`base`); doubt: where the law is known to be wrong, what that leaves open."""
     settled = found.settled
@@ -179,9 +182,10 @@ def named_of(found: Selection, base: Fit, effect: ActiveEffect, doubt: Doubted |
         sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
         half = QUANTILE * sd + RELATIVE * abs(x)
         low, high = x - half, x + half
-        if doubt is not None:
-            wide = QUANTILE * doubt.deviations[at + i]
-            low, high = min(low, doubt.values[at + i] - wide), max(high, doubt.values[at + i] + wide)
+        doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
+        if doubtful is not None:
+            wide = QUANTILE * doubtful.deviation
+            low, high = min(low, doubtful.value - wide), max(high, doubtful.value + wide)
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = trace(found.motion, found.best, base, effect) / found.noise_level_m
     return Named(fitted, ends, strength, tuple(bound))
