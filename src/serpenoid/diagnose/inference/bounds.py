@@ -30,15 +30,6 @@ def ratio_at_bound(model: Model) -> bool:
     return not low * (1 + AT_BOUND) < model.medium.anisotropy_ratio < high * (1 - AT_BOUND)
 
 
-def overstrained(model: Model, effect: ActiveEffect) -> bool:
-    """Whether a parameter ended at a bound other than its neutral value: the data ask for more than it can be."""
-    resting = [p.resting for p in effect.effect.parameters]
-    return any(
-        any(side) and abs(x - rest) > AT_BOUND * max(abs(x), 1.0)
-        for side, x, rest in zip(_sides(model, effect), effect.coordinates, resting, strict=False)
-    )
-
-
 def _sides(model: Model, effect: ActiveEffect) -> list[tuple[bool, bool]]:
     """For each parameter, whether its coordinate is at its lower and at its upper bound."""
     bounds = effect.effect.coordinate_bounds(model.body, effect.place)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import Fit, fit, linearised, with_values
@@ -69,8 +68,3 @@ def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> l
     parts = each_held_out(motion, found, leave_out)
     by_track = {i: p for u in parts for i, p in zip(u.index, u.predictions, strict=True)}
     return [by_track[i] for i in range(len(motion.tracks))]
-
-
-def held_out_error(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> float:
-    """Path RMS of these over all trials [m]."""
-    return path_error(motion, held_out(motion, found, leave_out))

@@ -125,20 +125,25 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
 
 def causes(motion: Motion, best: Fit, bases: Sequence[Fit], likely: Sequence[int]) -> set[int]:
     """Which effects, of some by index, are known to be there, and account for no mere error of the others' law."""
-    sure = [i for i, known in enumerate(certain(motion, best)) if known and i in likely] if likely else []
+    sure = [i for i, known in enumerate(certain(motion, best, bases)) if known and i in likely] if likely else []
     mended = outdone(motion, best, [bases[i] for i in sure])
     return {i for i, done in zip(sure, mended, strict=True) if not done}
 
 
-def certain(motion: Motion, best: Fit) -> list[bool]:
-    """Of each effect, whether a value lies farther from the one that changes nothing than its 95 % interval reaches."""
+def certain(motion: Motion, best: Fit, bases: Sequence[Fit]) -> list[bool]:
+    """Of each effect, whether gaits agree that it is there: what it takes away, over how much farther they scatter its
+    value than curvature says, leaves nothing out of 95 % (Rotnitzky and Jewell, Biometrika 77, 485, 1990).
+
+    Where chi squared is a parabola, its interval leaves out the value that changes nothing; a law that saturates is
+    known to act where nobody can say how much. bases: fits without each.
+    """
     evidence, _ = linearised(motion, best.model, best.effects, near=best.predictions, hold=False)
     spread = max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
-    reach = NORMAL * np.sqrt(np.diag(evidence.covariance(range(len(best.coordinates)), spread)))
-    resting = [np.nan if p.neutral is None else p.resting for e in best.effects for p in e.effect.parameters]
-    apart = np.abs(best.coordinates[1:] - resting) > reach[1:]  # never of what has no such value
-    ends = np.cumsum([len(e.effect.parameters) for e in best.effects])[:-1]
-    return [bool(part.any()) for part in np.split(apart, ends)]
+    index = range(len(best.coordinates))
+    wider = np.diag(evidence.covariance(index, spread)) / np.diag(evidence.solve(index)[1])
+    ends = np.cumsum([1, *(len(e.effect.parameters) for e in best.effects)])
+    parts = [wider[a:b].min() for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [bool(base.chi2 - best.chi2 > NORMAL**2 * part) for base, part in zip(bases, parts, strict=True)]
 
 
 def visible(

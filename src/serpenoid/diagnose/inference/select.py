@@ -32,7 +32,7 @@ from serpenoid.diagnose.inference.medium import (
 from serpenoid.diagnose.inference.names import Kept, Key, Try, each_without, kept, trace
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
-from serpenoid.diagnose.inference.rules import PENALISED, Rule
+from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -75,7 +75,7 @@ def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
     return motion, fit_guided(motion, base, TO_THE_END)
 
 
-def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: Rule = PENALISED) -> Selection:
+def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Selection:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, fit_eps(motion, model))
     best = null
@@ -95,7 +95,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
             tries += beside(motion, rival, FULL_FITS[level])
-        chosen = rule.choose(motion, best, [t.fit for t in tries], len(ranked))
+        chosen = choose(best, [t.fit for t in tries], len(ranked))
         if chosen is None:
             break
         first, added = tries[chosen].fit, tries[chosen].added
@@ -105,7 +105,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress, rule: 
         motion = retracked(motion, retrack, first.model)
         motion, first = calibrated(motion, fit_guided(motion, first))
         null = fit_guided(motion, null, STEPS)
-        best = pruned(motion, first, rule, len(ranked))
+        best = pruned(motion, first, len(ranked))
         if all(e.key != added.key for e in best.effects):
             break
         # repeats differ by what is missing, too, until it is there; and without what it makes needless it may tell more
@@ -206,11 +206,11 @@ def attempt(motion: Motion, base: Fit, added: ActiveEffect, x: np.ndarray, steps
     return Try(found, added)
 
 
-def pruned(motion: Motion, best: Fit, rule: Rule, tries: int) -> Fit:
+def pruned(motion: Motion, best: Fit, tries: int) -> Fit:
     """Without effects that no longer earn their place."""
     if len(best.effects) < 2:
         return best
     for without in each_without(motion, best):
-        if rule.choose(motion, without, [best], tries) is None:
-            return pruned(motion, without, rule, tries)
+        if choose(without, [best], tries) is None:
+            return pruned(motion, without, tries)
     return best

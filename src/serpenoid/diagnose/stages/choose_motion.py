@@ -25,7 +25,6 @@ from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Weak, trace
-from serpenoid.diagnose.inference.rules import PENALISED, Rule
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -67,9 +66,8 @@ def choose_on_tracks(
     baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
-    rule: Rule = PENALISED,
 ) -> MotionFinding:
-    """The same on what `track` makes about a model; labels: what is held out together; rule: how to choose.
+    """The same on what `track` makes about a model; labels: what is held out together.
 
     untestable: effects that are no candidates, and why.
     """
@@ -79,8 +77,8 @@ def choose_on_tracks(
     for _ in range(2):
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
         model = fit_eps(motion, model).model
-    chosen = select(motion, model, track, say, rule)
-    law = dry_friction(chosen) if rule is PENALISED and baseline.ratio is None else ""  # with a reference it is known
+    chosen = select(motion, model, track, say)
+    law = dry_friction(chosen) if baseline.ratio is None else ""  # with a reference it is known
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
     return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
