@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT
@@ -23,8 +24,7 @@ from serpenoid.diagnose.data.paths import apart
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
 
-DRAWS = 300
-CLEAR = 5.0  # standard deviations: noise is only about normal
+DRAWS = 600  # two of them are larger than the quantile
 MEDIAN = 0.6745  # of |x| of a normal variable
 MANY = 24  # numbers: a median of these is good to a fifth
 
@@ -75,10 +75,10 @@ def pushed(motion: Motion, left: Sequence[Floats]) -> list[tuple[int, int, Float
         return []
     news = np.abs(found.values) > motion.unlike
     sizes = np.where(news, found.measured(found.values), 0.0).max(axis=1)
-    if sizes.max() <= CLEAR:
+    if sizes.max() <= -ndtri(LEFT / (2 * found.values.size)):  # measured by their median, the largest are no smaller
         return []
     drawn = found.measured(np.random.default_rng(0).normal(size=(DRAWS, *found.values.shape))).max(axis=(1, 2))
-    rows = np.flatnonzero(sizes > max(CLEAR, np.quantile(drawn, 1 - LEFT)))
+    rows = np.flatnonzero(sizes > np.quantile(drawn, 1 - LEFT))
     return [(int(found.track[i]), int(found.window[i]), np.sqrt(2) * found.values[i]) for i in rows]
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
@@ -137,7 +138,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     unsure = _unsure(data, speed)
     chance = max(1 / power, (scores**2).sum() / power**2)
     sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2)
-    ends = [parameter.value(float(v)) for v in (x - 2.3 * sd, x + 2.3 * sd)]
+    reach = NORMAL * SYSTEMATIC * sd
+    ends = [parameter.value(float(v)) for v in (x - reach, x + reach)]
     value = effect.parameters[parameter.name]
     bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
     stand_in = _law_error(best, effect) > LAW_ERROR

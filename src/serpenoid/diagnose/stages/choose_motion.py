@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import SYSTEMATIC, largest_factor
+from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC, largest_factor
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import noise_uncertain
 from serpenoid.diagnose.data.observation import Observation
@@ -23,7 +23,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps, linearised
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Weak, trace
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
@@ -34,7 +34,6 @@ from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
-QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 RELATIVE = 3e-3  # what smoothing the shapes leaves
 
 
@@ -108,7 +107,7 @@ def finding(found: Selection, inadequate: bool = False, beside: Sequence[tuple[M
     doubt = doubted([(motion, found.settled), *alone, *beside]) if wrong else {}
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
-    jumps = find_jumps(motion, best.predictions, noise_level, missed_m)
+    jumps = find_jumps(motion, best.predictions, noise_level, missed_m, len(candidates_of(best)))
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
@@ -178,11 +177,11 @@ def named_of(
         if held:
             bound.append(p.name)
         sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
-        half = QUANTILE * sd + RELATIVE * abs(x)
+        half = NORMAL * sd + RELATIVE * abs(x)
         low, high = x - half, x + half
         doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
         if doubtful is not None:
-            wide = QUANTILE * doubtful.deviation
+            wide = NORMAL * doubtful.deviation
             low, high = min(low, doubtful.value - wide), max(high, doubtful.value + wide)
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = trace(found.motion, found.best, base, effect) / found.noise_level_m
@@ -211,7 +210,7 @@ def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
 def _ratio_ends(motion: Motion, found: Fit) -> tuple[float, float]:
     """From the curvature and what gaits disagree about, within the bounds of eps."""
     eps, low_high = found.model.medium.anisotropy_ratio, found.model.medium.limits(LEAST_EPS, MOST_EPS)
-    half = QUANTILE * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
+    half = NORMAL * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
     return _clipped(eps - half, *low_high), _clipped(eps + half, *low_high)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.chance import ERROR
+from serpenoid.diagnose.data.chance import ERROR, NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
@@ -38,7 +38,6 @@ AT_MOST = 7
 FULL_FITS = 6
 CONVERGED = 1e-4  # chi squared: the step that gains it is a hundredth of a standard deviation, the next far smaller
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
-QUANTILE = 2.05  # normal, a little more for a noise that is itself estimated
 Key = tuple[str, int | None]
 
 
@@ -266,13 +265,13 @@ def only(body: Body, now: Observation, key: Key) -> Observation:
 
 def _named(best: Looked, key: Key) -> Named:
     """Intervals from the curvature, and no less than what gaits disagree about."""
-    spread = float(np.sqrt(best.priced.chi2 / best.priced.count))
+    spread = SYSTEMATIC * float(np.sqrt(best.priced.chi2 / best.priced.count))
     covariance = best.sums.covariance(best.own, spread)
     effect = effect_of(best, key)
     ends = {}
     for p, column in zip(effect.effect.parameters, columns_of(best.data.body, *key), strict=True):
         at = best.own.index(column)
-        half = QUANTILE * float(np.sqrt(covariance[at, at])) + p.resolution
+        half = NORMAL * float(np.sqrt(covariance[at, at])) + p.resolution
         ends[p.name] = interval((effect.parameters[p.name] - half, effect.parameters[p.name] + half))
     return Named(effect, ends, best.strength(key))
 
@@ -288,7 +287,7 @@ def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:
     levels = best.data.levels[: best.data.body.joint_count]
     squares = np.mean([_drifted(r) for r in recordings], axis=0)
     (parameter,) = kind.parameters
-    half = QUANTILE * sd + parameter.resolution
+    half = NORMAL * SYSTEMATIC * sd + parameter.resolution
     effect = ActiveEffect.neutral(kind.name).with_coordinates([rate])
     ends = {parameter.name: interval((rate - half, rate + half))}
     return Named(effect, ends, abs(rate) * float((np.sqrt(squares) / levels).max()))

@@ -11,14 +11,15 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ive
 
+from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import gap_steps
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.finding import Named, interval
+from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import marking
 
-CERTAIN, DROP = 12.0, 2.2  # log-likelihood: ratio that names it, drop at the ends of the interval
 MEAN_SHARE = 0.42  # path RMS of a jump somewhere in the middle, over its length, start pose fitted
 
 
@@ -39,9 +40,9 @@ def gap_lengths(
 
 
 def find_jumps(
-    motion: Motion, predictions: Sequence[Prediction], noise_level_m: float, missed_m: float = 0.0
+    motion: Motion, predictions: Sequence[Prediction], noise_level_m: float, missed_m: float = 0.0, tries: int = 1
 ) -> Named | None:
-    """Steps across gaps, if they show them; missed_m: see `gap_lengths`."""
+    """Steps across gaps, if they show them; missed_m: see `gap_lengths`; tries: candidates that might be named."""
     kind = next((k for k in marking("jumps") if k.name not in motion.untestable), None)
     lengths, noises = gap_lengths(motion, predictions, missed_m)
     if len(lengths) < 3 or kind is None:
@@ -57,8 +58,9 @@ def find_jumps(
     found = minimize_scalar(lambda x: -log_likelihood(x), bounds=(0.0, most), method="bounded", options=options)
     size = float(found.x)
     best = log_likelihood(size)
-    if best - log_likelihood(0.0) < CERTAIN:
+    if 2 * (best - log_likelihood(0.0)) < most_gained(1, tries):
         return None
-    ends = [brentq(lambda x: log_likelihood(x) - best + DROP, size, end) for end in (0.0, size + 2 * most)]
+    drop = (NORMAL * SYSTEMATIC) ** 2 / 2
+    ends = [brentq(lambda x: log_likelihood(x) - best + drop, size, end) for end in (0.0, size + 2 * most)]
     effect = ActiveEffect.neutral(kind.name).with_coordinates([size])
     return Named(effect, {parameter.name: interval(ends)}, MEAN_SHARE * size / noise_level_m)

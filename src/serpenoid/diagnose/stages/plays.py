@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course, spacing
@@ -30,7 +31,6 @@ from serpenoid.simulation.servos import realise_all
 
 SMOOTHED_ROWS = 9
 ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
-SURE = 2.0  # standard deviations of a clock's rate
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
 MEETINGS = 9  # steps in which it is found when a trial began: each far smaller than the last
@@ -105,7 +105,7 @@ class Plays:
             power, pull = (v**2).sum(axis=1), (v * miss).sum(axis=1)
             once, late, later = (max(float((power * time**n).sum()), 1e-12) for n in range(3))
             now, then = float(pull.sum()), float((pull * time).sum())
-            most = SURE * float(np.hypot(r.clock.rate, r.clock.rate_sd))  # whose clock commands follow is not known
+            most = NORMAL * float(np.hypot(r.clock.rate, r.clock.rate_sd))  # whose clock commands follow is not known
             apart = max(once * later - late**2, 1e-9 * once * later)
             rate = float(np.clip((then * once - now * late) / apart, -most, most))
             near = unsure_start(r) + abs(rate) * float(time[-1])  # labels bound both together
