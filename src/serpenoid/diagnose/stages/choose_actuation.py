@@ -65,17 +65,17 @@ def choose_actuation(data: Plays) -> Stage:
             break
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
-    left = data.channels(best.angles)
-    worst = int(left.argmax())
+    squares = data.structure(best.angles)
+    worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
     words: tuple[str, ...] = ()
-    if left[worst] > np.hypot(1.0, VISIBLE):
-        words = (f"joint {worst + 1} follows its command no better than {left[worst]:.1f} times the reading's noise",)
+    if squares[worst] > VISIBLE**2:
+        words = (f"joint {worst + 1} follows its command no better than {left:.1f} times the reading's noise",)
         words += refused
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
-    return Stage("actuation", named, rivals, undetected, float(left[worst]), words)
+    return Stage("actuation", named, rivals, undetected, left, words)
 
 
 def _law_error(best: Played, effect: ActiveEffect) -> float:

@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.special import ndtri
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import NORMAL
+from serpenoid.diagnose.data.chance import ERROR, NORMAL
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course, spacing
@@ -153,6 +154,17 @@ class Plays:
     def channels(self, played: Floats) -> Floats:
         """RMS of what is left in units of noise, of each joint (m,)."""
         return np.asarray(np.sqrt((self.left(played) ** 2).mean(axis=0)) / self.noise)
+
+    def structure(self, played: Floats) -> Floats:
+        """Mean square (m,) of what is left, in units of noise; 0 where chance alone makes as much.
+
+        White noise is not in it: mean products of successive readings are no squares.
+        """
+        left = self.left(played) / self.noise
+        products = (left[1:] * left[:-1])[self.trials[1:] == self.trials[:-1]]
+        chance = (left**2).mean(axis=0) / np.sqrt(max(len(products), 1))
+        mean = products.mean(axis=0) if len(products) else np.zeros_like(chance)
+        return np.where(mean > ndtri(1 - ERROR / len(mean)) * chance, mean, 0.0)
 
     @property
     def level(self) -> Floats:
