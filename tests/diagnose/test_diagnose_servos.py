@@ -101,21 +101,23 @@ def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     assert low < 0.6 < high
 
 
+@pytest.mark.parametrize(("name", "place", "late"), [("servo_lag", None, 0.12), ("lagging_joint", 4, 0.02)])
 def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
-    recordings: tuple[Recording, ...],
+    recordings: tuple[Recording, ...], name: str, place: int | None, late: float
 ) -> None:
-    rng, lag, late, noise = np.random.default_rng(2), 0.15, 0.12, 0.01
+    rng, lag, noise = np.random.default_rng(2), 0.15, 0.01
+    lags = slice(None) if place is None else [place - 1]
 
     def filmed(r: Recording) -> Recording:
-        told = r.schedule.commanded(r.read_at + late)  # laid over the table where it looks most alike: later
-        true = lagged(r.read_at, told, np.full(len(told) - 1, lag))
+        true = r.schedule.commanded(r.read_at + late)  # laid over the table where it looks most alike: later
+        true[:, lags] = lagged(r.read_at, true[:, lags], np.full(len(true) - 1, lag))
         unsure = UNSURE_CYCLE * r.schedule.cycle_duration_s
         return replace(r, position=true + noise * rng.normal(size=true.shape), by_servos=False, t0_spread=unsure)
 
     stage = choose_actuation(plays([filmed(r) for r in recordings]))
     assert stage.settled
     (named,) = stage.named
-    assert named.effect.name == "servo_lag"
+    assert named.effect.key == (name, place)
     low, high = named.intervals["lag"]
     assert low is not None
     assert high is not None

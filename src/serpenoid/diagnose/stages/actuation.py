@@ -48,13 +48,20 @@ def plays(recordings: Sequence[Recording]) -> Plays:
         played: list[Floats] = []
         for kind in (None, *(k for k in shown(data) if k.place is None)):
             played.append(_by_all(data, kind))
-            if followed(data, played[-1], np.median):
+            if followed(data, data.alone(played[-1]), np.median):
                 return _told_apart(every, kind, data)
         found.append((data, played))
-    data, played = min(found, key=lambda pair: min(float(np.median(pair[0].channels(p))) for p in pair[1]))
+    data, played = min(
+        found, key=lambda pair: min(float(np.median(pair[0].channels(pair[0].alone(p)))) for p in pair[1])
+    )
     for p in played:
         data = data.measured(p)
     return data
+
+
+def _median(data: Plays, played: Floats) -> float:
+    """RMS of what the median joint leaves, in units of noise."""
+    return float(np.median(data.channels(data.alone(played))))
 
 
 def _by_all(data: Plays, kind: ActuationEffect | None) -> Floats:

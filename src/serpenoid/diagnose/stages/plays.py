@@ -140,6 +140,8 @@ class Plays:
 
     def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
         """The same where one joint (1 = next to the tail) alone reads anything else than `others` (R, m)."""
+        if not all(r.start_said for r in self.recordings):  # when a trial began depends on all joints
+            return self.realised(effects)
         found, columns = others.copy(), slice(joint - 1, joint)
         played = realise_all(self.model(effects), self.setpoints, self.meshes, columns)
         parts = [p.readings[where] for p, where in zip(played, self.where, strict=True)]
@@ -173,6 +175,15 @@ class Plays:
             return self.noise
         apart = float(np.median(np.concatenate([np.diff(t) for t in self.times])))
         return self.noise / np.sqrt(max(AVERAGED_S / apart, 1.0))
+
+    def alone(self, played: Floats) -> Floats:
+        """What is played (R, m), every joint's clock moved as far as is worth it to that joint: what most joints follow
+        is not hidden by one that does not."""
+        found, speed, moved = self.readings - played, self.speed(played), played.copy()
+        for r, mine in zip(self.recordings, self._rows, strict=True):
+            pull, power = (found[mine] * speed[mine]).sum(axis=0), (speed[mine] ** 2).sum(axis=0)
+            moved[mine] += np.clip(pull / np.maximum(power, 1e-12), -unsure_start(r), unsure_start(r)) * speed[mine]
+        return moved
 
     def missed(self, played: Floats) -> Floats:
         """Mean square (m,) of what is left beyond noise, in units of the level's."""
@@ -288,7 +299,7 @@ def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[Ac
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     played = realise_all(found.model(effects), told, meshes)
     courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
-    return tuple(_begun(r, c) for r, c in zip(recordings, courses, strict=True))
+    return tuple(c if r.start_said else _begun(r, c) for r, c in zip(recordings, courses, strict=True))
 
 
 def _begun(r: Recording, course: Course) -> Course:

@@ -47,21 +47,25 @@ class WrongLog:
 
 def of_servos(recordings: Sequence[Recording], baseline: Baseline) -> tuple[tuple[Recording, ...], Plays, Stage]:
     """The stage of actuation; where a log is wrong at a joint, judged again as it was told there."""
-    words: tuple[str, ...] = ()
+    every: tuple[WrongLog, ...] = ()
     while True:
         servos = baseline.plays(recordings)
         stage = choose_actuation(servos)
-        wrong = wrong_log(recordings, servos, stage)
+        wrong = wrong_log(recordings, servos, stage, [w.joint for w in every])
         if wrong is None:
-            return tuple(recordings), servos, replace(stage, words=(*words, *stage.words))
-        words += (wrong.words,)
+            return tuple(recordings), servos, replace(stage, words=(*(w.words for w in every), *stage.words))
+        every += (wrong,)
         recordings = mended(recordings, servos, stage, wrong)
 
 
-def wrong_log(recordings: Sequence[Recording], servos: Plays, found: Stage) -> WrongLog | None:
-    """The joint whose readings markers contradict most, of those that do not read as they are told."""
+def wrong_log(
+    recordings: Sequence[Recording], servos: Plays, found: Stage, mended: Sequence[int] = ()
+) -> WrongLog | None:
+    """The joint whose readings markers contradict most, of those that do not read as they are told; but for joints
+    (1 .. m) that are mended already."""
     effects, shared = _effects(found), _effects(found, of_one=False)
     astray = servos.channels(servos.realised(shared)) > np.hypot(1.0, VISIBLE)  # noise and a visible error
+    astray[[joint - 1 for joint in mended]] = False
     if not astray.any() or not all(r.by_servos for r in recordings):
         return None
     read, told = carried(recordings, servos, effects), expected(recordings, servos, shared)
