@@ -50,6 +50,18 @@ def test_exponentials_logarithms_powers_and_angles_are_those_of_the_c_library() 
 
 
 @needs_compiler
+def test_choices_are_those_of_casadi() -> None:
+    x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
+    a, b = x.elements()
+    chosen = [ca.fmin(a, b), ca.fmax(a, b), ca.fabs(a), ca.sign(a), ca.if_else(a < b, a, b), ca.if_else(a <= b, y, b)]
+    function = ca.Function("choices", [x, y], [*chosen, ca.logic_not(a)])
+    given = np.array([[-1.0, 2.0], [2.0, -1.0], [0.0, 0.0], [0.0, 1.0], [-0.5, -0.5]])
+    found = over_columns(function)(given, np.array([7.0]))
+    for column, one in enumerate(given):
+        np.testing.assert_array_equal([float(f[0, column]) for f in found], [float(f) for f in function(one, 7.0)])
+
+
+@needs_compiler
 def test_angles_are_right_in_all_quarters_and_on_the_axes() -> None:
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
     function = ca.Function("angle", [x, y], [ca.atan2(x[0], x[1])])
