@@ -7,7 +7,7 @@ import pytest
 
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
-from serpenoid.diagnose.inference.prices import gained_by_chance
+from serpenoid.diagnose.inference.prices import gained_by_chance, most_gained
 
 GAITS, EACH, CANDIDATES, CAMPAIGNS = 6, 40, 30, 60
 LABELS = np.repeat(np.arange(GAITS), EACH)
@@ -58,3 +58,9 @@ def test_a_candidate_within_the_fits_own_columns_says_nothing() -> None:
     x = rng.normal(size=(len(LABELS), 2))
     x = np.column_stack([x, x[:, 0] + 1e-9 * x[:, 1]])
     assert largest_by_chance([about(rng.normal(size=len(x)), x, [0, 1])[0]]) == 0.0
+
+
+@pytest.mark.parametrize(("parameters", "tries"), [(1, 20), (3, 200)])
+def test_the_truth_is_excluded_by_the_best_of_its_rivals_no_more_often_than_stated(parameters: int, tries: int) -> None:
+    best = np.random.default_rng(3).chisquare(parameters, (2000, tries)).max(axis=1)
+    assert (best > most_gained(parameters, tries)).mean() == pytest.approx(0.01, abs=0.007)  # three binomial deviations

@@ -6,6 +6,8 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -23,7 +25,7 @@ from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outwei
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
-from serpenoid.diagnose.stages.plays import carried
+from serpenoid.diagnose.stages.plays import Plays, carried
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import chain_vertices
@@ -263,3 +265,12 @@ def test_noise_blurs_what_rounding_does_to_the_mean_of_readings_at_rest() -> Non
         expected = np.sqrt(np.mean((mean - at) ** 2)) * TICK
         # the second harmonic is half as large where nothing is blurred, and below a fifth of the first from here on
         assert off_by_rounding(np.array(noise * TICK)) == pytest.approx(expected, rel=0.03)
+
+
+def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings() -> None:
+    rng, time = np.random.default_rng(0), np.arange(400)
+    left = np.column_stack([2 * rng.normal(size=400), rng.normal(size=400) + 2 * np.sqrt(2) * np.sin(0.1 * time)])
+    data = cast(Plays, SimpleNamespace(left=lambda played: left, noise=np.ones(2), trials=np.zeros(400)))
+    white, slow = Plays.structure(data, left)
+    assert white == 0.0
+    assert slow == pytest.approx(4, rel=0.15)  # of chance 1 / sqrt(400) of their product with noise
