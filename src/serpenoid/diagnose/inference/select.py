@@ -46,7 +46,7 @@ SHARE = 0.03  # of the best: what earns a full fit
 IDLE = 3  # effects in a row that gain no more than the null: two may come before the one that makes them tell
 SHARES = (1.0, 0.3, 0.1, 0.0)  # of the linear step: where it leads too far, steps have no root
 FAR = 25.0  # chi squared per number: first-order scores of what is so wrong are not to be trusted
-UNCLEAR = 2.0  # the same: with the right effects there is less
+UNCLEAR = 1 + VISIBLE**2  # the same: noise and a visible error
 
 Progress = Callable[[str], None]
 Retrack = Callable[[Model], tuple[Track, ...]]
