@@ -157,9 +157,11 @@ def test_about_a_law_that_is_known_to_be_another_intervals_hold_what_gaits_and_e
     usual = diagnosed[0].motion.stage.named[0].intervals
     wide = finding(found, inadequate=True).stage.named[0].intervals
     other = replace(found.settled, model=shifted(found.settled.model))
-    wider = finding(found, inadequate=True, beside=((found.motion, other),)).stage.named[0].intervals
+    wider = finding(found, inadequate=True, beside=((found.motion, other, 1.0),)).stage.named[0].intervals
     for name, (low, high) in usual.items():
         assert wider[name][0] < wide[name][0] <= low < high <= wide[name][1] < wider[name][1]
+    unlikely = finding(found, inadequate=True, beside=((found.motion, other, 1e-6),)).stage.named[0].intervals
+    assert unlikely == {name: pytest.approx(ends, rel=1e-3) for name, ends in wide.items()}
 
 
 def shifted(model: Model) -> Model:

@@ -53,9 +53,10 @@ class Habit:
 
 @dataclass(frozen=True)
 class Explanation:
-    """A model of the earlier campaign, and what it leaves."""
+    """A model of the earlier campaign, and what it leaves: chi squared, and by settings."""
 
     model: Model
+    chi2: float
     habits: dict[Setting, Habit]
 
     def error(self, track: Track) -> tuple[Floats, Floats]:
@@ -120,8 +121,9 @@ class Reference(Baseline):
         doubt = np.where(unknown, np.where(track.playing[:, None], self.usual, 0.0), noise)
         return replace(track, offset=track.offset + np.where(unknown, 0.0, error), doubt=doubt)
 
-    def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model], ...]:
-        """The corrected tracks beside the rivals, where what the model missed repeated."""
+    def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model, float], ...]:
+        """The corrected tracks beside the rivals, where what the model missed repeated; weight: what the baseline
+        left there over what the rival left."""
         if not self.inadequate:
             return ()
         found = []
@@ -130,7 +132,13 @@ class Reference(Baseline):
             tracks = [
                 replace(t, offset=t.offset + np.nan_to_num(c)) for t, c in zip(motion.tracks, changes, strict=True)
             ]
-            found.append((replace(motion, tracks=tuple(tracks), held=rival.model.effects), rival.model))
+            found.append(
+                (
+                    replace(motion, tracks=tuple(tracks), held=rival.model.effects),
+                    rival.model,
+                    self.explained[0].chi2 / rival.chi2,
+                )
+            )
         return tuple(found)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
@@ -166,11 +174,17 @@ def reference_of(d: Diagnosis) -> Reference:
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
     rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused))]
-    explained = [Explanation(m, _habits(motion, _left(motion, m))) for m in dict.fromkeys([model, *rivals])]
+    explained = [_explanation(motion, m) for m in dict.fromkeys([model, *rivals])]
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, others, d.motion.stage.discrepancy_m,
         without=d.baseline.without,
     )  # fmt: skip
+
+
+def _explanation(motion: Motion, model: Model) -> Explanation:
+    errors = _left(motion, model)
+    chi2 = sum(float(np.nansum((e / motion.noise.of(t)) ** 2)) for t, e in zip(motion.tracks, errors, strict=True))
+    return Explanation(model, chi2, _habits(motion, errors))
 
 
 def _left(motion: Motion, model: Model) -> list[Floats]:

@@ -8,7 +8,8 @@ by a share of itself. The two shares are those of restricted maximum likelihood,
 (DerSimonian and Laird, Controlled Clinical Trials 7, 177, 1986). An error that all gaits have in common is not seen by
 comparing them; it is expected to be as large as what they do not share, so T counts once more (the prediction interval
 of Higgins, Thompson and Spiegelhalter, J. R. Stat. Soc. A 172, 137, 2009). What one explanation of an earlier campaign
-says of the change, another one does not, nor what stands beside it below detection: the scatter of values is added.
+says of the change, another one does not, nor what stands beside it below detection: the scatter of values is added,
+each explanation weighed by the inverse of what it leaves.
 
 Legend: G gaits, P coordinates (eps first), K explanations.
 """
@@ -41,21 +42,23 @@ class Doubted:
     deviation: float
 
 
-def doubted(explained: Sequence[tuple[Motion, Fit]]) -> dict[Coordinate, Doubted]:
-    """Of every coordinate, fitted beside one or more explanations of what the law misses."""
-    found: dict[Coordinate, list[Doubted]] = {}
-    for motion, fit in explained:
+def doubted(explained: Sequence[tuple[Motion, Fit, float]]) -> dict[Coordinate, Doubted]:
+    """Of every coordinate, fitted beside one or more explanations of what the law misses, each with its weight."""
+    found: dict[Coordinate, list[tuple[Doubted, float]]] = {}
+    for motion, fit, weight in explained:
         names = [(e.name, e.place, i) for e in fit.effects for i in range(len(e.effect.parameters))]
         values, deviations = of_gaits(motion, fit)
         for name, value, deviation in zip(names, values[1:], deviations[1:], strict=True):
-            found.setdefault(name, []).append(Doubted(float(value), float(deviation)))
+            found.setdefault(name, []).append((Doubted(float(value), float(deviation)), weight))
     return {name: _together(several) for name, several in found.items()}
 
 
-def _together(several: Sequence[Doubted]) -> Doubted:
-    values, variances = np.array([d.value for d in several]), np.array([d.deviation**2 for d in several])
-    between = values.var(ddof=1) if len(several) > 1 else 0.0
-    return Doubted(float(values.mean()), float(np.sqrt(variances.mean() + between)))
+def _together(several: Sequence[tuple[Doubted, float]]) -> Doubted:
+    count, weights = len(several), np.array([weight for _, weight in several])
+    values, variances = np.array([d.value for d, _ in several]), np.array([d.deviation**2 for d, _ in several])
+    mean = float(np.average(values, weights=weights))
+    between = float(np.average((values - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
+    return Doubted(mean, float(np.sqrt(np.average(variances, weights=weights) + between)))
 
 
 def of_gaits(motion: Motion, fit: Fit) -> tuple[Floats, Floats]:

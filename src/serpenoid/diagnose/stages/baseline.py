@@ -51,8 +51,9 @@ class Baseline:
         """Whether its law is known to be another than the floor's: what it missed repeated."""
         return False
 
-    def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model], ...]:
-        """The same motion beside other explanations of what an earlier campaign's model missed, and their models."""
+    def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model, float], ...]:
+        """The same motion beside other explanations of what an earlier campaign's model missed, their models, and their
+        weights beside this one's."""
         return ()
 
     def check(self, body: Body) -> None:

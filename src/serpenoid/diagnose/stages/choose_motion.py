@@ -82,20 +82,22 @@ def choose_on_tracks(
     return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
 
-def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit], ...]:
+def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit, float], ...]:
     """What is there, fitted again beside other explanations of what the baseline's law misses, where that can be."""
     effects, values = found.settled.effects, found.settled.coordinates
     fits = []
-    for motion, model in baseline.otherwise(found.motion) if found.best.effects else ():
+    for motion, model, weight in baseline.otherwise(found.motion) if found.best.effects else ():
         if {e.key for e in effects} & {e.key for e in model.effects}:
             continue  # what changed was a guess about the reference, too
         start = np.concatenate([[model.medium.anisotropy_ratio], values[1:]])
-        fits.append((motion, fit(motion, model, effects, start, TO_THE_END)))
+        fits.append((motion, fit(motion, model, effects, start, TO_THE_END), weight))
     whole = found.settled.evidence.count.sum()
-    return tuple((m, f) for m, f in fits if f.evidence.count.sum() >= whole)
+    return tuple((m, f, weight) for m, f, weight in fits if f.evidence.count.sum() >= whole)
 
 
-def finding(found: Selection, inadequate: bool = False, beside: Sequence[tuple[Motion, Fit]] = ()) -> MotionFinding:
+def finding(
+    found: Selection, inadequate: bool = False, beside: Sequence[tuple[Motion, Fit, float]] = ()
+) -> MotionFinding:
     """The selection in words and intervals; inadequate: its baseline's law is known to be another than the floor's;
     beside: what is settled on, fitted beside other explanations of what the baseline's law misses."""
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
@@ -103,8 +105,8 @@ def finding(found: Selection, inadequate: bool = False, beside: Sequence[tuple[M
     after = path_error(motion, best.predictions)
     missed_m = discrepancy(motion, found.settled.predictions)
     wrong = bool(best.effects) and (missed_m > 0 or inadequate)
-    alone = [(motion, best)] if found.undetected else []  # what is below detection may mend the law, too
-    doubt = doubted([(motion, found.settled), *alone, *beside]) if wrong else {}
+    alone = [(motion, best, 1.0)] if found.undetected else []  # what is below detection may mend the law, too
+    doubt = doubted([(motion, found.settled, 1.0), *alone, *beside]) if wrong else {}
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, noise_level, missed_m, len(candidates_of(best)))
