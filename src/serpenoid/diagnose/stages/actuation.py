@@ -117,12 +117,15 @@ def fit_everywhere(
 
     without = data.realised(base)
 
+    said = all(r.start_said for r in data.recordings)
+    shared = kind.place is None or (only is not None and not said)  # one joint moves when the trial began for all
+
     def play(x: Floats) -> Floats:
         effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]
         return data.realised([*base, *effects]) if only is None else data.realised_at(only, [*base, *effects], without)
 
     def own(by_joint: Floats) -> Floats:
-        return by_joint.sum(keepdims=True) if kind.place is None else by_joint[columns]
+        return by_joint.sum(keepdims=True) if shared else by_joint[columns]
 
     tried = [own(data.chi2(play(s[columns]))) for s in starts] if len(starts) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), [start[columns] for start in starts])
