@@ -188,7 +188,7 @@ def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
     joints = best.data.body.joint_count
     what = f"joint {worst + 1} bent" if worst < joints else f"the edge from vertex {worst - joints} as long"
     words: tuple[str, ...] = ()
-    if size > VISIBLE:
+    if size > np.hypot(1.0, VISIBLE):  # the noise itself, which a little of structure is in, and a visible error
         words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
     if words and worst < joints:
         words += _from_trial_to_trial(best, worst)
