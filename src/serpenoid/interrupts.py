@@ -14,7 +14,7 @@ from typing import Any
 
 AGAIN_S = 0.05  # after which an interrupt that got lost is sent once more: whatever lost it is over then
 
-noted: list[int] = []  # numbers of the signals since the command began
+noted: list[int] = []  # numbers of the signals since the command began, until it ends
 
 
 @contextmanager
@@ -45,6 +45,7 @@ def listening() -> Iterator[list[int]]:
         sys.unraisablehook = hook
         for number, handler in previous.items():
             signal.signal(number, handler)
+        noted.clear()  # what is done next in this process was not interrupted
 
 
 def _sent_again(usual: Any) -> Any:

@@ -20,7 +20,7 @@ from serpenoid.diagnose.start import baseline
 from serpenoid.model_file import read_model_file
 
 SLOPE = Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.002})
-SMALL_LOAD = Effect("load", 2, {"share": 0.015})
+SMALL_LOAD = Effect("load", 2, {"share": 0.009})
 
 
 def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:

@@ -36,7 +36,7 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
         return _collected((function(*arguments) for function, arguments in tasks), len(tasks), awaited)
     workers: list[tuple[BaseProcess, Connection]] = []
     try:
-        with interrupts_held():  # an interrupt amid a fork is lost or leaves one behind
+        with interrupts_held(tracked=False):  # an interrupt amid a fork is lost or leaves one behind
             workers.extend(_started(tasks) for _ in range(cores))
         return _collected(_answers(tasks, [pipe for _, pipe in workers]), len(tasks), awaited)
     finally:

@@ -64,12 +64,14 @@ def _forget_what_waits(pool: Any) -> None:
 
 
 @contextmanager
-def interrupts_held() -> Iterator[None]:
+def interrupts_held(tracked: bool = True) -> Iterator[None]:
     """Processes started inside are deaf to Ctrl-C, which a terminal sends to all; this one hears it afterwards.
 
-    What keeps account of shared memory is started first: Python 3.11 lets interrupts in again as it starts it.
+    tracked: they share memory or locks. What keeps account of these is a process, too, and is started first: Python
+    3.11 lets interrupts in again as it starts it.
     """
-    resource_tracker.ensure_running()
+    if tracked:
+        resource_tracker.ensure_running()
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
