@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import spearmanr
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
@@ -62,6 +61,8 @@ def ratio_statistics(pair: str, x: Floats, y: Floats, seed: int = 0) -> RatioSta
         raise InputError(
             f"{pair}: displacements must be positive. A gait that does not move has no ratio: leave it out."
         )
+    from scipy.stats import spearmanr  # as long to import as all the rest, and `measure` needs it not
+
     quotients = performance_ratios(x) / performance_ratios(y)
     off = quotients[~np.eye(len(x), dtype=bool)]
     log_q = np.log(x / y)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 from serpenoid.measure.cells import Floats
@@ -68,14 +69,24 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
 def _held_costs(
     count: int, low: float, t: Floats, signal: Floats, seen: NDArray[np.bool_], other_s: Floats, other: Floats
 ) -> Floats:
-    """Of the shifts low, low + GRID_S, ..: one grid serves them all, for `t` has the same step."""
+    """Of the shifts low, low + GRID_S, ..: sums over one grid, for `t` has the same step, as correlations.
+
+    cost_k = sum (signal - laid_k)^2 - (sum signal - laid_k)^2 / n over what is seen, laid_k the other signal there.
+    """
     first = t[0] - low - GRID_S * (count - 1)
     laid = held(other_s, other, first + GRID_S * np.arange(count - 1 + len(t)))
-    costs = np.empty(count)
-    for k in range(count):
-        apart = (signal - laid[count - 1 - k : count - 1 - k + len(t)])[seen]
-        costs[k] = ((apart - apart.mean(axis=0)) ** 2).sum()
-    return costs
+    laid, there = laid - laid.mean(axis=0), seen.astype(float)[:, None]
+    own = (signal - signal[seen].mean(axis=0)) * there
+    length = next_fast_len(len(laid), real=True)
+
+    def summed(weights: Floats, values: Floats) -> Floats:
+        """sum_i weights[i] values[k + i], the last k first, shape (count, m)."""
+        product = rfft(values, length, axis=0) * np.conj(rfft(weights, length, axis=0))
+        return np.asarray(irfft(product, length, axis=0))[:count][::-1]
+
+    squares = (own**2).sum(axis=0) - 2 * summed(own, laid) + summed(there, laid**2)
+    sums = own.sum(axis=0) - summed(there, laid)
+    return np.asarray((squares - sums**2 / seen.sum()).sum(axis=1))
 
 
 def _seen(t: Floats, grid: Floats) -> NDArray[np.bool_]:

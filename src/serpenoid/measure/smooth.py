@@ -6,6 +6,8 @@ Only a point to linearise about and a shape to resimulate: the measured states a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from serpenoid.measure.cells import Floats
@@ -25,8 +27,8 @@ def smoother(time_s: Floats, window: int) -> tuple[Floats, np.ndarray]:
     u = time_s[rows] - time_s[:, None]
     u = u / np.abs(u).max(axis=1, keepdims=True)
     powers = u[..., None] ** np.arange(DEGREE + 1)
-    gram = np.einsum("rka,rkb->rab", powers, powers)
-    return np.einsum("rka,ra->rk", powers, np.linalg.inv(gram)[:, :, 0]), rows
+    gram = np.swapaxes(powers, 1, 2) @ powers
+    return (powers @ np.linalg.inv(gram)[:, :, :1])[..., 0], rows
 
 
 def smooth(values: Floats, weights: Floats, rows: np.ndarray) -> Floats:
@@ -34,23 +36,28 @@ def smooth(values: Floats, weights: Floats, rows: np.ndarray) -> Floats:
     return np.asarray(np.einsum("rk,rkc->rc", weights, values[rows]))
 
 
-def best_window(time_s: Floats, values: Floats, variance: Floats) -> int:
-    """The window with the smallest Cp for columns (R, c) with noise variances (R, c)."""
-    scores = []
+def best_windows(time_s: Floats, columns: Sequence[tuple[Floats, Floats]]) -> list[int]:
+    """For each (values (R, c), noise variances (R, c)) the window with the smallest Cp."""
+    scores: list[list[tuple[float, int]]] = [[] for _ in columns]
     for window in WINDOWS:
         if window > len(time_s):
             break
         weights, rows = smoother(time_s, window)
-        misfit = ((values - smooth(values, weights, rows)) ** 2 / variance).sum()
         own = weights[rows == np.arange(len(time_s))[:, None]].sum()
-        scores.append((misfit + 2 * own * values.shape[1], window))
-    return min(scores)[1]
+        for scored, (values, variance) in zip(scores, columns, strict=True):
+            misfit = ((values - smooth(values, weights, rows)) ** 2 / variance).sum()
+            scored.append((misfit + 2 * own * values.shape[1], window))
+    return [min(scored)[1] for scored in scores]
+
+
+def best_window(time_s: Floats, values: Floats, variance: Floats) -> int:
+    """The window with the smallest Cp for columns (R, c) with noise variances (R, c)."""
+    return best_windows(time_s, ((values, variance),))[0]
 
 
 def smooth_states(time_s: Floats, poses: Floats, joint_angles: Floats, covariance: Floats) -> tuple[Floats, Floats]:
     """Smoothed poses (R, 3) and joint angles (R, m); each with its own window."""
     variance = np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 1e-24)
-    result = []
-    for values, spread in ((poses, variance[:, :3]), (joint_angles, variance[:, 3:])):
-        result.append(smooth(values, *smoother(time_s, best_window(time_s, values, spread))))
-    return result[0], result[1]
+    windows = best_windows(time_s, ((poses, variance[:, :3]), (joint_angles, variance[:, 3:])))
+    of_poses, of_angles = (smoother(time_s, window) for window in windows)
+    return smooth(poses, *of_poses), smooth(joint_angles, *of_angles)
