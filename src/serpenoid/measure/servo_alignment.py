@@ -41,7 +41,7 @@ def align_servo(
     """
     if log.position.shape[1] != body.joint_count:
         return None, [f"servo log has {log.position.shape[1]} joints, the body {body.joint_count}: not used"]
-    corners = _corners(body, markers)
+    corners = seen_corners(body, markers)
     whole = len(corners) == body.joint_count + 2 and estimate.determined.mean() >= OFTEN
     offset = (
         find_offset(time_s, estimate.joint_angles, log.time_s, log.position)
@@ -59,10 +59,15 @@ def align_servo(
     return ServoAlignment(offset, zero, sd, angles + zero), _remarks(unseen)
 
 
-def _corners(body: Body, markers: Floats) -> list[int]:
-    """Ends and joints whose markers are seen often."""
-    share = np.isfinite(markers[..., 0]).mean(axis=0)
-    return [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] >= OFTEN]
+def seen_share(markers: Floats) -> Floats:
+    """Of the frames, how many show each marker (N,)."""
+    return np.asarray(np.isfinite(markers[..., 0]).mean(axis=0))
+
+
+def seen_corners(body: Body, markers: Floats) -> list[int]:
+    """Vertices whose markers are seen often enough: ends and joints."""
+    share = seen_share(markers)
+    return [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] > OFTEN]
 
 
 def _offset_by_corners(body: Body, corners: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:

@@ -21,7 +21,7 @@ from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.links import bends
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
-from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN
+from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN, seen_corners, seen_share
 
 ITERATIONS = 5
 SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
@@ -88,11 +88,9 @@ def _refuse_still(cameras: Signal, servos: Signal) -> None:
 
 
 def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
-    """Vertices whose markers are seen often enough: ends and joints."""
-    share = np.isfinite(markers[..., 0]).mean(axis=0)
-    often = [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] > OFTEN]
+    often = seen_corners(body, markers)
     if len(often) < LEAST_MARKERS:
-        never = ", ".join(str(k) for k in range(body.vertices) if share[k] <= OFTEN)
+        never = ", ".join(str(k) for k in np.flatnonzero(seen_share(markers) <= OFTEN))
         raise InputError(f"the markers of vertices {never} are hidden most of the time: no shape can be known.")
     return np.array(often)
 

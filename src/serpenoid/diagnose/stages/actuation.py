@@ -51,9 +51,7 @@ def plays(recordings: Sequence[Recording]) -> Plays:
             if followed(data, data.alone(played[-1]), np.median):
                 return _told_apart(every, kind, data)
         found.append((data, played))
-    data, played = min(
-        found, key=lambda pair: min(float(np.median(pair[0].channels(pair[0].alone(p)))) for p in pair[1])
-    )
+    data, played = min(found, key=lambda pair: min(_median(pair[0], p) for p in pair[1]))
     for p in played:
         data = data.measured(p)
     return data

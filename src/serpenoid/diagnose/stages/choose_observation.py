@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.chance import ERROR, NORMAL, SYSTEMATIC
+from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
@@ -181,10 +180,8 @@ def _joint(key: Key) -> int | None:
 
 def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
     """Of the worst channel, its noise included, what is more than chance makes; and that in words, where visible."""
-    squares, chance = structure(best.data, best.now)
-    by_chance = ndtri(1 - ERROR / max(int(np.isfinite(squares).sum()), 1)) * chance
-    told = np.where(squares > by_chance, squares, 0.0)
-    worst, size = int(told.argmax()), float(np.sqrt(told.max()))
+    squares = structure(best.data, best.now)
+    worst, size = int(squares.argmax()), float(np.sqrt(squares.max()))
     joints = best.data.body.joint_count
     what = f"joint {worst + 1} bent" if worst < joints else f"the edge from vertex {worst - joints} as long"
     words: tuple[str, ...] = ()

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data import chance
 from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
 from serpenoid.diagnose.data.observation import Observation, across, column_count
@@ -152,20 +153,10 @@ def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = Non
     return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), data.counts)
 
 
-def structure(data: Sample, now: Observation) -> tuple[Floats, Floats]:
-    """What an observation model leaves of marker angles and link lengths, over the noise level (2 m + 1,), and the mean
-    square of what chance alone makes of its square.
-
-    White noise is not in it: mean products of successive frames are no squares. NaN: a channel is never seen twice.
-    """
-    left = _channels(data, now)
-    products = (left[1:] * left[:-1])[data.following]
-    count = np.isfinite(products).sum(axis=0)
-    known = count > 1
-    mean, chance = np.full((2, left.shape[1]), np.nan)
-    mean[known] = np.nanmean(products[:, known], axis=0)
-    chance[known] = np.nanmean(left[:, known] ** 2, axis=0) / np.sqrt(count[known])
-    return mean, chance
+def structure(data: Sample, now: Observation) -> Floats:
+    """Mean square (2 m + 1,) of what an observation model leaves of marker angles and link lengths, in units of noise;
+    0 where chance alone makes as much."""
+    return chance.structure(_channels(data, now), data.following)
 
 
 def by_trial(data: Sample, now: Observation, joint: int) -> tuple[Floats, float]:

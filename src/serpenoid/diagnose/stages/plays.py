@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import ndtri
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import ERROR, NORMAL
+from serpenoid.diagnose.data.chance import NORMAL, structure
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Course, spacing
@@ -135,7 +134,7 @@ class Plays:
         if recording.start_said:
             return angles[self.where[number]]
         course = Course(self.meshes[number], angles)
-        late = _late(course, time, self.readings[self.trials == number], unsure_start(recording))
+        late = _late(course, time, self.readings[self._rows[number]], unsure_start(recording))
         return course.at(time - late)
 
     def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
@@ -158,15 +157,8 @@ class Plays:
         return np.asarray(np.sqrt((self.left(played) ** 2).mean(axis=0)) / self.noise)
 
     def structure(self, played: Floats) -> Floats:
-        """Mean square (m,) of what is left, in units of noise; 0 where chance alone makes as much.
-
-        White noise is not in it: mean products of successive readings are no squares.
-        """
-        left = self.left(played) / self.noise
-        products = (left[1:] * left[:-1])[self.trials[1:] == self.trials[:-1]]
-        chance = (left**2).mean(axis=0) / np.sqrt(max(len(products), 1))
-        mean = products.mean(axis=0) if len(products) else np.zeros_like(chance)
-        return np.where(mean > ndtri(1 - ERROR / len(mean)) * chance, mean, 0.0)
+        """Mean square (m,) of what is left, in units of noise; 0 where chance alone makes as much."""
+        return structure(self.left(played) / self.noise, self.trials[1:] == self.trials[:-1])
 
     @property
     def level(self) -> Floats:
