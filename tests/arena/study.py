@@ -130,7 +130,7 @@ def run_one(study: Study, name: str, known: Reference, out: Path) -> dict[str, A
 def kept(study: Study, out: Path, row: dict[str, Any]) -> None:
     """One more row of the table, or the same one anew."""
     rows = [r for r in table.read(out / TABLE)[1] if r["name"] != row["name"]]
-    above = {"command": f"python -m arena.study --out {out}", "commit": commit(), "key": study.key}
+    above = {"command": f"python -m arena.study --key {study.key}", "commit": commit(), "key": study.key}
     table.write(out / TABLE, above, [*rows, row])
 
 

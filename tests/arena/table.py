@@ -13,7 +13,8 @@ TABLE = "arena.csv"
 
 HEAD = """# Hidden changes of the arena's robot
 
-`python -m arena.study --out results/blind/arena`: six gaits twice, diagnosed with a healthy campaign as reference.
+`{command}` (commit {commit}, {done} of {every} changes): six gaits twice, diagnosed with a healthy campaign
+as reference.
 *Change*: path RMS between changed and healthy trials (healthy repeats: {repeats:.0f} mm), which is what there is to be
 explained. *Left*: noise levels, on the stage of motion. One campaign each.
 
@@ -37,13 +38,15 @@ What is missed, and what is likely to be behind it:
 
 def write_table(folder: Path) -> None:
     """README.md from the rows that are there."""
-    found = {row["name"]: row for row in table.read(folder / TABLE)[1]}
+    above, kept = table.read(folder / TABLE)
+    found = {row["name"]: row for row in kept}
     rows = {name: found[name] for name in HIDDEN if name in found}
     repeats = 1e3 * next(iter(rows.values()))["path_repeats_m"]
     lines = [_line(name, row) for name, row in rows.items()]
-    write_text(
-        folder / "README.md", HEAD.format(repeats=repeats) + "\n".join(lines) + "\n\n" + _count(rows) + "\n" + NOTES
+    head = HEAD.format(
+        repeats=repeats, command=above["command"], commit=above["commit"], done=len(rows), every=len(HIDDEN)
     )
+    write_text(folder / "README.md", head + "\n".join(lines) + "\n\n" + _count(rows) + "\n" + NOTES)
 
 
 def _line(name: str, row: dict[str, Any]) -> str:
