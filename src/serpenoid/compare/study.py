@@ -44,11 +44,10 @@ def compare_campaign(
 ) -> Study:
     """Compare every passage of every trial. The mean over a gait's passages is its performance, as in the paper."""
     refuse_effects(model)
-    comparisons, cycles, notes = [], [], []
+    comparisons, cycles = [], []
     for index, trial in enumerate(campaign.trials):
         if progress is not None:
             progress(index, len(campaign.trials), trial.name)
-        notes += [f"{trial.name}: {note}" for note in trial.notes]
         for passage in trial.passages:
             found = compare_passage(trial, passage, model, seed=index)
             if found is None:
@@ -57,6 +56,7 @@ def compare_campaign(
             power = cycle_power(trial, found, model.body.mass_kg) if model.body.mass_kg else None
             if power is not None:
                 cycles.append(power)
+    notes = said_once(campaign)
     moved, still = moving(comparisons)
     gaits, displacement = gait_means(moved)
     ratios, complaint = _ratios(gaits, displacement)
@@ -66,6 +66,15 @@ def compare_campaign(
         model, tuple(comparisons), gaits, displacement, ratios, tuple(cycles), cost_points(cycles), fit_power(cycles),
         tuple([*_seconds(campaign, comparisons), *notes, *shape_bias(moved), *still, *complaint]),
     )  # fmt: skip
+
+
+def said_once(campaign: Campaign) -> list[str]:
+    """Every note of a trial, with the trials that it is about."""
+    trials: dict[str, list[str]] = {}
+    for trial in campaign.trials:
+        for note in trial.notes:
+            trials.setdefault(note, []).append(trial.name)
+    return [f"{', '.join(names)}: {note}" for note, names in trials.items()]
 
 
 def _seconds(campaign: Campaign, comparisons: list[Comparison]) -> list[str]:

@@ -40,16 +40,17 @@ def _three(comparison: Comparison) -> list[tuple[str, str, Path]]:
 
 
 def paths(comparison: Comparison, ax: Axes) -> Axes:
-    """Centroid paths and the last bodies."""
+    """Centroid paths and the last bodies; the measured first body in grey."""
     for name, colour, path in _three(comparison):
         ax.plot(*path.poses[:, :2].T, color=colour, label=name, **LINES[name])
         body = path.vertices[-1]
         joints = range(1, len(body) - 1) if name == "Exp" else ()
         draw_body(body, ax, colour, width=BODIES[name], joints=joints)
-    draw_body(comparison.exp.vertices[0], ax, GREY, width=2.0)
+    _, start, _ = draw_body(comparison.exp.vertices[0], ax, GREY, width=2.0)
+    start.set_label("start")
     ax.set_aspect("equal", adjustable="datalim")
     dress(ax, "", "x [body lengths]", "y [body lengths]")
-    legend_above(ax, 3)
+    legend_above(ax, 4)
     return ax
 
 
@@ -115,7 +116,7 @@ def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
         marks = [t for t in (0.25, 0.5, 0.8, 1.0, 1.25, 2.0, 4.0) if 1 / reach <= t <= reach]
         bar.set_ticks(marks, labels=[f"{t:g}" for t in marks])
         bar.minorticks_off()
-        bar.set_label("Xi", fontsize=SMALL)
+        bar.set_label("quotient Ξ of the performance ratios, row over column", fontsize=SMALL)
     return fig
 
 
