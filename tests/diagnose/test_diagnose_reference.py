@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,14 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
-from serpenoid.diagnose.reference import in_other_cycles
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.inference.finding import Stage
+from serpenoid.diagnose.reference import Reference, in_other_cycles
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.medium import Medium
+from serpenoid.model import Model
 
 TOE = Effect("toe", None, {"angle": 0.05})  # there all the time
 ZERO = Effect("zero_offset", 6, {"offset": 0.05})
@@ -65,3 +74,48 @@ def test_one_cycle_fills_nothing() -> None:
     mean = np.array([1.0, np.nan])[:, None] * np.ones(3)
     filled, _ = in_other_cycles(mean, np.full((2, 3), 0.1), np.array([0.25, 0.75]))
     assert np.isnan(filled[1]).all()
+
+
+SOFT = 0.05  # s: by how much servos are late, and as much once more for how fast their neighbours turn
+
+
+@pytest.fixture(scope="module")
+def followed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
+    folder = tmp_path_factory.mktemp("followed")
+    write(make(63, [], combinations=COMBINATIONS[:2]), folder)
+    return read_recordings(folder)[1]
+
+
+def _soft(recordings: Sequence[Recording], times: float) -> list[Recording]:
+    """Servos that miss the set-point by more than one law holds."""
+
+    def miss(r: Recording) -> np.ndarray:
+        rate = np.gradient(r.schedule.commanded(r.read_at), r.read_at, axis=0)
+        return SOFT * times * (rate + np.roll(rate, 1, axis=1))
+
+    return [replace(r, position=r.position - miss(r)) for r in recordings]
+
+
+def _changed(recordings: Sequence[Recording], times: float) -> tuple[Reference, Stage]:
+    """What is said of servos that have come to miss it so many times as much as in the reference."""
+    model, unknown = Model(recordings[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)
+    then = plays(_soft(recordings, 1.0))
+    reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, then, (), 0.0)
+    return reference, choose_actuation(reference.plays(_soft(recordings, times)))
+
+
+def test_a_habit_of_readings_is_in_both_campaigns_and_no_noise_of_their_difference(
+    followed: tuple[Recording, ...],
+) -> None:
+    reference, stage = _changed(followed, 1.8)  # the change is 1.1 times the habit: visible, and no sum of two of them
+    assert [n.effect.name for n in stage.named] == ["servo_lag"]
+    now = reference.plays(_soft(followed, 1.0))
+    alike = now.left(now.realised([]))
+    assert np.sqrt((alike**2).mean()) < 2 * np.sqrt((now.noise**2).mean())
+    assert (now.noise < np.asarray(now.unsure) / 5).all()
+
+
+def test_less_than_the_habit_of_readings_says_nothing_of_servos(followed: tuple[Recording, ...]) -> None:
+    _, stage = _changed(followed, 1.6)  # 0.8 times: the floor alone may do as much
+    assert not stage.named
+    assert stage.settled

@@ -270,7 +270,8 @@ def test_noise_blurs_what_rounding_does_to_the_mean_of_readings_at_rest() -> Non
 def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings() -> None:
     rng, time = np.random.default_rng(0), np.arange(400)
     left = np.column_stack([2 * rng.normal(size=400), rng.normal(size=400) + 2 * np.sqrt(2) * np.sin(0.1 * time)])
-    data = cast(Plays, SimpleNamespace(left=lambda played: left, noise=np.ones(2), trials=np.zeros(400)))
+    one = np.ones(2)
+    data = cast(Plays, SimpleNamespace(left=lambda played: left, noise=one, held_against=one, trials=np.zeros(400)))
     white, slow = Plays.structure(data, left)
     assert white == 0.0
     assert slow == pytest.approx(4, rel=0.15)  # of chance 1 / sqrt(400) of their product with noise

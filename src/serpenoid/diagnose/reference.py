@@ -142,23 +142,26 @@ class Reference(Baseline):
         return tuple(found)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
-        """Readings with the earlier ones' error taken out; a change may change it by as much as it is."""
+        """Readings with the earlier ones' error taken out: that of a gait played then is in both, and is no noise. A
+        change of something else may change it by as much as it is; of a new gait all of it is there."""
         now, then = plays(recordings), self.servos
         left = then.readings - then.realised([])
         spread = np.sqrt((left**2).mean(axis=0))
-        habit = np.zeros_like(now.readings)
+        habit, new = np.zeros_like(now.readings), np.ones(len(now.readings), dtype=bool)
         for number, r in enumerate(now.recordings):
             for other, earlier in enumerate(then.recordings):
                 if earlier.setting == r.setting and np.array_equal(earlier.schedule.table, r.schedule.table):
                     mine, theirs = now.trials == number, then.trials == other
                     at, known = now.times[number], then.times[other]
                     habit[mine] = np.stack([np.interp(at, known, c) for c in left[theirs].T], axis=1)
+                    new[mine] = False
         return replace(
             now,
             without=self.without,
             known=then.known,
             habit=habit,
-            noise=np.hypot(np.sqrt(2) * now.noise, spread),
+            noise=np.sqrt(now.noise**2 + then.noise**2 + new.mean() * spread**2),
+            unsure=spread,
         )
 
 

@@ -107,10 +107,10 @@ def actuation_step(data: Plays, stage: Stage) -> Step:
         for effects in ([], [n.effect for n in stage.named])
     ]
     parts = [
-        Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.noise[j]))
+        Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.held_against[j]))
         for j, (a, b) in enumerate(zip(*sizes, strict=True))
     ]
-    whole = Error("actuation", "rad", total(list(sizes[0])), total(list(sizes[1])), total(data.noise))
+    whole = Error("actuation", "rad", total(list(sizes[0])), total(list(sizes[1])), total(data.held_against))
     return Step("commanded against realised shape", whole, tuple(parts))
 
 

@@ -42,8 +42,9 @@ class Plays:
     """The servos' readings (R, m) [rad], trial numbers (R,), and set-points on meshes that meet every row.
 
     noise (m,) [rad]: of a reading. known: effects that are no news; habit (R, m) [rad]: what readings are known to
-    differ by from what these make of the set-points. without: effects that are no candidates. told: whether the
-    set-points are the log's own.
+    differ by from what these make of the set-points. unsure (m,) [rad]: how much of that a change of something else may
+    change; it is no noise, but what is smaller says nothing of the servos. without: effects that are no candidates.
+    told: whether the set-points are the log's own.
     """
 
     recordings: tuple[Recording, ...]
@@ -56,6 +57,7 @@ class Plays:
     noise: Floats
     known: tuple[ActiveEffect, ...] = ()
     habit: Floats | float = 0.0
+    unsure: Floats | float = 0.0
     without: frozenset[str] = frozenset()
     told: bool = False
 
@@ -157,16 +159,22 @@ class Plays:
         return np.asarray(np.sqrt((self.left(played) ** 2).mean(axis=0)) / self.noise)
 
     def structure(self, played: Floats) -> Floats:
-        """Mean square (m,) of what is left, in units of noise; 0 where chance alone makes as much."""
-        return structure(self.left(played) / self.noise, self.trials[1:] == self.trials[:-1])
+        """Mean square (m,) of what is left, over what it is held against; 0 where chance alone makes as much."""
+        found = structure(self.left(played) / self.noise, self.trials[1:] == self.trials[:-1])
+        return found * (self.noise / self.held_against) ** 2
+
+    @property
+    def held_against(self) -> Floats:
+        """What of a reading (m,) [rad] says nothing of its servo: noise, and what a change of something else may do."""
+        return np.asarray(np.hypot(self.noise, self.unsure))
 
     @property
     def level(self) -> Floats:
-        """Noise (m,) [rad] that effects are held against: of markers' angles averaged over time, as poses are."""
+        """The same that effects are held against: noise of markers' angles averaged over time, as poses are."""
         if self.recordings[0].by_servos:
-            return self.noise
+            return self.held_against
         apart = float(np.median(np.concatenate([np.diff(t) for t in self.times])))
-        return self.noise / np.sqrt(max(AVERAGED_S / apart, 1.0))
+        return np.asarray(np.hypot(self.noise / np.sqrt(max(AVERAGED_S / apart, 1.0)), self.unsure))
 
     def alone(self, played: Floats) -> Floats:
         """What is played (R, m), every joint's clock moved as far as is worth it to that joint: what most joints follow

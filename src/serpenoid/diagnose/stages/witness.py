@@ -64,7 +64,7 @@ def wrong_log(
     """The joint whose readings markers contradict most, of those that do not read as they are told; but for joints
     (1 .. m) that are mended already."""
     effects, shared = _effects(found), _effects(found, of_one=False)
-    astray = servos.channels(servos.realised(shared)) > np.hypot(1.0, VISIBLE)  # noise and a visible error
+    astray = servos.missed(servos.realised(shared)) > VISIBLE**2
     astray[[joint - 1 for joint in mended]] = False
     if not astray.any() or not all(r.by_servos for r in recordings):
         return None
