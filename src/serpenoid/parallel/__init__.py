@@ -10,12 +10,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from serpenoid.parallel.beside import Beside
 from serpenoid.parallel.forks import in_processes, limited
 
 T = TypeVar("T")
 Task = tuple[Any, ...]
 
-__all__ = ["Workers", "in_processes", "in_order", "limited", "results"]
+__all__ = ["Beside", "Workers", "in_processes", "in_order", "limited", "results"]
 
 
 @dataclass(frozen=True)

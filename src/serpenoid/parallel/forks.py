@@ -6,6 +6,7 @@ of its own: pools of the standard library share locks, and wait for ever for one
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -30,9 +31,7 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
     awaited: hears the index of the task whose result is the next to come.
     """
     cores = min(len(tasks), _allowed, os.cpu_count() or 1)
-    if multiprocessing.current_process().daemon:  # a worker that may have no children
-        cores = 1
-    if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
+    if cores < 2 or not may_fork():
         return _collected((function(*arguments) for function, arguments in tasks), len(tasks), awaited)
     workers: list[tuple[BaseProcess, Connection]] = []
     try:
@@ -46,6 +45,12 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
             pipe.close()
 
 
+def may_fork() -> bool:
+    """Whether pieces can be forked here, and more than one core is allowed. Workers have no children."""
+    forks = "fork" in multiprocessing.get_all_start_methods() and not multiprocessing.current_process().daemon
+    return forks and min(_allowed, os.cpu_count() or 1) > 1
+
+
 def _started(tasks: Sequence[Task]) -> tuple[BaseProcess, Connection]:
     ours, theirs = multiprocessing.Pipe()
     process = multiprocessing.get_context("fork").Process(target=_serve, args=(tasks, theirs, os.getpid()), daemon=True)
@@ -56,24 +61,34 @@ def _started(tasks: Sequence[Task]) -> tuple[BaseProcess, Connection]:
 
 def _serve(tasks: Sequence[Task], pipe: Connection, parent: int) -> None:
     """A worker: indices in, answers out. SIGTERM ends it at once, whatever the first process does with signals."""
+    gc.freeze()  # what it was forked with is not looked through for garbage: every page of it would be copied
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     watch_parent(parent)
     while True:
-        answer = _attempt(tasks[pipe.recv()])
+        answer = attempted(tasks[pipe.recv()])
         try:
             pipe.send(answer)
         except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
             pipe.send((False, error))
 
 
-def _attempt(task: Task) -> Answer:
+def attempted(task: Task) -> Answer:
+    """What a task gives or raises."""
     function, arguments = task
     try:
         return True, function(*arguments)
     except Exception as error:  # noqa: BLE001 - raised again in the first process
         error.add_note(traceback.format_exc())  # where, which no pickle keeps
         return False, error
+
+
+def raised_again(answer: Answer) -> Any:
+    """What a task gave; what it raised is raised here."""
+    done, value = answer
+    if not done:
+        raise value
+    return value
 
 
 def _answers(tasks: Sequence[Task], pipes: list[Connection]) -> Iterator[Any]:
@@ -98,13 +113,10 @@ def _answers(tasks: Sequence[Task], pipes: list[Connection]) -> Iterator[Any]:
                 try:
                     answers[asked] = pipe.recv()
                 except (EOFError, OSError):
-                    answers[asked] = _attempt(tasks[asked])
+                    answers[asked] = attempted(tasks[asked])
                 else:
                     give(pipe)
-        done, value = answers.pop(index) if index in answers else _attempt(task)
-        if not done:
-            raise value
-        yield value
+        yield raised_again(answers.pop(index) if index in answers else attempted(task))
 
 
 def _collected(results: Iterator[Any], count: int, awaited: Callable[[int], None]) -> list[Any]:

@@ -1,0 +1,96 @@
+"""One process beside the first, for what does not wait for it: it prepares, then does what it is asked.
+
+It is forked when it is begun; what it is asked is sent to it. So a heavy library can be imported on a core that has
+nothing else to do, and what needs it be done there. Where nothing can be forked, or the process was killed, the first
+process does what was asked itself. It may fork pieces of its own, and ends them when it is ended.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+from serpenoid.parallel.forks import attempted, may_fork, raised_again
+from serpenoid.parallel.local import interrupts_held
+
+PATIENCE_S = 2.0  # in which a process ends that was told to
+T = TypeVar("T")
+
+
+class Beside:
+    """A process that is there from `begin` to the end of the `with` block. prepare: what it does first."""
+
+    def __init__(self, prepare: Callable[[], object]) -> None:
+        self._prepare = prepare
+        self._process: BaseProcess | None = None
+        self._pipe: Connection | None = None
+
+    def begin(self) -> None:
+        """Fork it, once."""
+        if self._process is not None or not may_fork():
+            return
+        ours, theirs = multiprocessing.Pipe()
+        fork = multiprocessing.get_context("fork")
+        self._process = fork.Process(target=_serve, args=(self._prepare, ours, theirs))
+        with interrupts_held(tracked=False):  # an interrupt amid a fork is lost or leaves one behind
+            self._process.start()
+            self._pipe = ours
+        theirs.close()  # held by the process alone: it is heard when that ends
+
+    def ask(self, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+        """Begin `function(*arguments)` there; what is returned waits for its value. All three must be picklable."""
+        pipe = self._pipe
+        if pipe is not None:
+            with suppress(OSError):  # that it has ended is heard in the pipe
+                pipe.send((function, arguments))
+
+        def answer() -> T:
+            found = None
+            if pipe is not None:
+                with suppress(EOFError, OSError):
+                    found = pipe.recv()
+            value: T = raised_again(found or attempted((function, arguments)))
+            return value
+
+        return answer
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        if self._process is not None:
+            self._process.terminate()
+            self._process.join(PATIENCE_S)
+            self._process.kill()  # Python drops what a signal raises in a destructor
+            self._process.join()
+        if self._pipe is not None:
+            self._pipe.close()
+
+
+def _serve(prepare: Callable[[], object], ours: Connection, pipe: Connection) -> None:
+    """Deaf to Ctrl-C; SIGTERM ends it by an exception, so that pieces which it has forked are ended, too.
+
+    It ends when nobody holds the other end of its pipe any more: it forks, so it has no thread to look for its parent.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(0))
+    ours.close()  # or it would not hear that the first process has closed it
+    attempted((prepare, ()))  # what cannot be prepared says so where it is needed
+    with suppress(EOFError, OSError):
+        while True:
+            answer = attempted(pipe.recv())
+            try:
+                pipe.send(answer)
+            except OSError:
+                raise
+            except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
+                pipe.send((False, error))
