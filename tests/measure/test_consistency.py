@@ -15,9 +15,10 @@ from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.consistency.check import ODDS, Claim, Verdict, check
+from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions
 from serpenoid.measure.consistency.geometry import layout, marker_faults
+from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal, period_s
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.motive import read_motive

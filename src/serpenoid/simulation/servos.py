@@ -96,15 +96,27 @@ def play_with_derivatives(theta: Floats, setpoints: Floats, times: Floats) -> tu
 
 def coordinates(model: Model, candidates: Sequence[ActiveEffect] = ()) -> Floats:
     """theta (P, m): an effect's coordinates at its joint (or at all), its resting ones elsewhere."""
-    m = model.body.joint_count
+    return coordinates_of((*model.actuation_effects, *candidates), model.body.joint_count)
+
+
+def coordinates_of(effects: Sequence[ActiveEffect], joints: int) -> Floats:
+    """theta (P, m) of actuation effects on so many joints."""
     blocks = []
     for kind in actuation_effects():
-        block = np.repeat(np.array([*(p.resting for p in kind.parameters), 0.0])[:, None], m, axis=1)
-        for active in (e for e in (*model.actuation_effects, *candidates) if e.name == kind.name):
+        block = np.repeat(np.array([*(p.resting for p in kind.parameters), 0.0])[:, None], joints, axis=1)
+        for active in (e for e in effects if e.name == kind.name):
             where = slice(None) if active.place is None else slice(active.place - 1, active.place)
             block[:, where] = np.array(active.coordinates)[:, None]
         blocks.append(block)
     return np.vstack(blocks)
+
+
+def played_from_rest(theta: Floats, setpoints: Floats, durations: Floats) -> Floats:
+    """True angles (R, C) [rad] of columns of joints with coordinates theta (P, C), after each of the steps of
+    `durations` (R - 1,) [s] between set-points (R, C)."""
+    joints = setpoints.shape[1]
+    memory, steps = np.tile(setpoints[:1], (memories(), 1)), np.repeat(durations[:, None], joints, axis=1)
+    return np.concatenate([setpoints[:1], play(memory, setpoints, steps, theta)[0]])
 
 
 def _inputs(setpoints: Floats, durations: Floats, part: slice, theta: Floats) -> tuple[Floats, ...]:

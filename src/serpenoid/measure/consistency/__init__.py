@@ -3,8 +3,9 @@
 A campaign file promises which table was played, how fast, by which joints, and which marker is which vertex. Each
 promise has rivals (another table, the same one backwards, a sign flipped, another cycle duration, two markers
 exchanged). All are scored alike: by the log evidence of the measured shapes under the promise, with what physics may do
-to it set free (servos that lag, are weak, stuck or wrongly zeroed). A rival ahead by `ODDS` is a contradiction.
+to it set free (servos that are late, slow, weak, stuck or wrongly zeroed). A rival ahead by `ODDS` is a contradiction.
 
-Read in this order: `signals` (angles over time), `match` (one hypothesis laid over one signal), `hypotheses` (the
-rivals), `geometry` (the same for markers on rigid links), `check` (a trial, then a campaign), `claims` (a folder).
+Read in this order: `signals` (angles over time), `match` (one hypothesis laid over one signal), `servos` (the same as
+late or slow servos play it), `hypotheses` (the rivals), `rivals` (all of them beside the contract), `geometry` (the
+same for markers on rigid links), `check` (a trial, then a campaign), `claims` (a folder).
 """

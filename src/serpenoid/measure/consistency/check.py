@@ -26,22 +26,15 @@ from serpenoid.measure.consistency.hypotheses import (
     rounded,
     schedule_faults,
     turned,
-    wiring_faults,
 )
-from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, Prior, course_of, match, match_at
-from serpenoid.measure.consistency.signals import Sampled, Signal, moving_s, period_s, sample
+from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
+from serpenoid.measure.consistency.rivals import ODDS, SURE, Compared, Rival, compared, leads
+from serpenoid.measure.consistency.signals import Signal, moving_s, period_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
-FAULTY = 0.05  # of campaigns have something wrong in their file
-CERTAIN = 0.99  # posterior probability of a rival at which the contract is not believed
-ODDS = float(np.log(CERTAIN / (1 - CERTAIN)) + np.log((1 - FAULTY) / FAULTY))  # nats that a rival must be ahead
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
-POINTS = 40  # of the grid in a cycle
-PERIODS = 8  # of a recording that are looked at, from where it begins to move
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
-SURE = 0.95  # of it is explained by what was really played; a rival with less accuses nobody (a damaged robot)
-HOPELESS = 50.0  # nats behind at the contract's rate: other rates are not tried
 SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` fills in what lies between
 WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
 
@@ -72,21 +65,6 @@ class Contradiction:
     def said(self) -> str:
         """Words and remedy, as sentences."""
         return f"{self.words}. Remedy: {self.cure}{'' if self.cure.endswith('?') else '.'}"
-
-
-@dataclass(frozen=True)
-class Rival:
-    """One hypothesis' lead over the contract in one trial [nats], its prior share taken off separately."""
-
-    trial: str
-    witness: str
-    kind: str
-    words: str
-    cure: str
-    lead: float
-    log_share: float
-    everywhere: bool
-    explained: float  # of the motion's variance
 
 
 @dataclass(frozen=True)
@@ -136,16 +114,12 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     rivals: list[Rival] = []
     lost: list[Contradiction] = []
     remarks: list[tuple[str, str]] = []
-    for compared in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
-        if compared is not None:
-            contract, found, witness = compared
-            rivals += found
-            lost += _unexplained(claim, contract, found, witness)
-            remarks += _weakness(claim, contract, witness)
+    for found in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
+        if found is not None:
+            rivals += found.rivals
+            lost += _unexplained(claim, found)
+            remarks += [*_weakness(claim, found.contract, found.witness), *found.doubts]
     return Verdict(tuple(lost), tuple(remarks), tuple(rivals))
-
-
-Compared = tuple[Match, list[Rival], str]
 
 
 def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Compared | None:
@@ -159,7 +133,7 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
         if schedule is not None and signal is not None and signal.enough:
             own = period_s(signal)
             faults = schedule_faults(schedule, claim.label, tables, _periods(signal, own, schedule))
-            return _scored(claim, signal, course_of(schedule), own, faults, witness, prior)
+            return compared(claim.trial, signal, course_of(schedule), own, faults, witness, prior)
     return None
 
 
@@ -195,7 +169,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         words = f"last {rounded(own / promised)} times as long as in the servo log"
         cure = in_other_unit(own / promised) or "check the frame rate of the recording"
         faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
-    return _scored(claim, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
+    return compared(claim.trial, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
 
 
 def _repeats(one: Claim, other: Claim) -> bool:
@@ -215,54 +189,7 @@ def _logged(servos: Signal, period: float | None) -> Course:
     def angles(at: Floats) -> Floats:
         return held(time, values, at)
 
-    return Course(angles, total, period or total)
-
-
-def _scored(
-    claim: Claim, signal: Signal, course: Course, own: float | None, faults: list[Fault], witness: str, prior: Prior
-) -> Compared:
-    """The contract and all rivals laid over one witness."""
-    grid = _window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
-    contract = match(grid, course, prior)
-    rivals = []
-    for fault in faults:
-        found = match_at(grid, fault.course, contract.rate, prior)
-        if found.evidence > contract.evidence - HOPELESS or fault.timed is not None:
-            found = match(grid, fault.course, prior)
-        said = (fault.words, fault.cure) if fault.timed is None else fault.timed(found.rate)
-        if said is None:
-            continue
-        words, cure = said
-        rivals.append(
-            Rival(claim.trial, witness, fault.kind, f"{witness} {words}", cure,
-                  found.evidence - contract.evidence, fault.log_share, fault.everywhere, found.explained)
-        )  # fmt: skip
-    for wiring in wiring_faults(grid, contract):
-        words = f"{witness} {wiring.words}"
-        rivals.append(
-            Rival(
-                claim.trial,
-                witness,
-                "wiring",
-                words,
-                wiring.cure,
-                wiring.gain,
-                wiring.log_share,
-                True,
-                wiring.explained,
-            )
-        )
-    return contract, rivals, witness
-
-
-def _window(signal: Signal, shortest: float, longest: float) -> Sampled:
-    """On a grid fine enough for the shorter period, from a period before the motion begins and as long as needed."""
-    whole = sample(signal, shortest / POINTS)
-    if whole.span_s <= PERIODS * longest:
-        return whole
-    away = np.abs(whole.values - whole.values[: POINTS // 4].mean(axis=0)).max(axis=1) * whole.weight
-    begin = whole.start_s + whole.step_s * int(np.argmax(away > 0.2 * away.max())) - longest
-    return sample(signal, shortest / POINTS, begin, begin + PERIODS * longest)
+    return Course(angles, total, period or total, told=False)
 
 
 def _certain(rivals: Sequence[Rival]) -> list[Contradiction]:
@@ -272,8 +199,7 @@ def _certain(rivals: Sequence[Rival]) -> list[Contradiction]:
         together[rival.kind, rival.words] += rival.lead
     by_trial: dict[str, list[Rival]] = defaultdict(list)
     for rival in rivals:
-        lead = together[rival.kind, rival.words] if rival.everywhere else rival.lead
-        if rival.lead > 0 and lead + rival.log_share > ODDS and rival.explained > SURE:
+        if leads(rival, together[rival.kind, rival.words] if rival.everywhere else rival.lead):
             by_trial[rival.trial].append(rival)
     return [_contradiction(trial, certain) for trial, certain in by_trial.items()]
 
@@ -287,9 +213,10 @@ def _contradiction(trial: str, certain: list[Rival]) -> Contradiction:
     return Contradiction(trial, near[0].kind, words, cure, float(best))
 
 
-def _unexplained(claim: Claim, contract: Match, rivals: Sequence[Rival], witness: str) -> list[Contradiction]:
+def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:
     """A motion that neither the contract nor any rival explains."""
-    if contract.explained > UNEXPLAINED or any(r.lead + r.log_share > ODDS and r.explained > SURE for r in rivals):
+    witness, sure = found.witness, [r for r in found.rivals if r.lead + r.log_share > ODDS and r.explained > SURE]
+    if found.contract.explained > UNEXPLAINED or sure:
         return []
     what = f"`{claim.label}`"
     if witness == "the recorded shapes" and claim.cameras is not None and claim.servos is not None:

@@ -15,8 +15,9 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.check import ODDS, Claim, Contradiction, Verdict, check
+from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
 from serpenoid.measure.consistency.geometry import Plane, layout, marker_faults
+from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog

@@ -35,19 +35,24 @@ RATES = 0.035  # clocks differ by this share and more is no crystal: a player's 
 
 @dataclass(frozen=True)
 class Course:
-    """A motion as promised: joint angles (R, m) at times (R,) [s] since its start, how long, how soon it repeats."""
+    """A motion as promised: joint angles (R, m) at times (R,) [s] since its start, how long, how soon it repeats.
+
+    told: whether servos were told it; else it is what they did.
+    """
 
     angles: Callable[[Floats], Floats]
     total_s: float
     period_s: float
+    told: bool = True
 
     def slowed(self, factor: float) -> Course:
         """The same, lasting `factor` times as long."""
-        return Course(lambda time: self.angles(time / factor), self.total_s * factor, self.period_s * factor)
+        total, period = self.total_s * factor, self.period_s * factor
+        return replace(self, angles=lambda time: self.angles(time / factor), total_s=total, period_s=period)
 
     def changed(self, change: Callable[[Floats], Floats]) -> Course:
         """The same with its angles (R, m) changed."""
-        return Course(lambda time: change(self.angles(time)), self.total_s, self.period_s)
+        return replace(self, angles=lambda time: change(self.angles(time)))
 
 
 def course_of(schedule: Schedule) -> Course:
