@@ -18,6 +18,7 @@ from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
 from serpenoid.diagnose.data.shape_in_time import PER_KNOT, Course, ShapeInTime, Source, fitted, spacing
 from serpenoid.diagnose.data.shapes_from_points import angles_shown
+from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
@@ -255,6 +256,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
 
 def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time: Floats, markers: Floats) -> Recording:
     """A trial without a servo log: joint angles are the markers', and the cameras' clock is the only one."""
+    refuse_still(time, markers)
     known, shown = angles_shown(file.body, markers)
     t0, spread = _start_by_shape(schedule, time[known], shown)
     return Recording(

@@ -17,12 +17,14 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.lead import Lead, Run
 from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
+from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.diagnose.data.windows import Track, predictions
 from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import SHORTEST_RUN, Trial
+from serpenoid.measure.trial_files import of_every_trial
 from serpenoid.model import Model
 from serpenoid.simulation.curve import simulate_curve
 from serpenoid.simulation.rollout import simulate_vertices
@@ -72,10 +74,17 @@ def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
 
     Of more than MOST_PERIODS together the beginnings: work goes with their number, errors only with its square root.
     """
+    own = {trial.name: trial for trial in campaign.trials}
+    of_every_trial(campaign.file.trial, lambda entry: _refuse_still(own[entry.name]))
     found = [piece for trial in campaign.trials for piece in _pieces(trial)]
     share = MOST_PERIODS / sum(p.smoothed.states.time[-1] / p.smoothed.states.period for p in found)
     cut = [piece for trial in campaign.trials for piece in _pieces(trial, share)] if share < 1 else []
     return tuple(cut or found)
+
+
+def _refuse_still(trial: Trial) -> None:
+    if trial.motion is not None:
+        refuse_still(trial.motion.time_s, trial.motion.markers)
 
 
 def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:

@@ -19,6 +19,7 @@ MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
 LEAST_ROWS = 8  # that can be laid over anything
 MOVING = 4.0  # times the noise's variance: with few rows motion must be as clear
 ALIKE = 0.25  # of its variance that a row shares with the next: two witnesses of such motion correlate by 0.5
+ROUNDING = 1e-12  # rad^2: of numbers that never change
 UNLIKELY = 5.0  # standard deviations of what rows in disorder share with the next by chance
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
@@ -50,7 +51,7 @@ class Signal:
         away = whole - whole.mean(axis=0)
         size, shared = (away**2).mean(axis=0), (away[1:] * away[:-1]).mean(axis=0)
         alike = shared > max(ALIKE, UNLIKELY / np.sqrt(len(whole))) * size
-        return bool((alike | (size > MOVING * self.noise_variance)).any())
+        return bool((alike & (size > ROUNDING) | (size > MOVING * self.noise_variance)).any())
 
     @property
     def noise_variance(self) -> Floats:
@@ -59,7 +60,7 @@ class Signal:
         bend = bend[np.isfinite(bend).all(axis=1)]
         if len(bend) < LEAST_ROWS:
             return np.full(self.values.shape[1], 1e-8)
-        return np.asarray((1.4826 * np.median(np.abs(bend), axis=0)) ** 2 / 6 + 1e-12)
+        return np.asarray((1.4826 * np.median(np.abs(bend), axis=0)) ** 2 / 6 + ROUNDING)
 
 
 @dataclass(frozen=True)
