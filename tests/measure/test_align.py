@@ -231,3 +231,14 @@ def test_holes_in_the_record_do_not_move_a_clock_by_most_of_a_cycle(seed: int) -
     found = find_offset(camera + 3.0, seen, log, motion(log))
     assert found is not None
     assert found.offset_s == pytest.approx(3.0, abs=0.02)  # straight lines between the log's rows, 0.09 s apart
+
+
+def test_a_log_on_the_search_grid_is_laid_over_to_its_last_row() -> None:
+    """4.188 + 281 * 0.04 is more than the last time of a log that was written with three decimals."""
+    log = np.round(4.188 + 0.04 * np.arange(282), 3)
+    assert np.arange(log[0], log[-1], 0.04)[-1] > log[-1]  # else this shows nothing
+    schedule = Schedule(serpenoid_table(50), 4.0, 2, 1.0)
+    at = np.arange(-1.0, 11.0, 0.02)
+    found = find_offset(log, schedule.commanded(log - 5.05), at, schedule.commanded(at))
+    assert found is not None
+    assert found.offset_s == pytest.approx(5.05, abs=1e-4)

@@ -68,7 +68,9 @@ def estimate_chain(
         unknowns=unknowns.shape[1],
         joints=body.joint_count,
     )
-    if marker_sd is None and weight_servo is not None:
+    if np.isnan(sd):  # as many unknowns as numbers in every frame: any mirror image of a hidden stretch fits exactly
+        determined = np.zeros_like(determined)
+    elif marker_sd is None and weight_servo is not None:
         return estimate_chain(body, vertices, servo, servo_sd, sd)
     return _assemble(body, unknowns, information, residual, determined, sd)
 
@@ -145,13 +147,15 @@ def _normal(
 
 def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     """Link directions from seen vertices, else bent from a neighbour as servos say, else as in frames before and after;
-    centroid to match the seen vertices."""
+    a frame that shows no two neighbours is turned to meet the vertices that it shows; centroid to match them."""
     link = link_of_edge(body)
     edge = np.diff(vertices, axis=1)
     psi = np.full((len(vertices), body.joint_count + 1), np.nan)
     for its_link in range(psi.shape[1]):
         total = np.nansum(edge[:, link == its_link], axis=1)
         psi[:, its_link] = np.where(np.abs(total).sum(axis=1) > 0, np.arctan2(total[:, 1], total[:, 0]), np.nan)
+    adrift = ~np.isfinite(psi).any(axis=1)
+    psi[adrift, 0] = 0.0
     if servo is not None:
         psi = _fill_by_bends(psi, servo)
     # not directions: while a vertex is hidden the body may turn, and a bend of it to the other side fits as well
@@ -159,12 +163,23 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     psi = _fill_by_bends(psi, np.stack([_fill_in_time(column) for column in bends.T], axis=1))
     psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
     unknowns = np.concatenate([np.zeros((len(psi), 2)), _within_half_a_turn(psi)], axis=1)
-    shape, _ = vertices_by_links(body, unknowns)
-    with np.errstate(invalid="ignore"):
-        seen = np.isfinite(vertices)
-        offset = np.where(seen, vertices - shape, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
-    unknowns[:, :2] = offset
+    unknowns[adrift, 2:] += _turn(vertices[adrift], vertices_by_links(body, unknowns[adrift])[0])[:, None]
+    unknowns[:, :2] = _mean_of_seen(vertices, vertices - vertices_by_links(body, unknowns)[0])[:, 0]
     return unknowns
+
+
+def _mean_of_seen(vertices: Floats, values: Floats) -> Floats:
+    """Mean (F, 1, 2) of values (F, N, 2) over the vertices that are seen; 0 where none is."""
+    seen = np.isfinite(vertices)
+    return np.asarray(np.where(seen, values, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1))[:, None]
+
+
+def _turn(vertices: Floats, shape: Floats) -> Floats:
+    """Angle (F,) by which a shape (F, N, 2) is turned to meet the vertices that are seen, in the least squares."""
+    about, to = (np.nan_to_num(v - _mean_of_seen(vertices, v)) for v in (shape, vertices))
+    about = np.where(np.isfinite(vertices), about, 0.0)
+    cross = about[..., 0] * to[..., 1] - about[..., 1] * to[..., 0]
+    return np.asarray(np.arctan2(cross.sum(axis=1), (about * to).sum(axis=(1, 2))))
 
 
 def _within_half_a_turn(psi: Floats) -> Floats:

@@ -51,7 +51,7 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     half = 0.5 * min(t[-1] - t[0], other_s[-1] - other_s[0])
     low, high = t[0] - other_s[-1] + half, t[-1] - other_s[0] - half
     coarse_t = np.arange(t[0], t[-1], GRID_S)
-    coarse = interpolate(t, signal, coarse_t)
+    coarse = held(t, signal, coarse_t)  # by rounding the grid's last time may lie behind the record's
     shifts = np.arange(low, high + GRID_S, GRID_S)
     best = shifts[int(np.argmin(_held_costs(len(shifts), low, coarse_t, coarse, _seen(t, coarse_t), other_s, other)))]
     # about the best shift: a bounded search ends within 1e-8 of its argument, 18 s of a clock that counts from 1970

@@ -112,17 +112,20 @@ def build_motion(
             sd = estimate.marker_sd if estimate.determined.any() else None
             estimate = estimate_chain(body, markers, servo.angles, servo.sd, sd, estimate.determined)
     cuts = _cuts(estimate, time_s) if like is None else (like.gaps, like.jumps, like.runs)
-    if not cuts[2]:
+    never = np.flatnonzero(~np.isfinite(markers[..., 0]).any(axis=0))
+    # the polygon of the others fits as well with such a joint bent to the other side
+    either_way = [] if servo is not None else sorted({*never} & {*body.joint_vertices})
+    if either_way or not cuts[2]:
         raise InputError(
             f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape"
-            f"{_never_seen(markers)}. Where a servo log is given that fits them, three markers are enough."
+            f"{_counted(never)}. Where a servo log is given that fits them, three markers are enough."
         )
     return _motion(body, time_s, markers, servo, estimate, cuts, labels), servo, notes
 
 
-def _never_seen(markers: Floats) -> str:
-    never = np.flatnonzero(~np.isfinite(markers[..., 0]).any(axis=0))
-    return f" (never seen: vertices {', '.join(str(k) for k in never)}, counted from the tail, 0)" if len(never) else ""
+def _counted(never: NDArray[np.int64]) -> str:
+    names = ", ".join(str(k) for k in never)
+    return f" (never seen: vertices {names}, counted from the tail, 0)" if len(never) else ""
 
 
 def _cuts(estimate: ChainEstimate, time_s: Floats) -> tuple:

@@ -106,6 +106,8 @@ def marker_faults(plan: Layout, names: Sequence[str], plane: Plane | None) -> li
     """All faults of one recording's markers that explain it better than the contract does, best first."""
     order = list(range(plan.points.shape[1]))
     base = evidence(plan, order)
+    if not np.isfinite(base):  # no two neighbours are ever seen together
+        return []
     if plan.edges is not None:
         base += _scale_belief(plan, order)
     found = [*_exchanged(plan, names, base), *_axes(plan, plane), *_lengths(plan, base)]
@@ -179,8 +181,6 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
     measured[ever] = np.nanmedian(distances[:, ever], axis=0)
     ratio = measured / plan.edges
     common = float(np.nanmedian(ratio))
-    if not np.isfinite(common):
-        return []
     near = min(UNITS, key=lambda factor: abs(np.log(common / factor)))
     unit = f" (is the file in {UNITS[near]}?)" if abs(np.log(common / near)) < 0.1 else ""
     words = f"show neighbouring markers {common:.3g} times as far apart as [body] says{unit}"
