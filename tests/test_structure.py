@@ -164,6 +164,11 @@ def test_help_loads_nothing_heavy() -> None:
     assert not loaded_after(code) & (HEAVY | {"numpy", "pydantic"})
 
 
+def test_reading_loads_nothing_heavy() -> None:
+    """A diagnosis reads its files while what judges them is imported."""
+    assert not loaded_after("import serpenoid.cli.diagnose_one, serpenoid.measure.trial_files") & HEAVY
+
+
 @pytest.mark.parametrize("verb", ["simulate", "solve", "sweep", "show", "schema"])
 def test_help_of_a_verb_loads_nothing_heavy(verb: str) -> None:
     assert not loaded_after(HELP.format(verb)) & HEAVY

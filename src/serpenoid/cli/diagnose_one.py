@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,19 +12,31 @@ from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
-    from serpenoid.body import Floats
+    from serpenoid.body import Body, Floats
     from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.stages.baseline import Baseline
     from serpenoid.measure.campaign import CampaignFile
+    from serpenoid.measure.trial_files import Files, Reader
     from serpenoid.parallel import Beside
 
 
 def run_one(args: argparse.Namespace, campaign: str) -> int:
-    """Diagnose, write, report."""
+    """Diagnose, write, report; the campaign's files are read while what judges them is imported."""
+    from serpenoid.measure.campaign import load_campaign_file
+    from serpenoid.parallel import Beside
+
+    with Beside(lambda: None) as reader:
+        if not load_campaign_file(campaign)[0].tracked_only:
+            reader.begin()
+        return _judged(args, campaign, reader.ask(_files, campaign))
+
+
+def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], tuple[Body, tuple[Files, ...]]]) -> int:
     from serpenoid.diagnose.reference import reference_of, summary
     from serpenoid.diagnose.report.words import lines
     from serpenoid.diagnose.report.write import write
     from serpenoid.measure.campaign import load_campaign_file
+    from serpenoid.measure.trial_files import read_files
     from serpenoid.parallel import Beside
 
     wanted = [*([args.reference] if args.reference else []), campaign]
@@ -37,9 +50,9 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
         work.tell = advance
         earlier, before = None, None
         if args.reference:
-            file, then = _diagnosed(args, args.reference, None, work, artist)
+            file, then = _diagnosed(args, args.reference, None, work, artist, read_files)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
-        file, found = _diagnosed(args, campaign, earlier, work, artist)
+        file, found = _diagnosed(args, campaign, earlier, work, artist, lambda file, folder: files())
         sign(args)
         record = write(folder, file, found, before)
         if not args.no_figures:
@@ -51,7 +64,7 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
 
 
 def _diagnosed(
-    args: argparse.Namespace, campaign: str, earlier: Baseline | None, work: Work, artist: Beside
+    args: argparse.Namespace, campaign: str, earlier: Baseline | None, work: Work, artist: Beside, files: Reader
 ) -> tuple[CampaignFile, Diagnosis]:
     from serpenoid.diagnose.campaign import diagnose_campaign
     from serpenoid.effects.catalogue import find
@@ -67,10 +80,17 @@ def _diagnosed(
 
     without = frozenset(find(name).name for name in args.without)
     found = diagnose_campaign(
-        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice
+        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice, files
     )
     work.campaign_done()
     return found
+
+
+def _files(campaign: str) -> tuple[Body, tuple[Files, ...]]:
+    from serpenoid.measure.campaign import load_campaign_file
+    from serpenoid.measure.trial_files import read_files
+
+    return read_files(*load_campaign_file(campaign))
 
 
 def _drawing() -> None:

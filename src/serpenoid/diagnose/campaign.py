@@ -15,6 +15,7 @@ from serpenoid.diagnose.start import baseline, check_body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.trial_files import Reader, read_files
 from serpenoid.model import Model
 
 Reading = Callable[[int, int, str], None]  # trials read, of how many, name of the next
@@ -28,11 +29,12 @@ def diagnose_campaign(
     reading: Reading = lambda done, total, name: None,
     say: Callable[[str], None] = lambda stage: None,
     notice: Callable[[str], None] = lambda text: None,
+    files: Reader = read_files,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
     without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
-    is left out.
+    is left out. files: reads what a robot's campaign names, or has read it.
     """
     file, _ = load_campaign_file(campaign)
     if is_tracked_only(file):
@@ -51,4 +53,4 @@ def diagnose_campaign(
     check_body(model, file)
     known = earlier or Baseline(baseline(model, file, file.body), without=without)
     known.check(file.body)
-    return file, diagnose(read_recordings(campaign, reading)[1], known, say)
+    return file, diagnose(read_recordings(campaign, reading, files)[1], known, say)

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
-from scipy.optimize import minimize_scalar
 
 from serpenoid.measure.cells import Floats
 
@@ -49,6 +47,8 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     if len(t) < 8 or len(other_s) < 8 or signal.std() == 0 or other.std() == 0:
         return None
     half = 0.5 * min(t[-1] - t[0], other_s[-1] - other_s[0])
+    from scipy.optimize import minimize_scalar  # reading needs neither, and takes no longer than their import
+
     low, high = t[0] - other_s[-1] + half, t[-1] - other_s[0] - half
     coarse_t = np.arange(t[0], t[-1], GRID_S)
     coarse = held(t, signal, coarse_t)  # by rounding the grid's last time may lie behind the record's
@@ -73,6 +73,8 @@ def _held_costs(
 
     cost_k = sum (signal - laid_k)^2 - (sum signal - laid_k)^2 / n over what is seen, laid_k the other signal there.
     """
+    from scipy.fft import irfft, next_fast_len, rfft
+
     first = t[0] - low - GRID_S * (count - 1)
     laid = held(other_s, other, first + GRID_S * np.arange(count - 1 + len(t)))
     laid, there = laid - laid.mean(axis=0), seen.astype(float)[:, None]

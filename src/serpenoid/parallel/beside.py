@@ -87,10 +87,15 @@ def _serve(prepare: Callable[[], object], ours: Connection, pipe: Connection) ->
     attempted((prepare, ()))  # what cannot be prepared says so where it is needed
     with suppress(EOFError, OSError):
         while True:
-            answer = attempted(pipe.recv())
-            try:
-                pipe.send(answer)
-            except OSError:
-                raise
-            except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
-                pipe.send((False, error))
+            _answered(pipe)
+
+
+def _answered(pipe: Connection) -> None:
+    """One request; nothing of it is kept."""
+    answer = attempted(pipe.recv())
+    try:
+        pipe.send(answer)
+    except OSError:
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
+        pipe.send((False, error))

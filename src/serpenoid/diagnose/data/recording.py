@@ -26,7 +26,7 @@ from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION
-from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, read_files
+from serpenoid.measure.trial_files import Files, Progress, Reader, content, neighbour_ratio, of_every_trial, read_files
 
 READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
 WINDOWS_PER_CYCLE = 8
@@ -180,22 +180,30 @@ def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
     return tuple(numbers[name] for name in names)
 
 
-def read_recordings(path: str | Path, progress: Progress | None = None) -> tuple[CampaignFile, tuple[Recording, ...]]:
+def read_recordings(
+    path: str | Path, progress: Progress | None = None, files: Reader = read_files
+) -> tuple[CampaignFile, tuple[Recording, ...]]:
     """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not.
 
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
+    files: reads what the campaign names, or has read it.
     """
     file, folder = load_campaign_file(path)
     if not file.lengths_given:
         raise InputError(
             f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart."
         )
-    return file, remember(lambda: _aligned(file, folder, progress), "recordings", file, content(file, folder))
+
+    def aligned() -> tuple[Recording, ...]:
+        return _aligned(file, *files(file, folder), folder, progress)
+
+    return file, remember(aligned, "recordings", file, content(file, folder))
 
 
-def _aligned(file: CampaignFile, folder: Path, progress: Progress | None) -> tuple[Recording, ...]:
+def _aligned(
+    file: CampaignFile, body: Body, read: Sequence[Files], folder: Path, progress: Progress | None
+) -> tuple[Recording, ...]:
     """Every trial's clocks aligned; each is kept as soon as it is done."""
-    body, read = read_files(file, folder)
     said = believe(file, folder, body, read)
     files = {one.entry.name: one for one in read}
 
