@@ -17,6 +17,7 @@ from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
 ROOTLESS = 0.02  # share of windows: a few steps about rest have no root on dry friction
+RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
 SOFTENING = 0.1  # at the default 0.01 a few steps of pauses have no root; chi squared differs by 6 % (arena)
 
 
@@ -28,11 +29,10 @@ def dry_friction(found: Selection) -> str:
     dry = on_dry_friction(found.null.model)
     if dry is None or not unclear(found.best):
         return ""
-    on_dry = _fitted(found, dry, [(), found.best.effects] if found.best.effects else [()])
-    alone, both = on_dry[0], on_dry[-1] or on_dry[0]
-    if alone is None or both is None:
+    alone = _alone(found, dry)
+    if alone is None:
         return ""
-    fits = (found.null, found.best, alone, both)
+    fits = (found.null, found.best, alone, _named(found, dry, alone))
     left = [np.concatenate([x.ravel() for x in _white(found.motion, f)]) for f in fits]
     common = np.isfinite(left).all(axis=0)
     drag, drag_named, dry_alone, dry_named = (float(np.sqrt(np.mean(x[common] ** 2))) for x in left)
@@ -63,24 +63,39 @@ def _acting(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
     return [e for e in effects if e.effect.acts_in("coulomb")]
 
 
-def _fitted(found: Selection, dry: Model, explanations: Sequence[Sequence[ActiveEffect]]) -> list[Fit | None]:
-    """Of each explanation the best fit on dry friction, of those in which nearly all steps have roots.
+def _alone(found: Selection, dry: Model) -> Fit | None:
+    """eps alone on dry friction, the best of what nearly all steps have roots in; None where there is none.
 
-    Begun without the effects, at the ratio of drag and at its root: dry friction's law has the square of its ratio.
+    Dry friction has the square of its ratio where drag has the ratio, and where elements stick steps may have no root,
+    which ends a fit. So the ratios from drag's to one are looked at first.
     """
-    eps = dry.medium.anisotropy_ratio
-    begun = [(_acting(effects), x) for effects in explanations for x in (eps, np.sqrt(eps))]
-    fits = in_processes([(_fit, (found.motion, dry, effects, x)) for effects, x in begun])
-    size = (1 - ROOTLESS) * found.best.evidence.count.sum()
-    pairs = zip(fits[::2], fits[1::2], strict=True)
-    return [
-        min((f for f in pair if f.evidence.count.sum() >= size), key=lambda f: f.chi2, default=None) for pair in pairs
-    ]
+    tried = np.geomspace(found.null.model.medium.anisotropy_ratio, 1.0, RATIOS)
+    begun = in_processes([(_fit, (found.motion, dry, [], eps, 0)) for eps in tried])
+    near = sorted(_whole(found, begun), key=_missed)[:POLISHED]
+    ratios = [f.model.medium.anisotropy_ratio for f in near]
+    fits = in_processes([(_fit, (found.motion, dry, [], eps, TO_THE_END)) for eps in ratios])
+    return min(_whole(found, fits), key=_missed, default=None)
 
 
-def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float) -> Fit:
+def _named(found: Selection, dry: Model, alone: Fit) -> Fit:
+    """The same with what is named, as far as it acts there; begun without the effects."""
+    effects = _acting(found.best.effects)
+    both = _fit(found.motion, dry, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
+    return min(_whole(found, [both]), default=alone, key=_missed)
+
+
+def _whole(found: Selection, fits: Sequence[Fit]) -> list[Fit]:
+    """Those in which nearly all steps have roots."""
+    return [f for f in fits if f.evidence.count.sum() >= (1 - ROOTLESS) * found.best.evidence.count.sum()]
+
+
+def _missed(fit: Fit) -> float:
+    return fit.chi2 / float(fit.evidence.count.sum())
+
+
+def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float, steps: int) -> Fit:
     resting = [p.resting for e in effects for p in e.effect.parameters]
-    return fit(motion, dry, effects, np.array([eps, *resting]), TO_THE_END)
+    return fit(motion, dry, effects, np.array([eps, *resting]), steps)
 
 
 def _white(motion: Motion, found: Fit) -> list[Floats]:

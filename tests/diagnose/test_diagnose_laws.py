@@ -1,0 +1,76 @@
+"""Dry friction beside linear drag: told of wherever it misses less."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.folder import write
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.recording import held_out_labels, read_recordings
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference import laws
+from serpenoid.diagnose.inference.laws import dry_friction, on_dry_friction
+from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
+from serpenoid.diagnose.inference.select import Selection, calibrated
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.start import baseline
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+
+EPS = 0.2
+
+
+@pytest.fixture(scope="module")
+def dragged(tmp_path_factory: pytest.TempPathFactory) -> tuple[Motion, Fit]:
+    """Two gaits on a floor of linear drag, and eps alone."""
+    folder = tmp_path_factory.mktemp("drag")
+    write(make(5, [], "drag", COMBINATIONS[:2]), folder)
+    file, recordings = read_recordings(folder)
+    known = Baseline(baseline(None, file, file.body))
+    tracks = make_tracks(recordings, known.observation(), known.model)
+    motion = Motion(tracks, GUESS, held_out_labels(recordings), (), np.zeros(3), frozenset(), None)
+    return calibrated(motion, fit_eps(motion, known.model))
+
+
+def asked(motion: Motion, null: Fit) -> str:
+    return dry_friction(Selection(null, (), null, (), (), motion, null, 1.0, ()))
+
+
+def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
+    """The same shapes on dry friction, and eps alone of linear drag."""
+    motion, null = dragged
+    dry = on_dry_friction(null.model)
+    assert dry is not None
+    slid = linearised(motion, replace(dry, medium=dry.medium.with_ratio(EPS)), [])[1]
+    moved = [
+        replace(t, offset=t.offset + p.displacement - q.displacement)  # what linear drag leaves is what is left of it
+        for t, p, q in zip(motion.tracks, null.predictions, slid, strict=True)
+    ]
+    motion = replace(motion, tracks=tuple(moved))
+    return motion, fit_eps(motion, null.model)
+
+
+def test_dry_friction_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]) -> None:
+    assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times chance")
+
+
+def test_where_steps_lose_their_roots_on_the_way_a_fit_is_begun_nearer(
+    dragged: tuple[Motion, Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reach, fitted = 1.2, laws.fit
+
+    def stopped(motion: Motion, model: Model, effects: list[ActiveEffect], x: Floats, steps: int) -> Fit:
+        return fitted(motion, model, effects, x, steps if EPS / reach < x[0] < EPS * reach else 0)
+
+    monkeypatch.setattr(laws, "fit", stopped)
+    assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times chance")
+
+
+def test_on_a_floor_of_linear_drag_nothing_is_said_of_dry_friction(dragged: tuple[Motion, Fit]) -> None:
+    assert asked(*dragged) == ""
