@@ -35,16 +35,17 @@ def draw_all(folder: Path, d: Diagnosis, experiment: Floats | None = None) -> li
     """Every figure that there is something to draw for, and the next experiment's joint table (T, m); their names."""
     w = windows(d.motion.selection.motion, d.motion.selection.null.predictions, d.motion.selection.best.predictions)
     extended = bool(d.motion.selection.best.effects)
-    jobs: dict[str, Callable[[], Figure]] = {
-        "paths": lambda: paths_figure(d),
-        "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder),
-        "residuals": lambda: diagnosis_maps.residuals_figure(w, extended),
-        "along-body": lambda: diagnosis_maps.body_figure(w, extended, d.motion.selection.scores),
-        "on-floor": lambda: diagnosis_maps.floor_figure(w, extended),
-        "ranking": lambda: ranking_figure(d),
-    }
+    # what takes longest is begun first
+    jobs: dict[str, Callable[[], Figure]] = {"residuals": lambda: diagnosis_maps.residuals_figure(w, extended)}
     if extended:
         jobs["residuals-left"] = lambda: diagnosis_maps.left_figure(w)
+    jobs |= {
+        "paths": lambda: paths_figure(d),
+        "along-body": lambda: diagnosis_maps.body_figure(w, extended, d.motion.selection.scores),
+        "on-floor": lambda: diagnosis_maps.floor_figure(w, extended),
+        "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder),
+        "ranking": lambda: ranking_figure(d),
+    }
     jobs |= {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in d.ladder if s.error.name in PARTS}
     if experiment is not None:
         jobs["next-experiment"] = lambda: table_figure(experiment)
