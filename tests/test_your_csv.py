@@ -8,6 +8,7 @@ import shlex
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
@@ -18,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("virtual_machine")
 
 def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys):
     page = (ROOT / "docs" / "your-csv.md").read_text(encoding="utf-8")
-    (toml,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    toml, _ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     commands = re.findall(r"```console\n(.*?)```", page, re.DOTALL)
     (tmp_path / "campaign.toml").write_text(toml)
     shutil.copy(ROOT / "problems" / "recordings" / "lamprey.csv", tmp_path)
@@ -32,6 +33,55 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys):
     share = float(re.search(r"Resim / Exp = ([\d.]+)", said)[1])
     assert round(100 * share) == int(re.search(r"move (\d+) % of the measured path", page)[1])
     assert (tmp_path / "measured" / "trial-swim-1.png").exists()
+
+
+ROBOT = """
+[about]
+question = "How far?"
+[body]
+vertices = 5
+edge_lengths = [0.1, 0.15, 0.15, 0.1]
+weights = [1.0, 2.0, 2.0, 2.0, 1.0]
+[medium]
+anisotropy_ratio = 0.2
+dissipation = "vertex"
+[gait]
+family = "ellipse"
+sigma = 0.9
+a = 4.0
+[task]
+steps = 40
+cycles = 1
+cycle_duration_s = 4.0
+c = 0.5
+"""
+
+
+def test_the_robot_of_the_page_is_read_under_its_own_names_and_units(tmp_path, capsys):
+    (tmp_path / "robot.toml").write_text(ROBOT)
+    assert main(["new", "campaign", str(tmp_path / "made"), "--problem", str(tmp_path / "robot.toml"), "--yes"]) == 0
+    _, toml = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "your-csv.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "campaign.toml").write_text(toml)
+    made = tmp_path / "made" / "example"
+    shutil.copy(made / "joint_table.csv", tmp_path / "wave.csv")
+    motion = np.loadtxt(made / "motion.csv", delimiter=",", skiprows=1) * 1000  # s, m -> ms, mm
+    names = [f"M{k + 1}_{axis}" for k in range(5) for axis in "xy"]
+    _write(tmp_path / "wave-1.csv", ["No", "Time (ms)", *names], np.column_stack([np.arange(len(motion)), motion]))
+    table, times = np.loadtxt(made / "joint_table.csv", delimiter=",", skiprows=1), np.arange(0.0, 11.0, 0.02)
+    into = np.clip((times - 1.0) % 5.0, 0.0, 4.0) * 10  # rows of the table; a pause of a second after each cycle
+    angles = np.stack([np.interp(into, np.arange(41), [*joint, joint[0]]) for joint in table.T], axis=1)
+    angles[times < 1.0] = table[0]
+    log = np.column_stack([1000 * times, np.degrees(angles)])
+    _write(tmp_path / "wave-1-servo.csv", ["millis", "angle_1", "angle_2", "angle_3"], log)
+    assert main(["measure", str(tmp_path), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
+    said = capsys.readouterr().out
+    assert "500 mm long" in said or "0.5 m long" in said
+    assert float(re.search(r"servo clock .*correlation ([\d.]+)", said)[1]) > 0.999
+    assert float(re.search(r"servo scatter +([\d.]+) rad", said)[1]) < 0.02  # noise of 0.2 mm on edges of 100 mm
+
+
+def _write(path: Path, names: list[str], rows: np.ndarray) -> None:
+    np.savetxt(path, rows, delimiter=",", header=",".join(names), comments="", fmt="%.4f")
 
 
 def test_the_notebook_runs_as_it_stands(monkeypatch, capsys):

@@ -9,9 +9,13 @@ import pytest
 
 from rehearsal import DATA, ROOT, write_c3d
 from serpenoid.errors import InputError
+from serpenoid.measure.campaign import load_campaign_file
+from serpenoid.measure.columns import MotionColumns, ServoColumns, ServoKeys
 from serpenoid.measure.logs import read_power_log, read_servo_log
 from serpenoid.measure.motive import read_motive
-from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
+from serpenoid.measure.points import read_c3d, read_long, read_sleap
+from serpenoid.measure.tidy import read_tidy
+from serpenoid.measure.trial_files import read_files
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 from serpenoid.table_file import read_table as read_joint_table
 
@@ -125,6 +129,57 @@ def test_tidy_round_trip_and_faults(tmp_path):
     path.write_text("t_s,x_0,z_0\n0,1,2\n")
     with pytest.raises(InputError, match="row 1, column C: a tidy file has `y_0` here, got 'z_0'"):
         read_tidy(path)
+
+
+def test_tidy_columns_of_ones_own_are_those_that_are_named_in_their_order(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("no,ms,M11_y,M9_x,M9_y,M10_x,M10_y,M11_x\n7,0,6,1,2,3,4,5\n8,100,6,1,2,3,4,5\n")
+    tracks = read_tidy(path, "cm", None, MotionColumns(time="ms", x="M*_x", y="M*_y"), "ms")
+    np.testing.assert_allclose(tracks.floor[1], [[0.01, 0.02], [0.03, 0.04], [0.05, 0.06]])
+    np.testing.assert_allclose(tracks.time_s, [0.0, 0.1])
+    listed = MotionColumns(time="ms", x=("M10_x", "M9_x"), y=("M10_y", "M9_y"))
+    np.testing.assert_allclose(read_tidy(path, "m", None, listed).floor[0], [[3, 4], [1, 2]])
+    for columns, match in [
+        ({"time": "s", "x": "M*_x", "y": "M*_y"}, r"no column `s` \(for `time`\)"),
+        ({"time": "ms", "x": "N*_x", "y": "M*_y"}, r"0 column\(s\) for x and 3 for y"),
+        ({"time": "ms", "x": "M9_x", "y": "M*_y"}, r"`x` must be a list of names"),
+        ({"x": "M*_x", "y": "M*_y"}, "needs `time`"),
+    ]:
+        with pytest.raises(InputError, match=match):
+            read_tidy(path, "m", None, MotionColumns.model_validate(columns))
+    path.write_text("ms,M1_x,M1_y,M3_x,M3_y\n0,1,2,3,4\n")
+    with pytest.raises(InputError, match="column `M2_x` is missing before `M3_x`"):
+        read_tidy(path, "m", None, MotionColumns(time="ms", x="M*_x", y="M*_y"))
+
+
+def test_a_servo_log_has_its_own_names_and_units(tmp_path):
+    path = tmp_path / "s.csv"
+    path.write_text("date,millis,deg_2,deg_1,goal_1,goal_2\nMon,0,90,180,1,2\nMon,500,90,180,1,2\n")
+    columns = ServoColumns(time="millis", position="deg_*", command="goal_*")
+    log = read_servo_log(path, ServoKeys(columns=columns, time_unit="ms", angle_unit="deg"))
+    np.testing.assert_allclose(log.time_s, [0.0, 0.5])
+    np.testing.assert_allclose(log.position[0], [np.pi, np.pi / 2])
+    np.testing.assert_allclose(log.command[0], np.radians([1, 2]))
+    with pytest.raises(InputError, match=r"no column is called `position_\*`.*\[servo_log\]"):
+        read_servo_log(path)
+    with pytest.raises(InputError, match=r"column D \(`deg_1`\): joint angles are in radians.*angle_unit = \"deg\""):
+        read_servo_log(path, ServoKeys(columns=columns))
+    with pytest.raises(InputError, match="2 columns `deg_1`, ... and 1 `goal_1`.*one `command` is needed for every"):
+        read_servo_log(path, ServoKeys(columns=columns.model_copy(update={"command": ("goal_1",)})))
+
+
+def test_a_fault_that_all_trials_share_is_said_once_with_the_trials(tmp_path):
+    names = ["one", "two", "three"]
+    for name in names:
+        (tmp_path / f"{name}.csv").write_text("ms,a\n0,1\n")
+    trials = "".join(f'[[trial]]\nname = "{name}"\nmotion = "{name}.csv"\n' for name in names)
+    text = 'format = 1\nname = "c"\n[body]\nvertices = 4\nlength_m = 1.0\n[motion]\nformat = "tidy"\n'
+    (tmp_path / "campaign.toml").write_text(text + trials)
+    with pytest.raises(
+        InputError, match="trials `one`, `two`, `three`: .*one.csv and 2 other files: row 1, col"
+    ) as error:
+        read_files(*load_campaign_file(tmp_path))
+    assert str(error.value).count("a tidy file has `t_s` here") == 1
 
 
 def test_long_form_refuses_a_point_given_twice_and_a_missing_column(tmp_path):

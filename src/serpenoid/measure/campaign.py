@@ -11,6 +11,7 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
 from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
 from serpenoid.measure.tracks import LengthUnit, Tracks
 from serpenoid.medium import Medium
@@ -18,7 +19,6 @@ from serpenoid.table_file import read_table as read_joint_table
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-LONG_ROLES = {"time", "frame", "point", "x", "y"}
 
 
 class MotionKeys(Record):
@@ -32,15 +32,12 @@ class MotionKeys(Record):
     markers: tuple[Line, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
     minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
-    columns: dict[str, str] | None = Field(default=None, description="long: time, frame, point, x, y -> column names")
+    columns: MotionColumns | None = Field(default=None, description="tidy, long: the file's own column names")
+    time_unit: TimeUnit | None = Field(default=None, description="s | ms | us, of a tidy or long file")
     first_point: Literal["tail", "head"] | None = Field(default=None, description="where point or column numbers start")
 
     @model_validator(mode="after")
     def _roles(self) -> Self:
-        if self.columns is not None:
-            unknown = set(self.columns) - LONG_ROLES
-            if unknown or not {"point", "x", "y"} <= set(self.columns):
-                raise ValueError(f"`columns` maps point, x, y and time or frame; got {', '.join(sorted(self.columns))}")
         if self.markers is not None and len(set(self.markers)) != len(self.markers):
             raise ValueError("`markers` names one marker twice")
         return self
@@ -95,6 +92,7 @@ class CampaignFile(Record):
     body: Body
     medium: Medium | None = Field(default=None, description="what Sim and Resim assume; default: what `fit` finds")
     motion: MotionKeys = MotionKeys()
+    servo_log: ServoKeys = Field(default=ServoKeys(), description="how servo logs are to be read")
     trial: tuple[TrialEntry, ...] = Field(min_length=1, max_length=10_000)
 
     @model_validator(mode="after")

@@ -9,10 +9,17 @@ import numpy as np
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
+from serpenoid.measure.columns import RADIANS, SECONDS, ServoKeys, find_column, numbered, shown
 
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
 LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
+EXTRA = ("voltage", "load", "temperature", "error")
+READ_AS_WRITTEN = ServoKeys()
+OWN_NAMES = (
+    'Own names and units: [servo_log] with `columns = { time = "millis", position = "angle_*" }`, '
+    '`time_unit = "ms"`, `angle_unit = "deg"` (docs/your-csv.md).'
+)
 
 
 @dataclass(frozen=True)
@@ -45,50 +52,55 @@ class PowerLog:
     source: str
 
 
-def read_servo_log(path: str | Path) -> ServoLog:
-    """Read a servo log; only `t_s` and `position_1..m` are required; it may end in the middle of a row."""
-    path = Path(path)
+def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> ServoLog:
+    """Read a servo log; only time and positions are required; it may end in the middle of a row."""
+    path, own = Path(path), keys.columns
     rows = read_rows(path, live=True)
     header = [cell.strip() for cell in rows[0]]
-    joints = sum(name.startswith("position_") for name in header)
-    if not joints:
-        raise InputError(f"{path}: row 1: a servo log has columns `position_1`, ...; it has {', '.join(header[:6])}.")
-    numeric = [c for c, name in enumerate(header) if name != "phase"]
-    data = block(rows, 1, numeric, [header[c] for c in numeric], path)
-    column = {header[c]: data[:, i] for i, c in enumerate(numeric)}
-    if "t_s" not in column:
-        raise InputError(f"{path}: row 1: a servo log has a column `t_s`.")
-    times = increasing_times(column["t_s"], 1, header.index("t_s"), path, "t_s")
-
-    def group(name: str) -> Floats | None:
-        wanted = [f"{name}_{j}" for j in range(1, joints + 1)]
-        there = [label for label in wanted if label in column]
-        if there and len(there) < joints:
-            missing = next(label for label in wanted if label not in column)
-            raise InputError(f"{path}: row 1: column `{missing}` is missing beside {there[0]}.")
-        return np.stack([column[label] for label in wanted], axis=1) if there else None
-
-    position, command = group("position"), group("command")
-    if position is None:
-        raise InputError(f"{path}: row 1: `position_1` is missing.")
-    for name, values in (("position", position), ("command", command)):
-        _check_radians(values, name, header, path)
-    extra = {
-        name: values for name in ("voltage", "load", "temperature", "error") if (values := group(name)) is not None
-    }
-    phase = tuple(row[header.index("phase")].strip() for row in rows[1:]) if "phase" in header else None
+    position = numbered(header, own.position, "position", path)
+    if not position or own.time not in header:
+        wanted = f"no column `{own.time}`" if position else f"no column is called `{own.position}`"
+        raise InputError(f"{path}: row 1: {wanted}; the log has {shown(header)}. {OWN_NAMES}")
+    groups = {"position": position, "command": numbered(header, own.command, "command", path)}
+    groups |= {name: numbered(header, f"{name}_*", name, path) for name in EXTRA}
+    for role, names in groups.items():
+        if names and len(names) != len(position):
+            raise InputError(
+                f"{path}: row 1: {len(position)} columns `{position[0]}`, ... and {len(names)} `{names[0]}`, ...: "
+                f"one `{role}` is needed for every joint."
+            )
+    single = [name for name in (own.cycle, own.step) if name in header]
+    called = list(dict.fromkeys([own.time, *single, *(name for names in groups.values() for name in names)]))
+    data = block(rows, 1, [find_column(header, name, name, path) for name in called], called, path)
+    column = dict(zip(called, data.T, strict=True))
+    times = increasing_times(column[own.time], 1, header.index(own.time), path, own.time) * SECONDS[keys.time_unit]
+    read = {role: np.stack([column[name] for name in names], axis=1) for role, names in groups.items() if names}
+    angles = {role: read[role] * RADIANS[keys.angle_unit] for role in ("position", "command") if role in read}
+    for role, values in angles.items():
+        _check_radians(values, groups[role], header, path)
+    phase = tuple(row[header.index(own.phase)].strip() for row in rows[1:]) if own.phase in header else None
     return _read_whole(
-        ServoLog(times, position, command, phase, column.get("cycle"), column.get("step"), extra, str(path))
+        ServoLog(
+            times,
+            angles["position"],
+            angles.get("command"),
+            phase,
+            column.get(own.cycle),
+            column.get(own.step),
+            {name: read[name] for name in EXTRA if name in read},
+            str(path),
+        ),
+        position,
     )
 
 
-def _read_whole(log: ServoLog) -> ServoLog:
+def _read_whole(log: ServoLog, called: list[str]) -> ServoLog:
     """Without rows in which a reading is missing: a gap in the log, as a row that was never written is."""
     there = np.isfinite(log.position)
     never = np.flatnonzero(~there.any(axis=0))
     if never.size:
         raise InputError(
-            f"{log.source}: column `position_{never[0] + 1}` is empty throughout. A servo that does not answer? "
+            f"{log.source}: column `{called[never[0]]}` is empty throughout. A servo that does not answer? "
             "Leave `servo_log` out, and joint angles are taken from the markers."
         )
     kept = np.flatnonzero(there.all(axis=1))
@@ -150,14 +162,12 @@ def _refuse_spike(power: Floats, path: Path, header: list[str]) -> None:
         )
 
 
-def _check_radians(values: Floats | None, name: str, header: list[str], path: Path) -> None:
-    if values is None:
-        return
+def _check_radians(values: Floats, called: list[str], header: list[str], path: Path) -> None:
     beyond = np.argwhere(np.abs(values) > LIMIT_RAD)
     if beyond.size:
         row, joint = (int(i) for i in beyond[0])
-        label = f"{name}_{joint + 1}"
+        label = called[joint]
         raise InputError(
             f"{place(path, row + 1, header.index(label), label)}: joint angles are in radians and within a turn, "
-            f"got {values[row, joint]:g}. Degrees or ticks?"
+            f'got {values[row, joint]:g}. Of a log in degrees [servo_log] says `angle_unit = "deg"`.'
         )

@@ -1,4 +1,4 @@
-"""Tables of tracked points: tidy CSV, long CSV with a column mapping, SLEAP CSV, C3D."""
+"""Tables of tracked points: long CSV with a column mapping, SLEAP CSV, C3D."""
 
 from __future__ import annotations
 
@@ -25,48 +25,30 @@ from serpenoid.measure.cells import (
     read_rows,
     whole_points,
 )
+from serpenoid.measure.columns import SECONDS, find_column
 from serpenoid.measure.tracks import METRES, Tracks, floor_plane
 
 MOST_CELLS = 200_000_000
 C3D_TIMEOUT_S = 120
 
 
-def read_tidy(path: str | Path, length_unit: str = "m", frames_per_second: float | None = None) -> Tracks:
-    """`t_s,x_0,y_0,x_1,y_1,...`, or `frame` for `t_s`; vertex 0 = tail; an empty cell is a hidden marker."""
-    path = Path(path)
-    rows = read_rows(path)
-    header = [cell.strip() for cell in rows[0]]
-    count = (len(header) - 1) // 2
-    clock = "frame" if header[0] == "frame" else "t_s"
-    if clock == "frame" and not frames_per_second:
-        raise InputError(f"{path}: counts frames: give `frames_per_second` in [motion].")
-    expected = [clock] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
-    for column, (got, want) in enumerate(zip(header, expected, strict=False)):
-        if got != want:
-            raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}.")
-    if count < 1 or len(header) != len(expected):
-        raise InputError(f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns.")
-    data = block(rows, 1, range(len(header)), header, path)
-    times = increasing_times(data[:, 0], 1, 0, path, clock) / (float(frames_per_second or 1) if clock == "frame" else 1)
-    floor = whole_points(data[:, 1:].reshape(len(data), count, 2), 1, range(1, len(header), 2), header[1::2], path)
-    return _tracks(times, [f"vertex_{k}" for k in range(count)], floor, length_unit, path)
-
-
 def read_long(
-    path: str | Path, columns: dict[str, str], length_unit: str, frames_per_second: float | None = None
+    path: str | Path,
+    columns: dict[str, str],
+    length_unit: str,
+    frames_per_second: float | None = None,
+    time_unit: str = "s",
 ) -> Tracks:
     """One row per frame and point. `columns` maps time, frame, point, x, y to the file's own names (time or frame)."""
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
-    for role, name in columns.items():
-        if name not in header:
-            raise InputError(f"{path}: row 1: no column `{name}` (for `{role}`); it has {', '.join(header)}.")
+    found = {role: find_column(header, name, role, path) for role, name in columns.items()}
     clock = "time" if "time" in columns else "frame"
     if clock == "frame" and not frames_per_second:
         raise InputError(f"{path}: has no time column: give `frames_per_second` in [motion].")
     roles = [clock, "point", "x", "y"]
-    where = [header.index(columns[role]) for role in roles]
+    where = [found[role] for role in roles]
     data = block(rows, 1, where, [columns[role] for role in roles], path)
     _refuse_empty(data[:, :2], where, rows, path)
     stamps, frame = np.unique(data[:, 0], return_inverse=True)
@@ -80,7 +62,7 @@ def read_long(
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
     floor = np.full((len(stamps), len(points), 2), np.nan)
     floor[frame, slot] = data[:, 2:]
-    times = stamps if clock == "time" else stamps / float(frames_per_second or 1)
+    times = stamps * SECONDS[time_unit] if clock == "time" else stamps / float(frames_per_second or 1)
     return _tracks(times, [f"point_{k:g}" for k in points], floor, length_unit, path)
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from serpenoid.errors import InputError
 from serpenoid.measure.motive import read_motive
-from serpenoid.measure.points import read_c3d, read_long, read_sleap, read_tidy
+from serpenoid.measure.points import read_c3d, read_long, read_sleap
+from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
     read_array,
@@ -32,6 +33,10 @@ if TYPE_CHECKING:
 MotionFormat = Literal["motive", "c3d", "deeplabcut", "sleap", "tierpsy", "trex", "wcon", "array", "tidy", "long"]
 NAMES: tuple[str, ...] = get_args(MotionFormat)
 FORMATS = " | ".join(NAMES)
+LONG = (
+    'It has one row per frame and point: `columns = { time = "t", point = "id", x = "x", y = "y" }`; '
+    'with two columns per point, `format = "tidy"`.'
+)
 
 
 def _timed(read: Callable[[Path, Timing], Tracks]) -> Reader:
@@ -51,8 +56,15 @@ def _sleap(path: Path, keys: MotionKeys) -> Tracks:
 
 def _long(path: Path, keys: MotionKeys) -> Tracks:
     if keys.columns is None or keys.length_unit is None:
-        raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion].')
-    return read_long(path, keys.columns, keys.length_unit, keys.frames_per_second)
+        raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion]. {LONG}')
+    columns = {role: name for role, name in keys.columns if isinstance(name, str)}
+    if not {"point", "x", "y"} <= set(columns) or not {"time", "frame"} & set(columns):
+        raise InputError(f"{path}: `columns` needs point, x, y and time or frame for a long file, a name for each.")
+    return read_long(path, columns, keys.length_unit, keys.frames_per_second, keys.time_unit or "s")
+
+
+def _tidy(path: Path, keys: MotionKeys) -> Tracks:
+    return read_tidy(path, keys.length_unit or "m", keys.frames_per_second, keys.columns, keys.time_unit or "s")
 
 
 READERS: dict[str, Reader] = {
@@ -64,6 +76,6 @@ READERS: dict[str, Reader] = {
     "trex": _timed(read_trex),
     "wcon": _timed(read_wcon),
     "array": _timed(read_array),
-    "tidy": lambda path, keys: read_tidy(path, keys.length_unit or "m", keys.frames_per_second),
+    "tidy": _tidy,
     "long": _long,
 }

@@ -65,9 +65,9 @@ def of_every_trial(
             progress(index, len(entries), entries[index].name)
 
     found = in_processes([(_or_fault, (work, entry)) for entry in entries], begun)
-    faults = [(entry.name, str(one)) for entry, one in zip(entries, found, strict=True) if isinstance(one, InputError)]
+    faults = [(entry, str(one)) for entry, one in zip(entries, found, strict=True) if isinstance(one, InputError)]
     if faults:
-        raise InputError(by_words(faults))
+        raise InputError(by_words([(entry.name, *_of_file(entry, words)) for entry, words in faults]))
     return found
 
 
@@ -79,12 +79,28 @@ def _or_fault(work: Callable[[TrialEntry], T], entry: TrialEntry) -> T | InputEr
         return error
 
 
-def by_words(faults: Sequence[tuple[str, str]]) -> str:
-    """Lines `trials NAMES: WORDS` of (trial, words): what is said of several trials is said once."""
+def _of_file(entry: TrialEntry, words: str) -> tuple[str, str]:
+    """A fault's words without the file they begin with, and that file."""
+    for name in (entry.joint_table, entry.motion, entry.servo_log, entry.power_log):
+        before, there, rest = words.partition(f"{name}: ") if name else ("", "", "")
+        if there and ": " not in before:
+            return rest, f"{before}{name}: "
+    return words, ""
+
+
+def by_words(faults: Sequence[tuple[str, str] | tuple[str, str, str]]) -> str:
+    """Lines `trials NAMES: FILE: WORDS` of (trial, words, file and colon): what is said of several is said once."""
     trials: dict[str, list[str]] = {}
-    for trial, words in faults:
+    files: dict[str, list[str]] = {}
+    for trial, words, *file in faults:
         trials.setdefault(words, []).append(f"`{trial}`")
-    said = [f"trial{'s' * (len(names) > 1)} {', '.join(names)}: {words}" for words, names in trials.items()]
+        files.setdefault(words, []).extend(file)
+    said = []
+    for words, names in trials.items():
+        of = list(dict.fromkeys(files[words]))
+        others = f"and {len(of) - 1} other file{'s' * (len(of) > 2)}: " if len(of) > 1 else ""
+        first = f"{of[0][:-2]} {others}" if others else "".join(of)
+        said.append(f"trial{'s' * (len(names) > 1)} {', '.join(names)}: {first}{words}")
     return "\n".join(said)
 
 
@@ -104,7 +120,7 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     if tracks is not None:
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body.vertices)
-    log = read_servo_log(folder / entry.servo_log) if entry.servo_log else None
+    log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
     return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled)
 

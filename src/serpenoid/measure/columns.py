@@ -1,0 +1,86 @@
+"""Column names of one's own: a role's columns are a list of names, or one name with `*` where the numbers stand."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from serpenoid.errors import InputError
+from serpenoid.files.schema import Line, Record
+
+Names = Annotated[Line | tuple[Line, ...], Field(union_mode="left_to_right")]
+TimeUnit = Literal["s", "ms", "us"]
+AngleUnit = Literal["rad", "deg"]
+SECONDS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+RADIANS: dict[str, float] = {"rad": 1.0, "deg": 0.017453292519943295}
+NUMBERED = "a list of names, or one with `*` where their numbers stand"
+
+
+class MotionColumns(Record):
+    """Which columns of a motion file say what; `time` or `frame`."""
+
+    time: Line | None = None
+    frame: Line | None = None
+    point: Line | None = Field(default=None, description="long: the point's number")
+    x: Names | None = Field(default=None, description=f"long: a name; tidy: {NUMBERED}, tail first")
+    y: Names | None = Field(default=None, description="as x")
+
+
+class ServoColumns(Record):
+    """Which columns of a servo log say what."""
+
+    time: Line = "t_s"
+    position: Names = Field(default="position_*", description=f"{NUMBERED}, joint_1 first")
+    command: Names = Field(default="command_*", description="as position; may be missing")
+    phase: Line = "phase"
+    cycle: Line = "cycle"
+    step: Line = "step"
+
+
+class ServoKeys(Record):
+    """How servo logs are to be read."""
+
+    columns: ServoColumns = ServoColumns()
+    time_unit: TimeUnit = "s"
+    angle_unit: AngleUnit = "rad"
+
+
+def numbered(header: Sequence[str], wanted: str | Sequence[str], role: str, path: Path) -> list[str]:
+    """The columns that `wanted` means, in order; with `*`, none where no column is called so.
+
+    Raises InputError for a name that is not there, and where numbers behind `*` leave one out.
+    """
+    if not isinstance(wanted, str):
+        for name in wanted:
+            find_column(header, name, role, path)
+        return list(wanted)
+    if wanted.count("*") != 1:
+        raise InputError(f"{path}: `columns`: `{role}` must be {NUMBERED}, got {wanted!r}.")
+    form = re.compile(r"([0-9]{1,6})".join(map(re.escape, wanted.split("*"))))
+    found = sorted((int(m[1]), name) for name in header if (m := form.fullmatch(name)))
+    for (before, _), (number, name) in zip(found, found[1:], strict=False):
+        if number != before + 1:
+            missing = wanted.replace("*", str(before + 1))
+            raise InputError(
+                f"{path}: row 1: column `{missing}` is missing before `{name}`. Is it called otherwise, or not there? "
+                "A list names the columns one by one."
+            )
+    return [name for _, name in found]
+
+
+def find_column(header: Sequence[str], name: str, role: str, path: Path) -> int:
+    """The place of a column; InputError where it is not there, or there twice."""
+    if name not in header:
+        raise InputError(f"{path}: row 1: no column `{name}` (for `{role}`); the file has {shown(header)}.")
+    if header.count(name) > 1:
+        raise InputError(f"{path}: row 1: column `{name}` (for `{role}`) is there twice.")
+    return header.index(name)
+
+
+def shown(header: Sequence[str]) -> str:
+    """The first names of a header."""
+    return ", ".join(header[:6]) + (", ..." if len(header) > 6 else "")

@@ -1,0 +1,69 @@
+"""Tidy CSV: one row per time, two columns per point, under its own names or the file's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from serpenoid.errors import InputError
+from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
+from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, shown
+from serpenoid.measure.tracks import METRES, Tracks
+
+OWN_NAMES = (
+    'Own names: `columns = { time = "Time (s)", x = "M*_x", y = "M*_y" }` in [motion], `*` where the numbers of the '
+    "points stand, tail first (docs/your-csv.md)."
+)
+
+
+def read_tidy(
+    path: str | Path,
+    length_unit: str = "m",
+    frames_per_second: float | None = None,
+    columns: MotionColumns | None = None,
+    time_unit: str = "s",
+) -> Tracks:
+    """`t_s,x_0,y_0,x_1,y_1,...`, or `frame` for `t_s`; vertex 0 = tail; an empty cell is a hidden marker.
+
+    columns: names of the file's own; what they do not name is passed over.
+    """
+    path = Path(path)
+    rows = read_rows(path)
+    header = [cell.strip() for cell in rows[0]]
+    places = _tidy_places(header, path) if columns is None else _own_places(header, columns, path)
+    counts = header[0] == "frame" if columns is None else columns.time is None
+    if counts and not frames_per_second:
+        raise InputError(f"{path}: counts frames: give `frames_per_second` in [motion].")
+    called = [header[c] for c in places]
+    data = block(rows, 1, places, called, path)
+    unit = 1 / float(frames_per_second or 1) if counts else SECONDS[time_unit]
+    times = increasing_times(data[:, 0], 1, places[0], path, called[0]) * unit
+    floor = whole_points(data[:, 1:].reshape(len(data), -1, 2), 1, places[1::2], called[1::2], path)
+    names = tuple(f"vertex_{k}" for k in range(floor.shape[1]))
+    return Tracks(times, names, floor * METRES[length_unit], str(path), (False,) * len(names), length_unit != "px")
+
+
+def _tidy_places(header: list[str], path: Path) -> list[int]:
+    """Columns of clock, x_0, y_0, x_1, ..., which is how they stand."""
+    count = (len(header) - 1) // 2
+    expected = ["frame" if header[0] == "frame" else "t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
+    for column, (got, want) in enumerate(zip(header, expected, strict=False)):
+        if got != want:
+            raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}. {OWN_NAMES}")
+    if count < 1 or len(header) != len(expected):
+        raise InputError(f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns.")
+    return list(range(len(header)))
+
+
+def _own_places(header: list[str], columns: MotionColumns, path: Path) -> list[int]:
+    """Columns of clock, x of vertex 0, y of vertex 0, x of vertex 1, ... by their own names."""
+    clock = columns.time or columns.frame
+    if clock is None or columns.x is None or columns.y is None:
+        raise InputError(f"{path}: `columns` needs `time` (or `frame`), `x` and `y` for a tidy file.")
+    pairs = [numbered(header, named, axis, path) for axis, named in (("x", columns.x), ("y", columns.y))]
+    if not pairs[0] or len(pairs[0]) != len(pairs[1]):
+        raise InputError(
+            f"{path}: row 1: `columns` names {len(pairs[0])} column(s) for x and {len(pairs[1])} for y; "
+            f"the file has {shown(header)}."
+        )
+    inside = [find_column(header, name, "x or y", path) for both in zip(*pairs, strict=True) for name in both]
+    return [find_column(header, clock, "time" if columns.time else "frame", path), *inside]
