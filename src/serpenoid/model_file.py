@@ -44,16 +44,21 @@ def read_model_file(path: str | Path) -> dict[str, Any]:
 
 
 def write_model_file(
-    path: str | Path, medium: Medium, effects: Sequence[ActiveEffect], body: Body | None = None, comment: str = ""
+    path: str | Path,
+    medium: Medium,
+    effects: Sequence[ActiveEffect],
+    body: Body | None = None,
+    comment: str = "",
+    notes: Sequence[str] = (),
 ) -> None:
-    """Write a model file, whole or not at all; `comment` goes to its top."""
+    """Write a model file, whole or not at all; `comment` goes to its top, each of `notes` above its effect."""
     lines = [f"# {line}".rstrip() for line in comment.splitlines()]
     lines += ["[medium]", *_assignments(medium.model_dump())]
     if body is not None:
         lines += ["", "[body]", *_assignments(body.model_dump())]
-    for effect in effects:
-        where = {} if effect.place is None else {"place": effect.place}
-        lines += ["", "[[effects]]", *_assignments({"name": effect.name, **where, **effect.parameters})]
+    for effect, note in zip(effects, notes or [""] * len(effects), strict=True):
+        values = {"name": effect.name, **({} if effect.place is None else {"place": effect.place}), **effect.parameters}
+        lines += ["", *([f"# {note}"] if note else []), "[[effects]]", *_assignments(values)]
     write_text(path, "\n".join(lines) + "\n")
 
 

@@ -13,11 +13,13 @@ from serpenoid.diagnose.data.paths import total
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
 from serpenoid.diagnose.inference.held_out import held_out
-from serpenoid.diagnose.report.write import write
+from serpenoid.diagnose.report.write import PREDICTION, role, write
 from serpenoid.diagnose.residuals.gain import scores
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
-from serpenoid.model_file import read_model_file
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
+from serpenoid.model_file import read_model_file, write_model_file
 
 SLOPE = Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.002})
 SMALL_LOAD = Effect("load", 2, {"share": 0.009})
@@ -29,6 +31,17 @@ def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:
     found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
     write(folder / "out", file, found)
     return found
+
+
+def test_a_model_file_says_which_laws_are_named_and_which_only_predict(tmp_path: Path) -> None:
+    effects = [ActiveEffect.typical("slope"), ActiveEffect.typical("load", 2), ActiveEffect.typical("load", 3)]
+    named = [{"name": "slope", "place": None, "stand_in": True}]
+    notes = [role(e, named, {effects[2].key}) for e in effects]
+    assert notes == ["named, perhaps a stand-in", PREDICTION, "known before"]
+    write_model_file(tmp_path / "m.toml", Medium(anisotropy_ratio=0.1), effects, notes=notes)
+    text = (tmp_path / "m.toml").read_text(encoding="utf-8")
+    assert f'# {PREDICTION}\n[[effects]]\nname = "load"\nplace = 2' in text
+    assert len(read_model_file(tmp_path / "m.toml")["effects"]) == 3
 
 
 @pytest.mark.slow

@@ -94,6 +94,25 @@ def test_the_lead_is_three_cards_and_says_what_became_worse(diagnosed: tuple[Dia
     spoilt = {**record, "gain": {**record["gain"], "heading_error_rad": {"before": 0.01, "after": 0.02}}}
     assert worse(spoilt) == ["heading error, RMS"]
     assert cards(spoilt)[2].tone == "warn"
+    both = {"before": 0.0636, "after": 0.0554, "before_interval": [0.032, 0.0738], "after_interval": [0.0504, 0.0745]}
+    doubtful = cards({**record, "gain": {**record["gain"], "path_rms_m": both}})[2]
+    assert doubtful.tone == "warn"
+    assert any("overlap: the gain is not certain" in text for text in doubtful.sentences)
+
+
+def test_a_report_that_leaves_much_unexplained_does_not_reassure(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path], tmp_path: Path
+) -> None:
+    settled = diagnosed[1] | {"alternatives": [], "next_experiment": None}
+    for verdict, alternatives, experiment in [
+        ("explained", "in the place of what is named.<", "None needed"),
+        ("partly explained", "something is left that nothing here explains", "what is left has none"),
+    ]:
+        write_pages(tmp_path, settled | {"verdict": verdict})
+        page = (tmp_path / "report.html").read_text(encoding="utf-8")
+        assert alternatives in page
+        assert experiment in page
+        assert ("None needed" in page) == (verdict == "explained")
 
 
 def test_every_trial_moves_in_the_animation_and_the_extended_model_stays_closer(

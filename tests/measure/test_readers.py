@@ -176,7 +176,7 @@ def test_a_fault_that_all_trials_share_is_said_once_with_the_trials(tmp_path):
     text = 'format = 1\nname = "c"\n[body]\nvertices = 4\nlength_m = 1.0\n[motion]\nformat = "tidy"\n'
     (tmp_path / "campaign.toml").write_text(text + trials)
     with pytest.raises(
-        InputError, match="trials `one`, `two`, `three`: .*one.csv and 2 other files: row 1, col"
+        InputError, match="trials `one`, `two`, `three`: .*one.csv, two.csv, three.csv: row 1, col"
     ) as error:
         read_files(*load_campaign_file(tmp_path))
     assert str(error.value).count("a tidy file has `t_s` here") == 1

@@ -79,28 +79,29 @@ def _or_fault(work: Callable[[TrialEntry], T], entry: TrialEntry) -> T | InputEr
         return error
 
 
-def _of_file(entry: TrialEntry, words: str) -> tuple[str, str]:
-    """A fault's words without the file they begin with, and that file."""
+def _of_file(entry: TrialEntry, words: str) -> tuple[str, str, str]:
+    """A fault's words without the file they begin with, that file's folder, and its name."""
     for name in (entry.joint_table, entry.motion, entry.servo_log, entry.power_log):
         before, there, rest = words.partition(f"{name}: ") if name else ("", "", "")
         if there and ": " not in before:
-            return rest, f"{before}{name}: "
-    return words, ""
+            return rest, before, str(name)
+    return words, "", ""
 
 
-def by_words(faults: Sequence[tuple[str, str] | tuple[str, str, str]]) -> str:
-    """Lines `trials NAMES: FILE: WORDS` of (trial, words, file and colon): what is said of several is said once."""
+def by_words(faults: Sequence[tuple[str, str] | tuple[str, str, str, str]]) -> str:
+    """Lines `trials NAMES: FILES: WORDS` of (trial, words, folder, file): what is said of several is said once."""
     trials: dict[str, list[str]] = {}
     files: dict[str, list[str]] = {}
+    folders: dict[str, str] = {}
     for trial, words, *file in faults:
         trials.setdefault(words, []).append(f"`{trial}`")
-        files.setdefault(words, []).extend(file)
+        files.setdefault(words, []).extend(file[1:])
+        folders.setdefault(words, "".join(file[:1]))
     said = []
     for words, names in trials.items():
-        of = list(dict.fromkeys(files[words]))
-        others = f"and {len(of) - 1} other file{'s' * (len(of) > 2)}: " if len(of) > 1 else ""
-        first = f"{of[0][:-2]} {others}" if others else "".join(of)
-        said.append(f"trial{'s' * (len(names) > 1)} {', '.join(names)}: {first}{words}")
+        of = ", ".join(dict.fromkeys(files[words]))
+        where = f"{folders[words]}{of}: " if of else ""
+        said.append(f"trial{'s' * (len(names) > 1)} {', '.join(names)}: {where}{words}")
     return "\n".join(said)
 
 

@@ -24,8 +24,9 @@ GAINS = {
     "log_likelihood": ("log-likelihood per trial", "1"),
 }  # fmt: skip
 WORSE = 1.02  # an error that does not come closer
+NOT_WORSE = {False: "Nothing became worse.", True: "Nothing became visibly worse."}
 NO_ADVICE = "It may stand in for another cause: change nothing for its sake."
-TONES = {"nothing": "good", "explained": "good"}
+SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 
 
 def cards(record: Record) -> list[Card]:
@@ -40,7 +41,7 @@ def _verdict(record: Record) -> Card:
     rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
     rows += [(stage, "skipped") for stage in record["skipped"] if record["drag_ratio"] is None]
     return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,
-                TONES.get(record["verdict"], "warn"))  # fmt: skip
+                "good" if record["verdict"] in SETTLED else "warn")  # fmt: skip
 
 
 def _cause(record: Record) -> Card:
@@ -66,11 +67,22 @@ def _gain(record: Record) -> Card:
     rows.append(("noise level", shown(record["noise_level_m"], record["length_unit"])))
     said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
     bad = worse(record)
-    said.append(f"Worse with the extension: {', '.join(bad)}." if bad else "Nothing became worse.")
+    unsure = _overlap(record["gain"]["path_rms_m"])
+    if unsure:
+        said.append("The intervals of path RMS before and after overlap: the gain is not certain.")
+    said.append(f"Worse with the extension: {', '.join(bad)}." if bad else NOT_WORSE[unsure])
     if record["effects"] and "path RMS" in bad:
         said.append("Do not rely on the name without further trials.")
     answer = f"path RMS {_change(record, 'path_rms_m')}"
-    return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad else "good")
+    return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad or unsure else "good")
+
+
+def _overlap(gain: Record) -> bool:
+    """Whether before and after differ by less than their intervals are wide."""
+    if gain["before"] == gain["after"]:
+        return False
+    (low, high), (first, last) = gain["before_interval"], gain["after_interval"]
+    return bool(max(low, first) < min(high, last))
 
 
 def worse(record: Record) -> list[str]:

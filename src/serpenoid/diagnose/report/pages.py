@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.diagnose.data.used import in_lengths
-from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
+from serpenoid.diagnose.report.cards import GAINS, SETTLED, cards, times_noise, unit_of
 from serpenoid.diagnose.report.words import (
     Record,
     ends,
@@ -62,6 +62,7 @@ def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -
         animation=animation_data(trials),
         beside=_beside(record),
         named=bool(record["effects"]),
+        settled=record["verdict"] in SETTLED,
         gain=_gain(record),
         ladder=_ladder(record),
         parameters=_parameters(record),
@@ -74,7 +75,7 @@ def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -
 
 def _beside(record: Record) -> list[str]:
     """What was known, skipped, not tested, and what is left without a name."""
-    found = [f"{text}." for text in reference(record)]
+    found = [f"{text[0].upper()}{text[1:]}." for text in reference(record)]
     if record["drag_ratio"] is None:
         found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]

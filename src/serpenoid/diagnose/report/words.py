@@ -19,7 +19,7 @@ SMALL_M = 1e-5
 MEANINGS = {
     "nothing": "drag alone explains this recording within its noise",
     "explained": "what is named accounts for all beyond chance; nothing here speaks for a cause outside the catalogue",
-    "partly explained": "what is named below is part of the cause; more is left than chance explains",
+    "partly explained": "what is named below was found, and more is left than it and chance explain",
     "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
 }
 
@@ -130,16 +130,16 @@ def reference(record: Record) -> list[str]:
         return []
     name = earlier["campaign"]
     found = "; ".join(f"{title(e)}{STAND_IN if e['stand_in'] else ''}" for e in earlier["effects"])
-    said = [f"{name} was {earlier['verdict']}" + (f" ({found})" if found else "") + " and is the baseline here"]
-    said += [f"{name}: {text}" for text in rival_law(earlier)]
-    return [*said, *(f"{name} already showed: {text}" for text in earlier["residual_pattern"])]
+    said = [f"the earlier campaign ({name}) was {earlier['verdict']}" + (f": {found}" if found else "")]
+    said += [f"of it: {text}" for text in rival_law(earlier)]
+    return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
 
 
 def ratio(record: Record) -> str:
-    """eps: of the reference, calibrated alone, with what is named. A calibration is no diagnosis, but may be news."""
+    """eps: of the reference, with nothing named, with what is named. A calibration is no diagnosis, but may be news."""
     eps, earlier = record["anisotropy_ratio"], record["reference"]
-    said = [f"{earlier['anisotropy_ratio']['after']:.4g} in {earlier['campaign']}"] if earlier else []
-    said.append(f"{eps['before']:.4g} calibrated alone")
+    said = [f"{earlier['anisotropy_ratio']['after']:.4g} in the reference"] if earlier else []
+    said.append(f"{eps['before']:.4g} with nothing named")
     said += [f"{eps['after']:.4g} with what is named"] if record["effects"] else []
     low, high = eps["interval"]
     warning = " (at its bound: a warning that the law is another)" if eps["at_bound"] else ""
@@ -160,8 +160,7 @@ def drag_ratio(record: Record) -> str:
 
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
-    found = [f"reference         {text}" for text in reference(record)]
-    found += [f"first             {text}" for text in inadequacy(record)]
+    found = [f"first             {text}" for text in inadequacy(record)]
     found.append(f"verdict           {record['verdict']}: {meaning(record)}")
     found += [f"law               {text}" for text in rival_law(record)]
     for e in record["effects"]:
@@ -169,6 +168,7 @@ def lines(record: Record) -> list[str]:
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
     found += [f"  or {title(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in undetected(record)]
+    found += [f"reference         {text}" for text in reference(record)]
     found += [_stage(s) for s in record["ladder"]]
     if record["drag_ratio"] is None:  # of an animal nobody expects servos
         found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]

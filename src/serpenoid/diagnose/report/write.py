@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.writing import provenance, write_json
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
 from serpenoid.table_file import write_table
+
+PREDICTION = "only to predict: not named as a cause"
+PREDICTS = (
+    "\nIt predicts the recorded motion. What is marked as not named is no cause that was found; the anisotropy ratio"
+    "\nwas fitted together with it, and holds only beside it."
+)
 
 
 def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -21,15 +29,24 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     """
     data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
     data |= {"kind": file.body.kind, "reference": reference}
-    comment = f"what the diagnosis of {file.name} found: {d.verdict}"
-    write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment)
     before = d.motion.selection.null.model
     known = {e.key: e for e in (*d.baseline.known, *before.effects)}
+    notes = [role(e, data["effects"], known) for e in d.model.effects]
+    comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes)
+    write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment, notes=notes)
     comment = f"what the diagnosis of {file.name} began with, calibrated"
     write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), comment=comment)
     data["next_experiment"] = _next_experiment(folder, d)
     write_json(folder / "diagnosis.json", data)
     return data
+
+
+def role(effect: ActiveEffect, named: Sequence[Mapping[str, Any]], known: Container[Any]) -> str:
+    """Whether an effect of the extended model is a cause that was named, known before, or there to predict."""
+    for one in named:
+        if (one["name"], one["place"]) == (effect.name, effect.place):
+            return "named, perhaps a stand-in" if one["stand_in"] else "named"
+    return "known before" if effect.key in known else PREDICTION
 
 
 def _next_experiment(folder: Path, d: Diagnosis) -> dict[str, Any] | None:
