@@ -14,7 +14,7 @@ from blind.campaign import make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, usual
-from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.data.repeats import chance_from, repeats
@@ -37,7 +37,7 @@ def track(gait: str, cycles: int, noise: object = None) -> Any:
     return SimpleNamespace(
         recording=recording, noise=noise, cycle=cycle, phase=phase, playing=phase < 1, least=np.zeros((count, 3)),
         marker_noise=None, doubt=0.0, displacement=np.zeros((count, 3)), duration=np.ones(count),
-        boundaries=np.arange(count + 1), usable=np.ones(count, dtype=bool),
+        boundaries=np.arange(count + 1), usable=np.ones(count, dtype=bool), time=np.arange(count + 1.0),
     )  # fmt: skip
 
 
@@ -76,9 +76,7 @@ def test_something_repeats_no_more_often_than_stated_on_chance_that_neighbours_s
     rng = np.random.default_rng(1)
     tracks = [track(gait, cycles) for gait in "aabb"]
     ends = np.arange(len(tracks[0].phase) + 1)
-    motion = cast(
-        Motion, SimpleNamespace(tracks=tuple(tracks), noise=SimpleNamespace(of=lambda t: np.ones((len(t.phase), 3))))
-    )
+    motion = cast(Motion, SimpleNamespace(tracks=tuple(tracks), noise=Noise(np.ones(3), np.ones(3))))
 
     def news(size: float) -> bool:
         same = [size * rng.normal(size=(len(ends) - 1, 3)) for _ in "ab"]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.memory import Memory
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.effects.active import ActiveEffect
@@ -17,15 +18,16 @@ from serpenoid.effects.active import ActiveEffect
 class Noise:
     """Standard deviations [m, m, rad] of a window's displacement while playing (3,) and in pauses (3,).
 
-    by_setting: of trials of one setting, while playing, where their repeats tell.
+    by_setting: of trials of one setting, while playing, where their repeats tell. memory: how long chance lasts.
     """
 
     playing: Floats
     pause: Floats
     by_setting: Mapping[tuple[str, float], Floats] = field(default_factory=dict)
+    memory: Memory = field(default_factory=Memory)
 
     def chance(self, track: Track) -> Floats:
-        """(B - 1, 3), independent from window to window; no less than the markers' own noise."""
+        """(B - 1, 3); no less than the markers' own noise."""
         if track.noise is not None:
             return track.noise.copy()
         playing = self.by_setting.get(track.recording.setting, self.playing)

@@ -6,12 +6,14 @@ Window noise: SD of the difference of two repeats' residuals over sqrt 2 (repeat
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION
-from serpenoid.diagnose.data.motion import Noise
+from serpenoid.diagnose.data.memory import Memory
+from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction, Track
 
@@ -54,13 +56,17 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
     differences = {setting: _finite(found) for setting, found in by.items()}
     moved = np.concatenate(list(differences.values()))
     noise = Noise(_sd(moved, least), np.hypot(_sd(_finite(rests), least), creep), _each(differences, least))
-    return noise, moved
+    memory = Memory.told(tracks, again, left, [noise.chance(t) for t in tracks])
+    return replace(noise, memory=memory), moved
 
 
-def noise_uncertain(tracks: Sequence[Track]) -> float:
-    """Standard deviation of the logarithm of a noise level: told by as many windows as were played again, or are."""
-    told = sum(len(r.here) for r in repeats(tracks)) or sum(len(t.usable) for t in tracks)
-    return float(1 / np.sqrt(2 * max(told, 1)))
+def noise_uncertain(motion: Motion) -> float:
+    """Standard deviation of the logarithm of a noise level: told by the windows that were played again, or by all, as
+    many as they are worth."""
+    told = [(motion.tracks[r.one], len(r.here)) for r in repeats(motion.tracks)]
+    told = told or [(t, len(t.usable)) for t in motion.tracks]
+    worth = sum(count / motion.noise.memory.common(t, motion.noise.chance(t)) for t, count in told)
+    return float(1 / np.sqrt(2 * max(worth, 1.0)))
 
 
 def _finite(parts: Sequence[Floats]) -> Floats:

@@ -35,9 +35,9 @@ def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
         window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
         true = accumulate(steps, np.zeros(3))[:, :2]
-        for n in range(DRAWS):
+        for n, drawn in enumerate(motion.noise.memory.draws(track, chance, rng, DRAWS)):
             doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
-            path = accumulate(steps + rng.normal(size=chance.shape) * chance + doubted, np.zeros(3))[:, :2]
+            path = accumulate(steps + drawn + doubted, np.zeros(3))[:, :2]
             squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
     return np.asarray(np.sqrt(squares.mean(axis=0)))
 

@@ -2,8 +2,8 @@
 
 With m the mean and d the difference of two repeats' residuals, the ratio 4 sum m^2 / sum d^2 is 1 if only chance is
 left, and exceeds a quantile of Fisher's F with a stated probability. How many numbers the residuals are worth, the
-fourth moment of d tells: directions, settings and pauses differ in noise. Neighbouring windows have a pose in common,
-so that at most half of their noise is the same. What the baseline is in doubt about repeats, too, and is no news.
+fourth moment of d tells: directions, settings and pauses differ in noise. They are worth the fewer, the longer chance
+lasts (memory.py). What the baseline is in doubt about repeats, too, and is no news.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
 
 GAUSSIAN = 3.0  # fourth moment over the squared second
-COMMON = 1 + 2 * 0.5**2  # variance of a sum of products over that of unlike ones: neighbours correlate by -1/2 at most
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ def _beyond(white: Sequence[Floats]) -> Shared:
 
 
 def _shared(motion: Motion, left: Sequence[Floats]) -> Shared:
-    top, bottom, fourth = np.zeros(3), np.zeros(3), 0.0
+    top, bottom, fourth, common, count = np.zeros(3), np.zeros(3), 0.0, 0.0, 0
     for repeat in repeats(motion.tracks):
         track, (one, other) = motion.tracks[repeat.one], repeat.both(left)
         noise = motion.noise.of(track)[repeat.here]
@@ -65,10 +64,12 @@ def _shared(motion: Motion, left: Sequence[Floats]) -> Shared:
         top += np.nansum(m**2, axis=0)
         bottom += np.nansum(d**2 + np.where(known, 2 * doubt, 0.0) ** 2, axis=0)
         fourth += float(np.nansum(d**4))
+        common += known.sum() * motion.noise.memory.common(track, motion.noise.chance(track))
+        count += int(known.sum())
     if not bottom.any():
         return Shared()
     ratio, by = top.sum() / bottom.sum(), np.divide(top, bottom, out=np.ones(3), where=bottom > 0)
-    degrees = GAUSSIAN * float(bottom.sum()) ** 2 / fourth / COMMON if fourth > 0 else 0.0
+    degrees = GAUSSIAN * float(bottom.sum()) ** 2 / fourth * count / common if fourth > 0 else 0.0
     return Shared(float(ratio), by, largest_ratio(degrees))
 
 

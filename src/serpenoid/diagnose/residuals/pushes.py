@@ -11,7 +11,7 @@ Legend: K differences of all settings.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtri
@@ -19,7 +19,7 @@ from scipy.special import ndtri
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import FEW
+from serpenoid.diagnose.data.noise import FEW, window_noise
 from serpenoid.diagnose.data.paths import apart
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
@@ -80,6 +80,16 @@ def pushed(motion: Motion, left: Sequence[Floats]) -> list[tuple[int, int, Float
     drawn = found.measured(np.random.default_rng(0).normal(size=(DRAWS, *found.values.shape))).max(axis=(1, 2))
     rows = np.flatnonzero(sizes > np.quantile(drawn, 1 - LEFT))
     return [(int(found.track[i]), int(found.window[i]), np.sqrt(2) * found.values[i]) for i in rows]
+
+
+def calm(motion: Motion, left: Sequence[Floats], pushes: Sequence[tuple[int, int, Floats]]) -> Motion:
+    """The motion with the noise of the windows without pushes: what is news is no chance."""
+    if not pushes:
+        return motion
+    rest = [x.copy() for x in left]
+    for track, window, _ in pushes:
+        rest[track][window] = np.nan
+    return replace(motion, noise=window_noise(motion.tracks, rest)[0])
 
 
 def trace(motion: Motion, predictions: Sequence[Prediction], pushes: Sequence[tuple[int, int, Floats]]) -> float:

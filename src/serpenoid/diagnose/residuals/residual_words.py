@@ -7,11 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import largest_factor
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.noise import noise_uncertain, residuals
+from serpenoid.diagnose.data.paths import path_draws, total
 from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.windows import Prediction
-from serpenoid.diagnose.residuals.pushes import pushed, trace
+from serpenoid.diagnose.inference.finding import VISIBLE
+from serpenoid.diagnose.residuals.pushes import calm, pushed, trace
 
 DIRECTIONS = ("forward or backward", "sideways", "in turning")
 SIGNS = (
@@ -22,13 +25,10 @@ SIGNS = (
 ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
 
 
-def pattern(
-    motion: Motion, predictions: Sequence[Prediction], path: float, chance: float, visible_m: float
-) -> tuple[str, ...]:
-    """Sentences about what is left, or none. path: its RMS over the noise; chance: what it may be without a cause;
-    visible_m: the smallest trace in a path that is spoken of."""
+def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -> tuple[str, ...]:
+    """Sentences about what is left, or none. after_m: RMS of paths."""
     left = residuals(motion.tracks, predictions)
-    shared = repeatable(motion, left)
+    shared, pushes = repeatable(motion, left), pushed(motion, left)
     words = []
     if shared.news:
         worst = int(shared.by.argmax())
@@ -36,10 +36,13 @@ def pattern(
         words.append(f"what is left {verb} {shared.ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _when(motion, left, worst)
         words += _where(motion, left)
-    if path > chance:
-        words.append(f"paths stray from the measured ones by {path:.1f} times the noise")
-    pushes = pushed(motion, left)
-    if trace(motion, predictions, pushes) > visible_m:
+    chance = calm(motion, left, pushes)
+    draws = path_draws(chance, predictions)
+    level = total(draws)
+    most = largest_factor(float(np.hypot(np.log(draws / level).std(), noise_uncertain(chance))))
+    if after_m > most * level:
+        words.append(f"paths stray from the measured ones by {after_m / level:.1f} times the noise")
+    if trace(motion, predictions, pushes) > VISIBLE * level:
         words.append(
             f"repeats differ by pushes in single trials that no law of the floor explains{where_pushed(motion, pushes)}"
         )

@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC, largest_factor
+from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import noise_uncertain
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_draws, path_error
+from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import make_tracks
@@ -154,11 +153,7 @@ def undetected_of(t: Weak, noise_level_m: float) -> Named:
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
     motion, predictions = found.motion, found.settled.predictions
-    after_m = path_error(motion, predictions, mend)
-    draws = np.log(path_draws(motion, predictions) / found.noise_level_m)
-    chance = largest_factor(float(np.hypot(draws.std(), noise_uncertain(motion.tracks))))
-    visible_m = VISIBLE * found.noise_level_m
-    return pattern(motion, predictions, after_m / found.noise_level_m, chance, visible_m)
+    return pattern(motion, predictions, path_error(motion, predictions, mend))
 
 
 def named_of(

@@ -1,0 +1,116 @@
+"""Chance that lasts: pushes that are forgotten within a cycle are told from repeats, and raise no doubt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from serpenoid.diagnose.data.memory import covariance
+from serpenoid.diagnose.data.motion import Motion, Noise
+from serpenoid.diagnose.data.noise import window_noise
+from serpenoid.diagnose.data.paths import path_error, path_noise
+from serpenoid.diagnose.residuals.residual_words import pattern
+from serpenoid.group import accumulate
+
+PHASES, WINDOW_S, FINE, PUSH, POSE = 8, 0.4, 20, 1e-3, 5e-4
+LEAST = POSE * np.sqrt(2)
+STEP = np.array([0.01, 0.0, 0.02])
+
+
+def pushed_windows(rng: np.random.Generator, count: int, time: float) -> np.ndarray:
+    """What pushes of unit size, forgotten in `time` [s], add up to over successive windows (count, 3)."""
+    steps = rng.normal(size=(count * FINE, 3))
+    kept = np.exp(-WINDOW_S / FINE / time) if time else 0.0
+    for i in range(1, len(steps)):
+        steps[i] = kept * steps[i - 1] + np.sqrt(1 - kept**2) * steps[i]
+    windows = steps.reshape(count, FINE, 3).sum(axis=1)
+    return np.asarray(windows / (FINE if time else np.sqrt(FINE)))
+
+
+def campaign(seed: int, time: float, cycles: int = 6, settings: int = 6, gust: float = 0.0) -> tuple[Motion, list[Any]]:
+    """Every setting twice; markers' noise of poses, and pushes whose memory is `time` [s].
+
+    gust: a push [m a window] of the first of each two trials, over three windows somewhere.
+    """
+    rng = np.random.default_rng(seed)
+    count = PHASES * cycles
+    true = np.tile(STEP, (count, 1))
+    tracks = []
+    for name in [f"{i // 2}" for i in range(2 * settings)]:
+        moved = true + PUSH * pushed_windows(rng, count, time)
+        if gust and len(tracks) % 2 == 0:
+            begin = int(rng.integers(count - 3))
+            moved[begin : begin + 3, :2] += gust * rng.normal(size=2)
+        path = accumulate(moved, np.zeros(3))
+        seen = path + rng.normal(0, POSE, path.shape)
+        c, s = np.cos(seen[:-1, 2]), np.sin(seen[:-1, 2])
+        moved = np.diff(seen, axis=0)
+        moved = np.column_stack([c * moved[:, 0] + s * moved[:, 1], c * moved[:, 1] - s * moved[:, 0], moved[:, 2]])
+        tracks.append(
+            SimpleNamespace(
+                recording=SimpleNamespace(
+                    name=name, setting=(name, 3.0), body=SimpleNamespace(total_length_m=0.5)
+                ),
+                phase=np.tile((np.arange(PHASES) + 0.5) / PHASES, cycles), cycle=np.repeat(np.arange(cycles), PHASES),
+                playing=np.ones(count, dtype=bool), usable=np.ones(count, dtype=bool), noise=None, doubt=0.0,
+                gap_windows=np.zeros(count, dtype=bool), time=WINDOW_S * np.arange(count + 1), poses=seen,
+                boundaries=np.arange(count + 1), duration=np.full(count, WINDOW_S), measured=seen, displacement=moved,
+                least=np.full((count, 3), LEAST),
+            )
+        )  # fmt: skip
+    left = [t.displacement - true for t in tracks]
+    noise, _ = window_noise(tracks, left)
+    predictions = [SimpleNamespace(displacement=true) for _ in tracks]
+    return Motion(tuple(tracks), noise, tuple(range(len(tracks)))), predictions
+
+
+@pytest.mark.parametrize("time", [0.1, 0.5, 2.0])
+def test_covariance_is_that_of_pushes_and_of_poses_in_common(time: float) -> None:
+    rng = np.random.default_rng(0)
+    motion, _ = campaign(0, time, cycles=1, settings=1)
+    track, count = motion.tracks[0], PHASES
+    drawn = np.stack([PUSH * pushed_windows(rng, 10 * count, time).reshape(10, count, 3) for _ in range(100)])
+    poses = rng.normal(0, POSE, (*drawn.shape[:2], count + 1, 3))
+    values = (drawn + np.diff(poses, axis=2))[..., 0].reshape(-1, count)
+    size = np.full((count, 3), values.std())
+    # 1000 rows, ten of one run of pushes: a correlation is good to 0.05 or so where runs are long
+    np.testing.assert_allclose(
+        covariance(track, size, time)[0] / values.var(), np.cov(values.T) / values.var(), atol=0.1
+    )
+
+
+def test_the_time_in_which_pushes_are_forgotten_is_told_by_repeats() -> None:
+    for time in (0.25, 1.0):
+        found = campaign(1, time)[0].noise.memory
+        mean = float(np.exp(np.dot(np.log(np.maximum(found.times, 1e-3)), found.weights)))
+        assert mean == pytest.approx(time, rel=0.5)  # times are tried in factors of about two
+    found = campaign(1, 0.0)[0].noise.memory
+    assert np.dot(found.times, found.weights) < WINDOW_S / 3
+
+
+@pytest.mark.parametrize("time", [0.0, 0.25, 1.0])
+def test_pushes_that_last_for_some_windows_raise_no_doubt(time: float) -> None:
+    """As independent windows draw them, paths of most campaigns whose pushes last for a second stray."""
+    doubts, ratios, alone = 0, [], 0
+    for seed in range(8):
+        motion, predictions = campaign(seed, time)
+        after = path_error(motion, predictions)
+        doubts += bool(pattern(motion, predictions, after))
+        ratios.append(after / path_noise(motion, predictions))
+        independent = replace(motion, noise=Noise(motion.noise.playing, motion.noise.pause))
+        alone += bool(pattern(independent, predictions, after))
+    assert doubts <= 1  # 8 * ERROR, and three binomial standard deviations more
+    assert np.median(ratios) == pytest.approx(1, abs=0.2)
+    assert alone > 4 or time < 1
+
+
+def test_a_gust_in_every_second_trial_is_no_chance_that_lasts() -> None:
+    """It is most of what repeats differ by: as chance, its trace in the path would be no more than noise."""
+    for seed in range(3):
+        motion, predictions = campaign(seed, 0.0, cycles=2, gust=0.03)
+        words = pattern(motion, predictions, path_error(motion, predictions))
+        assert any("pushes in single trials" in w for w in words)
