@@ -17,7 +17,9 @@ import pytest
 
 from serpenoid.cli.main import main
 from serpenoid.files.schema import load as load_file
+from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.trial_files import read_files
 from serpenoid.problem import load
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
@@ -231,3 +233,13 @@ def test_the_same_name_twice_is_refused(played: Path, capsys) -> None:
     assert add(played) == 0
     assert add(played) == 2
     assert "has a trial `wave-1` already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["long", "tidy", "c3d"])
+def test_a_new_campaign_of_any_format_is_read_and_says_which_keys_the_format_needs(tmp_path: Path, kind: str) -> None:
+    new("campaign", tmp_path / "camp", "--format", kind)
+    text = (tmp_path / "camp" / "campaign.toml").read_text(encoding="utf-8")
+    assert ("columns = {" in text) == (kind in ("long", "tidy"))
+    assert ("up_axis" in text) == (kind == "c3d")
+    assert "kind = " in text
+    assert len(read_files(*load_campaign_file(tmp_path / "camp"))[1]) == 1

@@ -128,3 +128,6 @@ def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFix
 def test_show_says_where_a_folder_holds_no_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["show", str(tmp_path)]) == 2
     assert "holds no results" in capsys.readouterr().err
+    (tmp_path / "mine.toml").write_text("")
+    assert main(["show", str(tmp_path)]) == 2
+    assert "or `serpenoid measure` one of mine.toml" in capsys.readouterr().err

@@ -17,6 +17,7 @@ from serpenoid.diagnose.report.cards import cards, worse
 from serpenoid.diagnose.report.pages import write_pages
 from serpenoid.diagnose.residuals.maps import ACROSS, cell_side, windows
 from serpenoid.plot import diagnosis, diagnosis_ladder, diagnosis_maps
+from serpenoid.plot.style import figure
 from serpenoid.report.animated import ALL_FRAMES, animation_data
 from serpenoid.report.glossary import glossed
 
@@ -151,3 +152,21 @@ def test_terms_are_explained_once_and_names_stay_text() -> None:
     text = str(glossed("noise level <b>, noise level, Simone"))
     assert text.count("<abbr") == 1
     assert "&lt;b&gt;" in text
+
+
+def test_gains_are_joined_only_between_neighbouring_vertices_and_every_vertex_has_a_tick() -> None:
+    ax = figure(4.0, 3.0).add_subplot()
+    diagnosis_maps.vertex_scores([("load", k, 5.0 + k) for k in (0, 1, 4, 7)], ax)
+    (line,) = ax.lines
+    assert np.isnan(line.get_ydata()[[2, 3, 5, 6]]).all()
+    assert ax.get_xticks().tolist() == list(range(8))
+
+
+@pytest.mark.parametrize(("gain", "scale"), [(40.0, "linear"), (5e5, "log")])
+def test_what_chance_gains_is_seen_beside_any_gain(gain: float, scale: str) -> None:
+    best = SimpleNamespace(effects=())
+    found = SimpleNamespace(scores=[("load", 1, gain), ("load", 2, 3.0)], best=best)
+    fig = diagnosis.ranking_figure(SimpleNamespace(motion=SimpleNamespace(selection=found)))  # type: ignore[arg-type]
+    (ax,) = fig.axes
+    assert ax.get_xscale() == scale
+    assert "chosen" not in ax.get_legend_handles_labels()[1]

@@ -140,6 +140,15 @@ FORMATS: dict[str, tuple[Writer, Callable, str, float]] = {
 }
 
 
+@pytest.mark.parametrize("unit", ["micrometers", "micrometres", "microns", "um"])
+def test_units_of_a_wcon_file_may_be_spelt_out(tmp_path, unit):
+    time, points = swimmer()
+    wcon(tmp_path / "w.wcon", time, points)
+    text = (tmp_path / "w.wcon").read_text().replace('"s"', '"seconds"')
+    (tmp_path / "w.wcon").write_text(text.replace('"um"', f'"{unit}"'))
+    np.testing.assert_allclose(read_wcon(tmp_path / "w.wcon", Timing()).floor, points * 1e-6)
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_format_gives_back_the_points(tmp_path, name):
     time, points = swimmer()

@@ -64,8 +64,8 @@ def lines(study: Study, origin: str) -> list[str]:
         found.append(f"{gait:<24}{''.join(cells)}   Resim / Exp = {share:.3f}")
     for s in study.ratios:
         found.append(
-            f"{s.pair:<12} mean {s.mean:.4f} STD {s.std:.4f} | bias {s.bias:.3f} s {s.s:.4f} "
-            f"rank {s.rank_text} wrong pairs {len(s.wrong_pairs)}/{s.pair_count}"
+            f"{s.pair:<12} Xi: mean {s.mean:.4f}, SD {s.std:.4f}; typical ratio {s.bias:.3f}, SD of its "
+            f"logarithm {s.s:.4f}; rank correlation {s.rank_text}, {len(s.wrong_pairs)} of {s.pair_count} pairs wrong"
         )
     for point in study.costs:
         c = "" if point.dissipation_coefficient is None else f" at c = {point.dissipation_coefficient:g}"

@@ -94,7 +94,7 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
             found.append(f"  mean of trials  {calibration.mean[i]:.6g}   {text}")
     if "anisotropy_ratio" in calibration.names:
         ratio, least, most = drag_ratio(together, model)
-        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g}")
+        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (noise or robust: the wider)")
         spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
         bound = ", at a bound" if any(fit.at_bound for fit in calibration.trials) else ""
         found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})")

@@ -78,8 +78,6 @@ def made_up(campaign: str | Path) -> list[str]:
 
 def trial_lines(trial: Trial) -> list[str]:
     """One trial in a few lines."""
-    from serpenoid.measure.usage import usage
-
     kinds = {
         "motion": trial.motion,
         "table": trial.schedule,
@@ -100,7 +98,7 @@ def trial_lines(trial: Trial) -> list[str]:
         lines.append(f"  body              {_body_words(trial, motion)}")
         unit = metric(trial.metres * motion.marker_sd) if trial.metres else f"{motion.marker_sd:.5f} body lengths"
         lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
-        lines.append(f"  seconds           {usage(trial)}")
+        lines.append(f"  seconds           {_seconds_words(trial, motion)}")
         for p in trial.passages:
             lines.append(f"  cycle {p.cycle + 1}           {trial.displacement(p):.4f} body lengths")
         long = [gap for gap in motion.gaps if not gap.short]
@@ -121,10 +119,27 @@ def trial_lines(trial: Trial) -> list[str]:
     return lines + [f"  note              {note}" for note in trial.notes]
 
 
+def _promised(trial: Trial) -> str:
+    """What the campaign says of the period, where there are pauses."""
+    schedule = trial.schedule
+    if schedule is None or not schedule.pause_s:
+        return ""
+    return f" (cycle and pause: {schedule.cycle_duration_s:g} + {schedule.pause_s:g} s)"
+
+
 def metric(metres: float) -> str:
     """A length in the unit that people would use of it."""
     unit, size = next(((u, s) for u, s in (("m", 1.0), ("mm", 1e-3)) if metres >= 0.01 * s), ("um", 1e-6))
     return f"{metres / size:.4g} {unit}"
+
+
+def _seconds_words(trial: Trial, motion: Motion) -> str:
+    """Used, dropped, and what belongs to no cycle."""
+    from serpenoid.measure.usage import usage
+
+    used = usage(trial)
+    rest = float(motion.time_s[-1] - motion.time_s[0]) - used.promised_s
+    return f"{used}, {rest:.2g} s outside the cycles" if rest >= 0.01 else str(used)
 
 
 def _body_words(trial: Trial, motion: Motion) -> str:
@@ -133,4 +148,6 @@ def _body_words(trial: Trial, motion: Motion) -> str:
 
     period = period_s(Signal(motion.time_s, motion.joint_angles))
     length = f"{metric(trial.metres)} long" if trial.metres else "of unknown length (pixels)"
-    return f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period")
+    return (
+        f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period") + _promised(trial)
+    )

@@ -34,9 +34,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
     name = next((name for name in RECORDS if (folder / name).exists()), None)
     if name is None and not (folder / "campaign.toml").exists():
-        raise InputError(
-            f"{folder}: holds no results: none of {', '.join(RECORDS)}, campaign.toml. Name a folder within?"
-        )
+        raise InputError(f"{folder}: holds no results: none of {', '.join(RECORDS)}, campaign.toml.{_others(folder)}")
     try:
         record = read_record(folder, name) if name else {}
         lines = RECORDS[name](folder, record) if name else _campaign_lines(folder)
@@ -52,6 +50,13 @@ def run(args: argparse.Namespace) -> int:
     options.report(args, record, [*lines, *files])
     options.open_page(args, folder)
     return 0
+
+
+def _others(folder: Path) -> str:
+    """What else may have been meant: TOML files here, or a folder within."""
+    files = sorted(path.name for path in folder.glob("*.toml"))
+    few = ", ".join(files[:3]) + (", ..." if len(files) > 3 else "")
+    return f" Name a folder within{f', or `serpenoid measure` one of {few}' if files else ''}?"
 
 
 def _taken_by(path: Path) -> str:

@@ -40,7 +40,6 @@ def compared_model(campaign: Campaign, eps: float | None = None, dissipation: st
         return start, "nothing to fit it to"
     found = anisotropy(campaign, start)
     ratio, low, high = drag_ratio(found, start)
-    how_sure = (
-        f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g}; K = {ratio:.4g}, {low:.4g} .. {high:.4g}"
-    )
+    noise = f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g} by noise alone"
+    how_sure = f"{noise}; K = {ratio:.4g}, 95 % {low:.4g} .. {high:.4g} by what is left, too"
     return changed(start, found.names, found.values), f"fitted to all trials together, {how_sure}"

@@ -18,6 +18,7 @@ from serpenoid.medium import Medium
 from serpenoid.table_file import read_table as read_joint_table
 
 Positive = Annotated[float, Field(gt=0)]
+OF_A_FORMAT = {"columns", "time_unit"}
 NotNegative = Annotated[float, Field(ge=0)]
 
 
@@ -43,13 +44,15 @@ class MotionKeys(Record):
         return self
 
     def over(self, other: MotionKeys) -> MotionKeys:
-        """These keys, and `other`'s where these are not given."""
+        """These keys, and `other`'s where these are not given; columns are those of a format."""
         mine = {
             key: value
             for key, value in self.model_dump().items()
             if key in MotionKeys.model_fields and value is not None
         }
-        return MotionKeys.model_validate({**other.model_dump(), **mine})
+        another = self.format is not None and self.format != other.format
+        theirs = {key: value for key, value in other.model_dump().items() if not (another and key in OF_A_FORMAT)}
+        return MotionKeys.model_validate({**theirs, **mine})
 
 
 class TrialEntry(MotionKeys):

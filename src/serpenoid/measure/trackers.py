@@ -24,12 +24,20 @@ from serpenoid.measure.tracks import METRES, Tracks
 
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
-UNITS_WCON = {
-    "m": "m", "metre": "m", "meter": "m", "cm": "cm", "centimetre": "cm", "centimeter": "cm", "mm": "mm",
-    "millimetre": "mm", "millimeter": "mm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
-    "micrometre": "um", "micrometer": "um", "px": "px", "pixel": "px", "pixels": "px",
-}  # fmt: skip
-SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "min": 60.0}
+UNITS_WCON = {name: unit for unit, names in {
+    "m": ("metre", "meter"), "cm": ("centimetre", "centimeter"), "mm": ("millimetre", "millimeter"),
+    "um": ("µm", "micron", "micrometre", "micrometer"), "px": ("pixel",),
+}.items() for name in (unit, *names, *(f"{long}s" for long in names))}  # fmt: skip
+SECONDS = {
+    "s": 1.0,
+    "sec": 1.0,
+    "second": 1.0,
+    "seconds": 1.0,
+    "ms": 1e-3,
+    "min": 60.0,
+    "minute": 60.0,
+    "minutes": 60.0,
+}
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ def residual_along_body(comparison: Comparison, ax: Axes) -> Axes:
     values = comparison.residual_along_body()
     ax.bar(np.arange(len(values)), values, color=BLUE, width=0.7)
     ax.set_xticks(np.arange(len(values))[:: 1 + len(values) // LETTERED])
-    return dress(ax, "", "vertex (0 = tail)", "RMS velocity residual\n[body lengths / s]")
+    return dress(ax, "Exp - Resim", "vertex (0 = tail)", "RMS velocity residual\n[body lengths / s]")
 
 
 def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:

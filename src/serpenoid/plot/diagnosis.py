@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
 
 COLUMNS = 4
+WIDE = 30.0  # times what chance gains: beyond, the line of chance would touch the axis
 PARTS = {"actuation": "joints", "observation": "markers"}
 LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
 
@@ -120,13 +121,19 @@ def ranking_figure(d: Diagnosis) -> Figure:
     ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()
     dress(ax, "", "chi squared gained to first order, less its parameters' price", "")
-    ax.ticklabel_format(axis="x", style="plain")
-    ax.set_xlim(0, 1.05 * max([needed, *(s for *_, s in best)]))
+    gains = [needed, *(s for *_, s in best)]
+    if max(gains) > WIDE * needed:
+        ax.set_xscale("log")
+        ax.set_xlim(0.5 * min(gains), 2 * max(gains))
+    else:
+        ax.ticklabel_format(axis="x", style="plain")
+        ax.set_xlim(0, 1.05 * max(gains))
     ax.axvline(
         needed, color=INK, lw=1.0, ls="--", label=f"{needed:.0f}: what the best of {len(scores)} gains by chance"
     )
-    ax.plot([], [], "s", color=BLUE, label="chosen")
+    if BLUE in colours:
+        ax.plot([], [], "s", color=BLUE, label="chosen")
     ax.plot([], [], "s", color="#9CC3DB", label="not chosen: less in full, or another explains it")
-    legend_above(ax, 2)
+    legend_above(ax, 1)
     ax.grid(visible=False, axis="y")
     return fig

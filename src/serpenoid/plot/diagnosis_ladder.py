@@ -28,6 +28,7 @@ def ladder_figure(ladder: Sequence[Step]) -> Figure:
     fig = figure(2.4 * max(len(ladder), 1.5), 2.9)
     for ax, step in zip(fig.subplots(1, len(ladder), squeeze=False).flat, ladder, strict=True):
         stage(step.error, ax)
+    fig.legend(*fig.axes[0].get_legend_handles_labels(), loc="outside upper left", frameon=False, fontsize=SMALL)
     return fig
 
 
@@ -39,7 +40,7 @@ def stage(error: Error, ax: Axes) -> Axes:
         top = scale * max(value, error.noise_level)  # clear of the line
         times = f"{value / error.noise_level:.2g} \N{MULTIPLICATION SIGN}\nnoise"
         ax.text(i, top, times, ha="center", va="bottom", fontsize=SMALL)
-    ax.axhline(scale * error.noise_level, color=INK, lw=1.0, ls="--")
+    ax.axhline(scale * error.noise_level, color=INK, lw=1.0, ls="--", label="noise level")
     ax.set_xticks([0, 1], ["before", "after"])
     ax.set_xlim(-0.6, 1.6)
     ax.set_ylim(0, 1.3 * scale * max(error.before, error.after, error.noise_level))

@@ -127,15 +127,18 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
 
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
     """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
-    largest = gained_by_chance(len(scores))
+    largest, last = gained_by_chance(len(scores)), 0
     names = (kind.name for kind in motion_effects() if kind.place == "vertex")
     for name, (colour, mark) in zip(names, cycle(LINES), strict=False):
         mine = sorted((p, max(s, 0.0)) for n, p, s in scores if n == name and p is not None)
         if mine:
             places, gains = zip(*mine, strict=True)
-            ax.plot(places, gains, "-", marker=mark, color=colour, ms=4, label=name)
-            ax.set_xticks(places if len(places) <= MOST_TICKS else places[::2])
-            largest = max(largest, *gains)
+            every = np.arange(places[0], places[-1] + 1)
+            at = np.full(len(every), np.nan)  # no line across vertices that were not tried
+            at[np.subtract(places, places[0])] = gains
+            ax.plot(every, at, "-", marker=mark, color=colour, ms=4, label=name)
+            last, largest = max(last, places[-1]), max(largest, *gains)
+    ax.set_xticks(np.arange(0, last + 1, 1 if last < MOST_TICKS else 2))
     ax.set_ylim(0, 1.1 * largest)
     ax.legend(frameon=False, fontsize=SMALL)
     return dress(ax, "Gain of an effect there", "vertex (0 = tail)", "chi squared to first order")

@@ -8,12 +8,14 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.colors import ListedColormap
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
 from serpenoid.plot.style import ANGLE_MAP, CHAIN_MAP, GREY, RED, SMALL, colour_bar, dress
 
 X_LABEL, ONCE = "phase [cycles]", "time [share of the motion]"
+SHADES = 256  # matplotlib draws a bar of a few as patches
 FAR = 2.0  # times the data: a limit beyond would take more than half of the picture
 
 
@@ -76,8 +78,9 @@ def angle_bar(ax: Axes | list[Axes], reach: float) -> None:
 
 
 def joint_bar(ax: Axes | list[Axes], count: int) -> None:
-    """Colour bar that names the joints' colours."""
-    bar = colour_bar(ax, CHAIN_MAP, 0.5, count + 0.5, "joint (1 = next to the tail)", pad=0.02, aspect=40)
+    """Colour bar that names the joints' colours, one beside the other; of many shades, so that SVG has one image."""
+    colours = ListedColormap(np.repeat(joint_colours(count), 1 + SHADES // count, axis=0))
+    bar = colour_bar(ax, colours, 0.5, count + 0.5, "joint (1 = next to the tail)", pad=0.02, aspect=40)
     bar.locator = MaxNLocator(integer=True, nbins=min(count, 10), min_n_ticks=1)
     bar.update_ticks()
 

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.plot.body import draw_body, shapes
-from serpenoid.plot.style import GREY, INK, PHASE_MAP, SMALL, around, dress
+from serpenoid.plot.style import INK, PHASE_MAP, SMALL, around, dress
 from serpenoid.trajectory import Trajectory
 
 NICE = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0])
@@ -52,7 +52,7 @@ def motion(
     ax.plot(*poses[:, :2].T, color=INK, linewidth=1.6, zorder=3, label="centre of mass")
     ax.plot(*poses[:1, :2].T, "o", markersize=7, color="white", markeredgecolor=INK, zorder=5, label="start")
     ax.plot(*poses[-1:, :2].T, "s", markersize=7, color=INK, zorder=5, label="end")
-    ax.plot([], [], "o", markersize=8, color=GREY, label="head")
+    ax.plot([], [], "o", markersize=8, color=PHASE_MAP(0.0), label="head")
     points = np.concatenate([chains[rows].reshape(-1, 2), poses[:, :2]])
     _frame(points, ax, body_length_m)
     return dress(ax, title, "x [body lengths]", "y [body lengths]")

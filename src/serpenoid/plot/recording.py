@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from serpenoid.body import Floats
 from serpenoid.measure.trial import Trial
 from serpenoid.plot.body import draw_body
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREY, INK, ORANGE, RED, SMALL, dress, figure, legend_above
@@ -18,14 +19,21 @@ DRAWN = 400  # points of a path: more cannot be seen
 
 
 def trial_figure(trial: Trial) -> Figure:
-    """Floor, visibility and joint angles of one trial."""
+    """Floor, visibility and joint angles of one trial; a path that is wider than high has the whole width."""
     fig = figure(9.2, 6.4)
-    grid = fig.add_gridspec(2, 2, width_ratios=[1.15, 1.0], height_ratios=[1.0, 1.0])
-    floor(trial, fig.add_subplot(grid[:, 0]))
-    visibility(trial, fig.add_subplot(grid[0, 1]))
+    wide = trial.motion is not None and _is_wide(trial.motion.markers)
+    grid = fig.add_gridspec(2, 2, width_ratios=[1.0, 1.0] if wide else [1.15, 1.0])
+    floor(trial, fig.add_subplot(grid[0, :] if wide else grid[:, 0]))
+    visibility(trial, fig.add_subplot(grid[1, 0] if wide else grid[0, 1]))
     angles(trial, fig.add_subplot(grid[1, 1]))
     fig.suptitle(f"{trial.name}: what was recorded", fontsize=11, x=0.01, ha="left")
     return fig
+
+
+def _is_wide(markers: Floats) -> bool:
+    """Of positions (F, N, 2), some of them NaN."""
+    width, height = np.nanmax(markers, axis=(0, 1)) - np.nanmin(markers, axis=(0, 1))
+    return bool(width > 1.2 * height)
 
 
 def floor(trial: Trial, ax: Axes) -> Axes:
@@ -45,8 +53,13 @@ def floor(trial: Trial, ax: Axes) -> Axes:
         if jump.vertex is None:
             ax.plot(*motion.poses[jump.frame, :2], marker="x", color=RED, ms=8, mew=2)
     ax.set_aspect("equal", adjustable="datalim")
+    if trial.passages:
+        for colour, label in ((GREY, "body as a cycle begins"), (BLUE, "as it ends")):
+            ax.plot([], [], color=colour, lw=2.4, label=label)
     unit = "body lengths"
-    return dress(ax, "Markers (tail dark, head light), centroid", f"x [{unit}]", f"y [{unit}]")
+    dress(ax, "Markers (tail dark, head light)", f"x [{unit}]", f"y [{unit}]")
+    legend_above(ax, 3)
+    return ax
 
 
 def visibility(trial: Trial, ax: Axes) -> Axes:
@@ -78,6 +91,7 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
     for jump in motion.jumps:
         ax.plot(jump.time_s, 0 if jump.vertex is None else jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
     title = f"Hidden (dark): {motion.hidden_share:.1%} of all marker positions"
+    title += "; orange: too long to bridge" if any(not gap.short for gap in motion.gaps) else ""
     return dress(ax, title, "time [s]", "vertex", grid=False)
 
 
@@ -100,9 +114,9 @@ def angles(trial: Trial, ax: Axes) -> Axes:
     for passage in trial.passages:
         ax.axvspan(motion.time_s[passage.first], motion.time_s[passage.last], color=FAINT, alpha=0.6, lw=0, zorder=0)
     dress(ax, "", "time [s]", "joint angle [rad]")
-    legend_above(ax, 3)
     if commanded is not None:
-        ax.text(0.99, 0.02, "dashed: commanded", transform=ax.transAxes, ha="right", fontsize=SMALL, color=GREY)
+        ax.plot([], [], color=GREY, lw=0.9, ls=(0, (3, 2)), label="commanded")
+    legend_above(ax, 4)
     return ax
 
 

@@ -117,4 +117,4 @@ def _optional(module: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError:
-        raise InputError("--format ros2 needs more packages: pip install mcap mcap-ros2-support pyyaml.") from None
+        raise InputError("--format ros2 needs more packages: pip install -e '.[ros]'.") from None

@@ -20,6 +20,11 @@ END = "# --- end of what is made up ---"
 CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
 BY_NAME = ("motive", "c3d", "deeplabcut", "sleap")  # formats whose points have names
+AXES = {"motive": ['up_axis = "y"                # motive: usually "y"'], "c3d": ['up_axis = "z"']}
+COLUMNS = {
+    "long": ['columns = { time = "t", point = "point", x = "x", y = "y" }   # your names: one row per frame and point'],
+    "tidy": ['# columns = { time = "t_s", x = "x_*", y = "y_*" }   # names of your own, two columns per point'],
+}
 
 
 def _format(text: str) -> str:
@@ -100,6 +105,7 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             "",
             "[body]",
             f"vertices = {body.vertices}",
+            f'{"" if body.kind else "# "}kind = "{body.kind or "wheeled robot"}"   # or swimmer, crawler',
             f"edge_lengths = [{lengths}]   # metres, tail to head: measure them",
             f"weights = [{weights}]",
             *joints,
@@ -108,8 +114,9 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             "[motion]                     # how the motion files are to be read; a trial may override any key",
             f'format = "{answers["format"]}"',
             'length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl',
-            'up_axis = "y"                # motive: usually "y"',
+            *AXES.get(answers["format"], []),
             f"frames_per_second = {answers['frames-per-second']:g}",
+            *COLUMNS.get(answers["format"], []),
             markers if by_name else f"# {markers}",
             "",
             BEGIN,

@@ -51,6 +51,7 @@ question = "Which gait carries {name} farthest per cycle, at a given price of di
 
 [body]
 vertices = {answers["joints"] + 2}             # tail marker, joints, head marker
+# kind = "wheeled robot"     # or swimmer, crawler: which effects `diagnose` tries; all, where it is left out
 edge_lengths = [{listed}]   # metres, tail to head
 weights = [{weights}]   # what each vertex carries, on any scale: half of each of its links, or weigh them
 mass_kg = {answers["mass"]:g}

@@ -28,16 +28,16 @@ from serpenoid.report.animated import Animated, animation_data
 from serpenoid.report.pages import Picture, Table, write_page
 
 CAPTIONS = {
-    "paths": "Centroid from the measured first pose, which heads along x; dots mark the ends. Each prediction comes "
-    "from a fit to the other gaits. Ink: measured, orange: baseline, blue: extended model.",
+    "paths": "Centroid from the measured first pose, which heads along x; one curve for each repeat, dots mark the "
+    "ends. Each prediction comes from a fit to the other gaits. Ink: measured, orange: baseline, blue: extended model.",
     "ladder": "Error of each stage before and after the named effects, with its ratio to the noise level (dashed).",
     "joints": "Commanded minus realised angle, joint by joint.",
     "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
     "residuals": "Residual body velocity of every window (an eighth of a cycle, or half a pause), seen from the body: "
     "measured minus predicted. Lines: means. Grey: where 95 % of windows lie if only chance is left.",
     "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
-    "along-body": "Left and middle: the residual motion as each vertex makes it. Right: how much better held-out gaits "
-    "would be predicted with an effect at that vertex, to first order (0: not at all).",
+    "along-body": "Left and middle: the residual motion as each vertex makes it. Right: chi squared that an effect at "
+    "that vertex would gain, to first order (0: nothing).",
     "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
     "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
     "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
