@@ -13,9 +13,13 @@ import pytest
 
 from blind.ground import Ground
 from blind.swimmers import NOISE, OUTSIDE, Swimmer, write
+from serpenoid.diagnose.data import tracked
 from serpenoid.diagnose.data.shapes_from_points import from_points
 from serpenoid.diagnose.data.tracked import tracked_recordings
+from serpenoid.diagnose.data.windows import Track
 from serpenoid.measure.load import load_campaign
+from serpenoid.medium import Medium
+from serpenoid.model import Model
 
 ROOT = Path(__file__).parents[2]
 SHORT_S = 5.0  # five strokes of the body
@@ -117,3 +121,26 @@ def test_draws_of_the_states_scatter_as_the_smoothed_states_do(tmp_path: Path) -
     filmed = [from_points(body, time, points + noise.normal(0, NOISE, points.shape)).states.angles for _ in range(20)]
     true = np.std([f - quiet.states.angles for f in filmed])
     assert drawn == pytest.approx(true, rel=0.15)
+
+
+def test_windows_in_which_a_model_has_no_root_have_the_noise_of_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A search tries models whose steps have no root: NaN there stood in all sums, and ended it."""
+    swimmer = Swimmer(Ground(0.6), 61)
+    recordings = tracked_recordings(load_campaign(write(swimmer, tmp_path)))
+    model = Model(recordings[0].body, Medium(anisotropy_ratio=0.6, dissipation="vertex"))
+    whole = tracked.tracker(recordings)(model)
+    missed = tracked._missed
+
+    def rootless(model: Model, track: Track) -> np.ndarray:
+        left = missed(model, track)
+        left[2:] = np.nan
+        return left
+
+    monkeypatch.setattr(tracked, "_missed", rootless)
+    holed = tracked.tracker(recordings)(model)
+    for a, b in zip(whole, holed, strict=True):
+        np.testing.assert_array_equal(a.noise[:2], b.noise[:2])
+    typical = np.sqrt(np.mean(np.concatenate([t.noise[:2] for t in whole]) ** 2, axis=0))
+    np.testing.assert_allclose(holed[0].noise[2:], np.broadcast_to(typical, holed[0].noise[2:].shape))

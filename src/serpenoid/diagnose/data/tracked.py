@@ -174,8 +174,18 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
         again = _cut(recording, drawn, _run(drawn, first, step, count), pieces)
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
     least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
-    noise = [np.maximum(np.sqrt(np.mean([np.square(d[i]) for d in draws], axis=0)), least) for i in range(pieces)]
-    return [_along_curve(model, replace(t, noise=n)) for t, n in zip(tracks, noise, strict=True)]
+    squares = _filled([np.mean([np.square(d[i]) for d in draws], axis=0) for i in range(pieces)])
+    return [
+        _along_curve(model, replace(t, noise=np.maximum(np.sqrt(q), least)))
+        for t, q in zip(tracks, squares, strict=True)
+    ]
+
+
+def _filled(squares: Sequence[Floats]) -> list[Floats]:
+    """Variances of windows (B - 1, 3) a part; the mean of the others where a model has no root and tells none."""
+    known = np.concatenate(squares)
+    known = known[np.isfinite(known).all(axis=1)]
+    return [np.where(np.isfinite(q), q, known.mean(axis=0) if len(known) else 0.0) for q in squares]
 
 
 def _along_curve(model: Model, track: Track) -> Track:
