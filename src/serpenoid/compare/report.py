@@ -87,7 +87,19 @@ def _errors(study: Study) -> Table:
 
 
 def _ratios(study: Study) -> Table:
-    header = ["pair", "mean", "STD", "bias", "from", "to", "s", "from", "to", "rank correlation", "wrong pairs"]
+    header = [
+        "pair",
+        "mean",
+        "STD",
+        "typical ratio",
+        "from",
+        "to",
+        "SD of its ln",
+        "from",
+        "to",
+        "rank correlation",
+        "wrong pairs",
+    ]
     rows = [
         [s.pair, s.mean, s.std, s.bias, *s.bias_interval, s.s, *s.s_interval, s.rank_correlation,
          f"{len(s.wrong_pairs)} of {s.pair_count}"] for s in study.ratios

@@ -116,18 +116,19 @@ def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
         marks = [t for t in (0.25, 0.5, 0.8, 1.0, 1.25, 2.0, 4.0) if 1 / reach <= t <= reach]
         bar.set_ticks(marks, labels=[f"{t:g}" for t in marks])
         bar.minorticks_off()
+        bar.outline.set_visible(False)
         bar.set_label("quotient Ξ of the performance ratios, row over column", fontsize=SMALL)
     return fig
 
 
 def ratio_caption(s: RatioStatistics) -> str:
-    """The paper's two numbers, then bias, s, rank correlation, wrong pairs."""
+    """The paper's two numbers, then bias, s (the SD of ln q), rank correlation, wrong pairs."""
     low, high = s.bias_interval
     s_low, s_high = s.s_interval
     return (
         f"mean {s.mean:.4f}, STD {s.std:.4f}\n"
-        f"bias {s.bias:.3f} [{low:.3f}, {high:.3f}]\n"
-        f"s {s.s:.4f} [{s_low:.4f}, {s_high:.4f}]\n"
+        f"typical ratio {s.bias:.3f} [{low:.3f}, {high:.3f}]\n"
+        f"SD of its logarithm {s.s:.4f} [{s_low:.4f}, {s_high:.4f}]\n"
         f"rank correlation {s.rank_text}, {len(s.wrong_pairs)} of {s.pair_count} pairs wrong"
     )
 
