@@ -86,4 +86,4 @@ def test_where_points_are_too_unsure_to_show_motion_drag_is_not_called_the_expla
         monkeypatch.setattr(sys.modules[__name__], name, value)
     found = diagnosed(written(tmp_path), tmp_path / "out")
     assert found["verdict"] == "unexplained"
-    assert any("nothing can be told" in words for words in found["residual_pattern"])
+    assert any("stood still would leave no more" in words for words in found["residual_pattern"])
