@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -79,6 +80,8 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
     for role, values in angles.items():
         _check_radians(values, groups[role], header, path)
     phase = tuple(row[header.index(own.phase)].strip() for row in rows[1:]) if own.phase in header else None
+    if phase is not None:
+        _check_labels(column, single, phase, header, path)
     return _read_whole(
         ServoLog(
             times,
@@ -92,6 +95,19 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
         ),
         position,
     )
+
+
+def _check_labels(
+    column: Mapping[str, Floats], labels: Sequence[str], phase: Sequence[str], header: list[str], path: Path
+) -> None:
+    """Cycle and step of rows that are played are counted from 0; they say when a trial began."""
+    played = np.array([word == "play" for word in phase])
+    for name in labels:
+        if name in column:
+            values = column[name]
+            for row in np.flatnonzero(played & ~((values >= 0) & (values == np.floor(values))))[:1]:
+                where = place(path, row + 1, header.index(name), name)
+                raise InputError(f"{where}: rows that are played count from 0, got {values[row]:g}.")
 
 
 def _read_whole(log: ServoLog, called: list[str]) -> ServoLog:

@@ -5,7 +5,7 @@ Row i of cycle n is commanded at t0 + n (cycle_duration_s + pause_s) + i cycle_d
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,6 +38,15 @@ class Schedule:
     @property
     def end_s(self) -> float:
         return self.start_s + self.cycles * self.period_s
+
+    @property
+    def moving_s(self) -> float:
+        """From the first command to the last: without the pause after the last cycle."""
+        return self.cycles * self.cycle_duration_s + (self.cycles - 1) * self.pause_s
+
+    def seen_in(self, seconds: float) -> Schedule:
+        """No more cycles than so long a recording can show, with one before and one after."""
+        return replace(self, cycles=int(min(self.cycles, np.ceil(seconds / self.period_s) + 2)))
 
     def commanded(self, time_s: Floats) -> Floats:
         """Commanded joint angles (R, m); row 0 before the start, in pauses and after the end."""
@@ -83,7 +92,7 @@ def start_by_log(log: ServoLog, cycle_duration_s: float, pause_s: float, rows: i
 
 def start_by_shape(schedule: Schedule, time_s: Floats, joint_angles: Floats) -> Offset | None:
     """t0 on the cameras' clock, by laying the commanded angles over the measured ones (servo lag goes into it)."""
-    before = min(1.0, schedule.pause_s)
+    schedule, before = schedule.seen_in(float(np.ptp(time_s))), min(1.0, schedule.pause_s)
     grid = np.arange(-before, schedule.cycles * schedule.period_s + before, schedule.cycle_duration_s / 200)
     return find_offset(time_s, joint_angles, grid, schedule.commanded(grid + schedule.start_s))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,7 +111,7 @@ def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:
     named = [n for t in file.trial for n in (t.joint_table, t.motion, t.servo_log, t.power_log) if n is not None]
     tables = {(folder / t.joint_table).parent for t in file.trial if t.joint_table is not None}
     beside = [path for place in sorted(tables) for path in sorted(place.glob("*.csv"))]
-    paths = [path.resolve() for path in dict.fromkeys([*(folder / n for n in named), *beside])]
+    paths = [Path(os.path.realpath(path)) for path in dict.fromkeys([*(folder / n for n in named), *beside])]
     return [(str(path), file_digest(path)) for path in paths]
 
 

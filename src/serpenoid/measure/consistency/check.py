@@ -33,6 +33,7 @@ from serpenoid.measure.consistency.signals import Signal, moving_s, period_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
+MOST_CYCLES = 1000  # of a promise are laid over a recording
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
 SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` fills in what lies between
@@ -106,7 +107,7 @@ def _longer(signal: Signal, schedule: Schedule) -> float:
     own = period_s(signal)
     if own is not None:
         return own / schedule.period_s
-    return moving_s(signal) / (schedule.cycles * schedule.period_s - schedule.pause_s)
+    return moving_s(signal) / schedule.moving_s
 
 
 def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
@@ -132,8 +133,11 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
     for signal, witness, prior in seen:
         if schedule is not None and signal is not None and signal.enough:
             own = period_s(signal)
-            faults = schedule_faults(schedule, claim.label, tables, _periods(signal, own, schedule))
-            return compared(claim.trial, signal, course_of(schedule), own, faults, witness, prior)
+            periods = _periods(signal, own, schedule)
+            slower = schedule.period_s / min(schedule.period_s, *periods)
+            shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
+            faults = schedule_faults(shown, claim.label, tables, periods)
+            return compared(claim.trial, signal, course_of(shown), own, faults, witness, prior)
     return None
 
 

@@ -26,6 +26,7 @@ UNITS = {
     1e6: "um", 1e3: "mm", 100.0: "cm", 39.37: "inches", 25.4: "mm, [body] in inches", 10.0: "mm, [body] in cm",
     1e-3: "m, [body] in mm", 0.01: "m, [body] in cm", 0.1: "cm, [body] in mm", 1e-6: "m, [body] in um",
 }  # fmt: skip
+NO_UNIT = 1e-9  # of the promised length: less than another unit makes of it
 SWAPS = 3  # pairs exchanged at once that are looked for
 KINDS = 4  # up axis, unit, order, one length
 LARGEST = 40  # vertices up to which every pair is tried; beyond, pairs up to a tenth of the body apart
@@ -181,6 +182,10 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
     measured[ever] = np.nanmedian(distances[:, ever], axis=0)
     ratio = measured / plan.edges
     common = float(np.nanmedian(ratio))
+    together = np.flatnonzero(ever & ~(ratio > NO_UNIT))
+    if len(together):
+        words = f"of vertices {together[0]} and {together[0] + 1} lie in one place"
+        return [MarkerFault("place", words, "is one of them a copy, or was it never tracked?", np.inf)]
     near = min(UNITS, key=lambda factor: abs(np.log(common / factor)))
     unit = f" (is the file in {UNITS[near]}?)" if abs(np.log(common / near)) < 0.1 else ""
     words = f"show neighbouring markers {common:.3g} times as far apart as [body] says{unit}"

@@ -132,6 +132,8 @@ def period_s(signal: Signal) -> float | None:
     both = np.abs(np.fft.rfft(whole.weight, size)) ** 2
     overlap = np.maximum(np.fft.irfft(both)[: len(centred)], 1.0)
     agreement = np.fft.irfft(power.sum(axis=1))[: len(centred)] / overlap
+    if not agreement[0] > 0:  # between holes that are too long nothing varies
+        return None
     usable = len(centred) * 2 // 3
     agreement = agreement[:usable] / agreement[0]
     below = np.flatnonzero(agreement < 0.5)

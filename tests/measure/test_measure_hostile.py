@@ -1,0 +1,89 @@
+"""Files that nobody means: each is told with its place, in a moment, and none ends in a traceback."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rehearsal import serpenoid_table
+from serpenoid.errors import InputError
+from serpenoid.files.store import file_digest
+from serpenoid.measure.consistency.check import Claim, check
+from serpenoid.measure.consistency.geometry import layout, marker_faults
+from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.logs import read_servo_log
+from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.trial_files import content
+
+TABLE = serpenoid_table(40)
+
+
+@pytest.fixture(autouse=True)
+def _without_a_word():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        yield
+
+
+@pytest.mark.parametrize("copied", [slice(0, 5), slice(2, 4)], ids=["all at one point", "one is a copy"])
+def test_markers_in_one_place_are_told(copied):
+    points = np.stack([np.linspace(0, 1, 5), np.zeros(5)], axis=1) + np.zeros((20, 1, 1))
+    points[:, copied] = 0.25
+    found = marker_faults(layout(points, np.full(4, 0.25)), list("abcde"), None)
+    assert found[0].words == f"of vertices {copied.start} and {copied.start + 1} lie in one place"
+
+
+def seen(played: Schedule) -> Signal:
+    at = np.arange(-1.0, played.end_s + 1.0, 1 / 60)
+    return Signal(at, played.commanded(np.clip(at, 0.0, played.end_s)))
+
+
+def test_a_hundred_thousand_promised_cycles_take_no_longer_than_those_recorded(virtual_machine):
+    signal, began = seen(Schedule(TABLE, 2.0, 3, 1.0)), time.process_time()
+    promised = Schedule(TABLE, 2.0, 100_000, 1.0)
+    assert check([Claim("one", "gait", promised, cameras=signal)], {"gait": TABLE}).contradictions == ()
+    found = start_by_shape(promised, signal.time_s, signal.values)
+    assert found is not None
+    assert found.correlation > 0.99
+    assert time.process_time() - began < 10
+
+
+def test_a_cycle_that_is_lost_beside_its_pause_is_no_division_by_nothing(virtual_machine):
+    signal = seen(Schedule(TABLE, 2.0, 1, 1.0))
+    verdict = check([Claim("one", "gait", Schedule(TABLE, 1e-300, 1, 1.0), cameras=signal)], {"gait": TABLE})
+    assert verdict.contradictions != ()
+
+
+def test_a_recording_between_whose_halves_lies_a_thousand_seconds_has_no_period():
+    at = np.arange(100) / 60
+    at[50:] += 1000.0
+    assert period_s(Signal(at, np.sin(at)[:, None])) is None
+
+
+def test_links_in_a_circle_have_no_content(tmp_path):
+    """Whoever reads them says so."""
+
+    class Entry:
+        joint_table, motion, servo_log, power_log = None, "a.csv", None, None
+
+    class File:
+        trial = (Entry(),)
+
+    (tmp_path / "a.csv").symlink_to(tmp_path / "b.csv")
+    (tmp_path / "b.csv").symlink_to(tmp_path / "a.csv")
+    assert [digest for _, digest in content(File(), tmp_path)] == [""]
+    assert file_digest(tmp_path / "a.csv") == ""
+
+
+@pytest.mark.parametrize(("label", "cell"), [("cycle", "-1"), ("cycle", "0.5"), ("step", ""), ("step", "-3")])
+def test_labels_of_a_servo_log_are_counted_from_nothing(label, cell, tmp_path: Path):
+    row = {"t_s": "0.1", "phase": "play", "cycle": "0", "step": "0", "position_1": "0.2"}
+    later = row | {"t_s": "0.2", label: cell}
+    path = tmp_path / "servo.csv"
+    path.write_text("\n".join([",".join(row), ",".join(row.values()), ",".join(later.values())]) + "\n")
+    with pytest.raises(InputError, match=rf"row 3, column . \(`{label}`\): rows that are played count from 0"):
+        read_servo_log(path)
