@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from rehearsal import serpenoid_table
+from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.consistency.check import Claim, check
@@ -17,6 +18,7 @@ from serpenoid.measure.consistency.geometry import layout, marker_faults
 from serpenoid.measure.consistency.signals import Signal, period_s
 from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.trial import build_motion
 from serpenoid.measure.trial_files import content
 
 TABLE = serpenoid_table(40)
@@ -62,6 +64,21 @@ def test_a_recording_between_whose_halves_lies_a_thousand_seconds_has_no_period(
     at = np.arange(100) / 60
     at[50:] += 1000.0
     assert period_s(Signal(at, np.sin(at)[:, None])) is None
+
+
+@pytest.mark.parametrize(
+    ("apart", "hole", "runs"), [(1 / 60, 1000.0, 2), (1 / 60, 0.05, 1), (0.3, 0.3, 2), (0.3, 0.0, 1)]
+)
+def test_no_step_crosses_frames_that_are_missing_from_the_file(apart, hole, runs):
+    at = apart * np.arange(60)
+    at[30:] += hole
+    bend = 0.4 * np.sin(2 * np.pi * at[:, None] / (40 * apart) + np.arange(3))
+    edge = np.stack([np.cos(bend), np.sin(bend)], axis=2) / 3
+    markers = np.concatenate([np.zeros((60, 1, 2)), np.cumsum(edge, axis=1)], axis=1)
+    markers += 1e-4 * np.random.default_rng(0).standard_normal(markers.shape)
+    motion, _, notes = build_motion(Body(vertices=4), at, markers, None, ((), ()))
+    assert motion.runs == ((slice(0, 30), slice(30, 60)) if runs == 2 else (slice(0, 60),))
+    assert any("frames are missing from the file in 1 places" in note for note in notes) is (runs == 2)
 
 
 def test_links_in_a_circle_have_no_content(tmp_path):

@@ -44,6 +44,12 @@ def find_gaps(determined: NDArray[np.bool_], time_s: Floats) -> tuple[Gap, ...]:
     return tuple(Gap(a, b, _span(a, b, time_s)) for a, b in runs)
 
 
+def find_holes(time_s: Floats) -> NDArray[np.int64]:
+    """Frames before which at least one is missing from the file, for longer than a short gap."""
+    apart = np.diff(time_s)
+    return np.asarray(1 + np.flatnonzero(apart > max(SHORT_GAP_S, 1.5 * float(np.median(apart)))))
+
+
 def _span(first: int, last: int, time_s: Floats) -> float:
     before, after = max(first - 1, 0), min(last + 1, len(time_s) - 1)
     return float(time_s[after] - time_s[before])

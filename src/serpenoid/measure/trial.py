@@ -16,7 +16,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
 from serpenoid.measure.logs import PowerLog, ServoLog
-from serpenoid.measure.quality import Gap, Jump, find_gaps, find_jumps
+from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, ServoAlignment, align_servo
 from serpenoid.measure.smooth import smooth_states
@@ -120,6 +120,10 @@ def build_motion(
             f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape"
             f"{_counted(never)}. Where a servo log is given that fits them, three markers are enough."
         )
+    holes = find_holes(time_s)
+    if len(holes):
+        longest = float((time_s[holes] - time_s[holes - 1]).max())
+        notes.append(f"frames are missing from the file in {len(holes)} places, for {longest:.3g} s at most")
     return _motion(body, time_s, markers, servo, estimate, cuts, labels), servo, notes
 
 
@@ -132,7 +136,7 @@ def _cuts(estimate: ChainEstimate, time_s: Floats) -> tuple:
     """Gaps, jumps, and the runs of frames between them."""
     gaps = find_gaps(estimate.determined, time_s)
     jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
-    return gaps, jumps, _runs(gaps, jumps, len(time_s))
+    return gaps, jumps, _runs(gaps, jumps, find_holes(time_s), len(time_s))
 
 
 def _motion(
@@ -197,13 +201,13 @@ def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passa
     return tuple(passages), notes
 
 
-def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], frames: int) -> tuple[slice, ...]:
-    """Frames between long gaps and whole-body jumps; a run neither begins nor ends in a gap."""
+def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], holes: np.ndarray, frames: int) -> tuple[slice, ...]:
+    """Frames between long gaps, holes of the file and whole-body jumps; a run neither begins nor ends in a gap."""
     known = np.ones(frames, dtype=bool)
     for gap in gaps:
         if not gap.short or gap.first == 0 or gap.last == frames - 1:
             known[gap.first : gap.last + 1] = False
-    cuts = {jump.frame for jump in jumps if jump.vertex is None}
+    cuts = {jump.frame for jump in jumps if jump.vertex is None} | set(holes.tolist())
     runs, first = [], 0
     for frame in range(1, frames + 1):
         if frame == frames or frame in cuts or known[frame] != known[frame - 1]:
