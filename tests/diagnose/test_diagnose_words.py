@@ -89,11 +89,13 @@ def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_f
 def test_the_calibration_is_told_of_beside_the_reference() -> None:
     eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226, "interval": [0.021, 0.024], "at_bound": False}}
     earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}
-    assert ratio(eps | {"reference": None, "effects": []}) == "0.02871 with nothing named (95 %: 0.021 .. 0.024)"
     said = ratio(eps | {"reference": earlier, "effects": [{}]})
     assert (
         said == "0.0195 in the reference, 0.02871 with nothing named, 0.0226 with what is named (95 %: 0.021 .. 0.024)"
     )
+    assert "0.0226 with what is below detection (95 %" in ratio(eps | {"reference": None, "effects": []})
+    alone = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"before": 0.0226}, "reference": None, "effects": []}
+    assert ratio(alone) == "0.0226 with nothing named (95 %: 0.021 .. 0.024)"
     stuck = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"at_bound": True}}
     assert ratio(stuck | {"reference": None, "effects": []}).endswith("a warning that the law is another)")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -89,9 +89,20 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     if all(r.by_servos for r in recordings):
         observation, seen = choose_observation(recordings, seen, baseline.without)
     say("shape against motion")
-    motion = choose_motion(recordings, seen, baseline, say)
+    motion = beside_changes(choose_motion(recordings, seen, baseline, say), (actuation, observation), baseline)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)
+
+
+def beside_changes(found: MotionFinding, above: Sequence[Stage], baseline: Baseline) -> MotionFinding:
+    """With a reference: beside a change of the body's shapes that a stage above names, names of the floor may mend the
+    law about it, where that is known to be wrong, as they may beside a larger one of the floor."""
+    shapes = any(n.effect.effect.site == "actuation" for stage in above for n in stage.named)
+    wrong = baseline.inadequate or found.stage.discrepancy_m > 0
+    if baseline.ratio is None or not shapes or not wrong:
+        return found
+    named = [replace(n, stand_in=n.stand_in or n.effect.effect.site == "medium") for n in found.stage.named]
+    return replace(found, stage=replace(found.stage, named=tuple(named)))
 
 
 def diagnose_tracked(

@@ -25,7 +25,7 @@ from scipy.optimize import minimize
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.evidence import SILENT
-from serpenoid.diagnose.inference.medium import Fit, predicted_bare
+from serpenoid.diagnose.inference.medium import Fit, linearised, predicted_bare
 
 STARTS = ((-12.0, -12.0), (-6.0, -6.0), (-2.0, -2.0))  # ln tau^2, of eps and of effects
 SMALLEST, LARGEST = -20.0, 6.0
@@ -42,12 +42,15 @@ class Doubted:
     deviation: float
 
 
-def doubted(explained: Sequence[tuple[Motion, Fit, float]]) -> dict[Coordinate, Doubted]:
-    """Of every coordinate, fitted beside one or more explanations of what the law misses, each with its weight."""
+def doubted(explained: Sequence[tuple[Motion, Fit, float]], hold: bool = True) -> dict[Coordinate, Doubted]:
+    """Of every coordinate, fitted beside one or more explanations of what the law misses, each with its weight.
+
+    hold: what ended at a bound stays there.
+    """
     found: dict[Coordinate, list[tuple[Doubted, float]]] = {}
     for motion, fit, weight in explained:
         names = [(e.name, e.place, i) for e in fit.effects for i in range(len(e.effect.parameters))]
-        values, deviations = of_gaits(motion, fit)
+        values, deviations = of_gaits(motion, fit, hold)
         for name, value, deviation in zip(names, values[1:], deviations[1:], strict=True):
             found.setdefault(name, []).append((Doubted(float(value), float(deviation)), weight))
     return {name: _together(several) for name, several in found.items()}
@@ -61,11 +64,13 @@ def _together(several: Sequence[tuple[Doubted, float]]) -> Doubted:
     return Doubted(mean, float(np.sqrt(np.average(variances, weights=weights) + between)))
 
 
-def of_gaits(motion: Motion, fit: Fit) -> tuple[Floats, Floats]:
-    """Coordinates (P,) of one fit and their deviations, to first order about it; what ended at a bound stays there."""
+def of_gaits(motion: Motion, fit: Fit, hold: bool = True) -> tuple[Floats, Floats]:
+    """Coordinates (P,) of one fit and their deviations, to first order about it; hold: see `doubted`."""
     own = len(fit.coordinates)
     inflated = max(1.0, fit.chi2 / float(fit.evidence.count.sum()))
-    matrix, vector = fit.evidence.matrix[:, :own, :own], fit.evidence.vector[:, :own]
+    loose = linearised(motion, fit.model, fit.effects, near=fit.predictions, hold=False)[0] if not hold else None
+    evidence = loose or fit.evidence
+    matrix, vector = evidence.matrix[:, :own, :own], evidence.vector[:, :own]
     scale = _in_proportion(motion, fit, np.diag(matrix.sum(axis=0)))
     moved, spread = with_errors_of_gaits(matrix / inflated, vector / inflated, scale)
     return fit.coordinates + moved, spread

@@ -9,6 +9,7 @@ from serpenoid.diagnose.report.words import (
     inadequacy,
     meaning,
     parameter,
+    ratio_change,
     rival_law,
     shown,
     times,
@@ -37,7 +38,7 @@ def cards(record: Record) -> list[Card]:
 def _verdict(record: Record) -> Card:
     said = [f"{text.capitalize()}." for text in inadequacy(record)]
     said.append(f"{meaning(record).capitalize()}.")
-    said += [f"{text[0].upper()}{text[1:]}." for text in rival_law(record)]
+    said += [f"{text[0].upper()}{text[1:]}." for text in (*rival_law(record), *ratio_change(record))]
     rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
     rows += [(stage, "skipped") for stage in record["skipped"] if record["drag_ratio"] is None]
     return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,

@@ -16,6 +16,7 @@ SCALES = {
     "bl": (1.0, "body lengths"), "bl/s": (1.0, "body lengths/s"),
 }  # fmt: skip
 SMALL_M = 1e-5
+TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "drag alone explains this recording within its noise",
     "explained": "what is named accounts for all beyond chance; nothing here speaks for a cause outside the catalogue",
@@ -113,6 +114,7 @@ def undetected(record: Record) -> list[str]:
     return [
         f"below detection{kept[e['in_extended_model']]}: {title(e)} ({times(e['strength_over_noise'])})"
         for e in record["below_detection"]
+        if e["strength_over_noise"] >= TRACELESS
     ]
 
 
@@ -140,10 +142,24 @@ def ratio(record: Record) -> str:
     eps, earlier = record["anisotropy_ratio"], record["reference"]
     said = [f"{earlier['anisotropy_ratio']['after']:.4g} in the reference"] if earlier else []
     said.append(f"{eps['before']:.4g} with nothing named")
-    said += [f"{eps['after']:.4g} with what is named"] if record["effects"] else []
+    if record["effects"] or eps["after"] != eps["before"]:
+        said.append(f"{eps['after']:.4g} with what is {'named' if record['effects'] else 'below detection'}")
     low, high = eps["interval"]
     warning = " (at its bound: a warning that the law is another)" if eps["at_bound"] else ""
     return f"{', '.join(said)} (95 %: {low:.4g} .. {high:.4g}){warning}"
+
+
+def ratio_change(record: Record) -> list[str]:
+    """Where the interval of eps and the reference's are apart: how much larger or smaller it is now."""
+    now, then = record["anisotropy_ratio"], (record["reference"] or {}).get("anisotropy_ratio")
+    if then is None or (now["interval"][0] <= then["interval"][1] and then["interval"][0] <= now["interval"][1]):
+        return []
+    grown = now["after"] / then["after"]
+    factor = f"{grown:.2g} times as large as" if grown > 1 else f"smaller by a factor of {1 / grown:.2g} than"
+    return [
+        f"the anisotropy ratio is {factor} in the reference, beyond both intervals: what all wheels or scales have in "
+        "common has changed, or eps makes up for a change that has no name"
+    ]
 
 
 def seconds(record: Record) -> str:
@@ -179,6 +195,7 @@ def lines(record: Record) -> list[str]:
     before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
     found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}")
     found.append(f"anisotropy ratio  {ratio(record)}")
+    found += [f"since then        {text}" for text in ratio_change(record)]
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
     if record["next_experiment"]:
         e = record["next_experiment"]

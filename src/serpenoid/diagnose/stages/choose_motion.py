@@ -22,6 +22,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
+from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Weak, trace
 from serpenoid.diagnose.inference.select import Selection, select
@@ -77,6 +78,7 @@ def choose_on_tracks(
         model = fit_eps(motion, model).model
     chosen = select(motion, model, track, say)
     law = dry_friction(chosen) if baseline.ratio is None else ""  # with a reference it is known
+    chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
     return replace(found, stage=replace(found.stage, untestable=barred, law=law))
 
@@ -103,9 +105,8 @@ def finding(
     before = path_error(motion, found.null.predictions)
     after = path_error(motion, best.predictions)
     missed_m = discrepancy(motion, found.settled.predictions)
-    wrong = bool(best.effects) and (missed_m > 0 or inadequate)
-    alone = [(motion, best, 1.0)] if found.undetected else []  # what is below detection may mend the law, too
-    doubt = doubted([(motion, found.settled, 1.0), *alone, *beside]) if wrong else {}
+    wrong = explained(found, inadequate, beside)
+    doubt = doubted(wrong)
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, noise_level, missed_m, len(candidates_of(best)))
@@ -122,6 +123,17 @@ def finding(
     rivals = tuple(s.rival for s in swaps)
     stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def explained(
+    found: Selection, inadequate: bool, beside: Sequence[tuple[Motion, Fit, float]] = ()
+) -> Sequence[tuple[Motion, Fit, float]]:
+    """Where the law of what is named is known to be wrong, what is settled on beside every explanation of that."""
+    motion, settled = found.motion, found.settled
+    if not found.best.effects or not (inadequate or discrepancy(motion, settled.predictions) > 0):
+        return ()
+    alone = [(motion, found.best, 1.0)] if found.undetected else []  # what is below detection may mend the law, too
+    return ((motion, settled, 1.0), *alone, *beside)
 
 
 def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:

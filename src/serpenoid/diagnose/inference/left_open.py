@@ -1,0 +1,73 @@
+"""Names under the doubt that their intervals show: where the law is wrong, what it leaves open about a value it leaves
+open about a name, too.
+
+What an effect takes away counts by how much less the value is known with the law's error than without (law_doubt.py):
+the likelihood ratio over that is held against chi squared at 5 %. Of several parameters each counts by what it tells. A
+law that saturates is known to act where nobody can say how much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import chdtri, ndtr
+
+from serpenoid.diagnose.data.chance import NORMAL
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.inference.law_doubt import doubted
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit_guided, fit_without, linearised
+from serpenoid.diagnose.inference.names import Refused, bases_of
+from serpenoid.diagnose.inference.select import Selection
+from serpenoid.effects.active import ActiveEffect
+
+Explained = Sequence[tuple[Motion, Fit, float]]
+
+
+def believed(found: Selection, explained: Callable[[Selection], Explained]) -> Selection:
+    """Without names that the law's own error leaves open, the most doubtful first; explained: what is settled on beside
+    every explanation of what the law misses, each with its weight; none where the law is not known to be wrong."""
+    while found.best.effects and (several := explained(found)):
+        shares = known(found, several)
+        doubtful = int(np.argmin(shares))
+        if shares[doubtful] > 1:
+            break
+        found = without(found, doubtful)
+    return found
+
+
+def known(found: Selection, explained: Explained) -> list[float]:
+    """What each name takes away under the law's error, over what leaves nothing out of 95 %."""
+    doubt, settled = doubted(explained, hold=False), found.settled
+    evidence, _ = linearised(found.motion, settled.model, settled.effects, near=settled.predictions, hold=False)
+    usual = evidence.solve(range(len(settled.coordinates)))[1]
+    at, shares = 1, {}
+    for e in settled.effects:
+        moves = [i for i, p in enumerate(e.effect.parameters) if p.neutral is not None]
+        away = np.array([(e.coordinates[i] - e.effect.parameters[i].resting) ** 2 for i in moves])
+        wide = np.array([doubt[e.name, e.place, i].deviation ** 2 for i in moves])
+        narrow = np.array([usual[at + i, at + i] for i in moves])
+        least = chdtri(len(moves), 2 * ndtr(-NORMAL))
+        shares[e.key] = float((away / np.maximum(wide, narrow)).sum() / (away / narrow).sum() / least)
+        at += len(e.effect.parameters)
+    gains = [base.chi2 - found.best.chi2 for base in found.bases]
+    return [gain * shares[e.key] for e, gain in zip(found.best.effects, gains, strict=True)]
+
+
+def without(found: Selection, index: int) -> Selection:
+    """The same without one of its names, which is refused."""
+    effect, base = found.best.effects[index], found.bases[index]
+    refused = Refused(effect, (base.chi2 - found.best.chi2) / base.chi2, found.best)
+    best = fit_guided(found.motion, base, TO_THE_END)
+    return replace(
+        found,
+        best=best,
+        bases=bases_of(found.motion, found.null, best),
+        settled=_settled(found, effect) if found.undetected else best,
+        refused=(refused, *found.refused),  # first: a law need not be the cause to predict
+    )
+
+
+def _settled(found: Selection, effect: ActiveEffect) -> Fit:
+    return fit_without(found.motion, found.settled, effect)

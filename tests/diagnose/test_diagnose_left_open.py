@@ -1,0 +1,86 @@
+"""Names under the doubt of their intervals, and beside changes that other stages name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from serpenoid.diagnose.diagnose import beside_changes
+from serpenoid.diagnose.inference.finding import Named, Stage
+from serpenoid.diagnose.inference.left_open import believed
+from serpenoid.diagnose.inference.medium import Fit, predicted_bare
+from serpenoid.diagnose.report.words import ratio_change, undetected
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_motion import explained
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
+
+
+def times_as_large(fit: Fit, factor: float) -> Fit:
+    model = fit.model
+    larger = tuple(e.with_coordinates([factor * c for c in e.coordinates[:-1]]) for e in model.effects)
+    return replace(fit, model=Model(model.body, model.medium, larger))
+
+
+def test_a_name_that_explanations_of_the_law_leave_open_is_refused(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    found = diagnosed[0].motion.selection
+    (name,) = found.best.effects
+    same = believed(found, lambda f: explained(f, inadequate=True))
+    assert [e.key for e in same.best.effects] == [name.key]
+    assert believed(found, lambda f: explained(f, inadequate=False)) is found
+    predicted = zip(
+        found.motion.tracks, found.settled.predictions, predicted_bare(found.motion, found.settled), strict=True
+    )
+    tracks = tuple(replace(t, offset=t.offset - 2 * (p.displacement - q.displacement)) for t, p, q in predicted)
+    other = ((replace(found.motion, tracks=tracks), times_as_large(found.settled, 3.0), 1.0),)  # three times as much
+    bare = believed(found, lambda f: explained(f, inadequate=True, beside=other))
+    assert bare.best.effects == () == bare.bases
+    assert bare.refused[0].effect.key == name.key
+    assert bare.best.chi2 == pytest.approx(found.null.chi2)
+
+
+@dataclass(frozen=True)
+class SimpleStage:
+    stage: Stage
+
+
+def stage_of(name: str, place: int | None = None) -> Stage:
+    return Stage(ActiveEffect.neutral(name, place).effect.site, (Named(ActiveEffect.neutral(name, place), {}, 5.0),))
+
+
+@pytest.mark.parametrize(
+    ("above", "ratio", "inadequate", "doubtful"),
+    [
+        (stage_of("stuck_joint", 3), 0.1, True, True),
+        (stage_of("zero_offset", 3), 0.1, True, True),
+        (stage_of("marker_offset", 3), 0.1, True, False),  # the body's shapes are what they were
+        (stage_of("stuck_joint", 3), 0.1, False, False),
+        (stage_of("stuck_joint", 3), None, True, False),
+    ],
+)
+def test_a_change_of_shapes_that_another_stage_names_puts_names_of_the_floor_in_doubt(
+    above: Stage, ratio: float | None, inadequate: bool, doubtful: bool
+) -> None:
+    slope = Named(ActiveEffect.neutral("slope"), {}, 5.0)
+    found = SimpleStage(Stage("motion", (slope,)))
+    known = cast(Baseline, SimpleNamespace(ratio=ratio, inadequate=inadequate))
+    (named,) = beside_changes(cast(Any, found), (above,), known).stage.named
+    assert named.stand_in is doubtful
+
+
+def test_a_changed_anisotropy_ratio_is_told_of_where_intervals_are_apart() -> None:
+    then = {"campaign": "healthy", "anisotropy_ratio": {"after": 0.0571, "interval": [0.032, 0.082]}}
+    now = {"anisotropy_ratio": {"after": 0.0056, "interval": [0.0052, 0.006]}, "reference": then}
+    (said,) = ratio_change(now)
+    assert said.startswith("the anisotropy ratio is smaller by a factor of 10 than in the reference")
+    assert ratio_change(now | {"reference": None}) == []
+    assert ratio_change(now | {"anisotropy_ratio": {"after": 0.03, "interval": [0.02, 0.04]}}) == []
+
+
+def test_what_leaves_no_trace_is_not_listed() -> None:
+    weak = {"name": "load", "place": 3, "in_extended_model": False}
+    listed = [weak | {"strength_over_noise": x} for x in (0.0, 0.04, 0.3)]
+    assert undetected({"below_detection": listed}) == ["below detection: load at vertex 3 (0.3 times the noise)"]
