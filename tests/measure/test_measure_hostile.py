@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from serpenoid.measure.consistency.geometry import layout, marker_faults
 from serpenoid.measure.consistency.signals import Signal, period_s
 from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
-from serpenoid.measure.trial import build_motion
+from serpenoid.measure.trial import build_motion, cut_passages
 from serpenoid.measure.trial_files import content
 
 TABLE = serpenoid_table(40)
@@ -66,17 +67,21 @@ def test_a_recording_between_whose_halves_lies_a_thousand_seconds_has_no_period(
     assert period_s(Signal(at, np.sin(at)[:, None])) is None
 
 
+def bending(at: np.ndarray) -> np.ndarray:
+    """Markers (F, 4, 2) of a body that bends every 40 median frames."""
+    bend = 0.4 * np.sin(2 * np.pi * at[:, None] / (40 * np.median(np.diff(at))) + np.arange(3))
+    edge = np.stack([np.cos(bend), np.sin(bend)], axis=2) / 3
+    markers = np.concatenate([np.zeros((len(at), 1, 2)), np.cumsum(edge, axis=1)], axis=1)
+    return markers + 1e-4 * np.random.default_rng(0).standard_normal(markers.shape)
+
+
 @pytest.mark.parametrize(
     ("apart", "hole", "runs"), [(1 / 60, 1000.0, 2), (1 / 60, 0.05, 1), (0.3, 0.3, 2), (0.3, 0.0, 1)]
 )
 def test_no_step_crosses_frames_that_are_missing_from_the_file(apart, hole, runs):
     at = apart * np.arange(60)
     at[30:] += hole
-    bend = 0.4 * np.sin(2 * np.pi * at[:, None] / (40 * apart) + np.arange(3))
-    edge = np.stack([np.cos(bend), np.sin(bend)], axis=2) / 3
-    markers = np.concatenate([np.zeros((60, 1, 2)), np.cumsum(edge, axis=1)], axis=1)
-    markers += 1e-4 * np.random.default_rng(0).standard_normal(markers.shape)
-    motion, _, notes = build_motion(Body(vertices=4), at, markers, None, ((), ()))
+    motion, _, notes = build_motion(Body(vertices=4), at, bending(at), None, ((), ()))
     assert motion.runs == ((slice(0, 30), slice(30, 60)) if runs == 2 else (slice(0, 60),))
     assert any("frames are missing from the file in 1 places" in note for note in notes) is (runs == 2)
 
@@ -104,3 +109,13 @@ def test_labels_of_a_servo_log_are_counted_from_nothing(label, cell, tmp_path: P
     path.write_text("\n".join([",".join(row), ",".join(row.values()), ",".join(later.values())]) + "\n")
     with pytest.raises(InputError, match=rf"row 3, column . \(`{label}`\): rows that are played count from 0"):
         read_servo_log(path)
+
+
+def test_cycles_that_are_not_in_the_recording_are_one_note():
+    at = np.arange(600) / 60
+    motion, _, _ = build_motion(Body(vertices=4), at, bending(at), None, ((), ()))
+    promised = Schedule(TABLE[:, :2], 2.0, 100_000, 0.0)
+    passages, notes = cut_passages(motion, promised)
+    assert len(passages) == 5
+    assert notes == ["cycles 6 to 100000 are not wholly in the recording: left out"]
+    assert cut_passages(motion, replace(promised, cycles=6))[1] == ["cycle 6 is not wholly in the recording: left out"]

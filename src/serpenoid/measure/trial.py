@@ -182,6 +182,7 @@ def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passa
     if schedule is None:
         return (Passage(0, motion.runs[0].start, motion.runs[-1].stop - 1),), []
     passages, notes = [], []
+    outside: list[int] = []
     for cycle in range(schedule.cycles):
         begin, end = schedule.window_s(cycle)
         inside = np.flatnonzero((motion.time_s >= begin - 1e-9) & (motion.time_s <= end + 1e-9) & motion.known)
@@ -191,14 +192,27 @@ def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passa
             or motion.time_s[inside[0]] > begin + 3 * frame
             or motion.time_s[inside[-1]] < end - 3 * frame
         ):
-            notes.append(f"cycle {cycle + 1} is not wholly in the recording: left out")
+            outside.append(cycle)
             continue
         if not motion.known[inside[0] : inside[-1] + 1].all():
             notes.append(
                 f"cycle {cycle + 1} has a long gap: its displacement is used, its steps across the gap are not"
             )
         passages.append(Passage(cycle, int(inside[0]), int(inside[-1])))
-    return tuple(passages), notes
+    return tuple(passages), [*(_left_out(run) for run in _successive(outside)), *notes]
+
+
+def _successive(cycles: list[int]) -> list[list[int]]:
+    """Cut wherever one is missing between two."""
+    cuts = 1 + np.flatnonzero(np.diff(cycles) > 1)
+    return [run.tolist() for run in np.split(np.array(cycles, dtype=int), cuts) if len(run)]
+
+
+def _left_out(cycles: list[int]) -> str:
+    """A note on successive cycles."""
+    if len(cycles) == 1:
+        return f"cycle {cycles[0] + 1} is not wholly in the recording: left out"
+    return f"cycles {cycles[0] + 1} to {cycles[-1] + 1} are not wholly in the recording: left out"
 
 
 def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], holes: np.ndarray, frames: int) -> tuple[slice, ...]:
