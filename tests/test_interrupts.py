@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 import time
 
 import pytest
 
 from serpenoid import interrupts
+from serpenoid.parallel.local import interrupts_held
 
 
 class _Interrupting:
@@ -53,3 +55,27 @@ def test_what_else_python_cannot_raise_is_still_told(monkeypatch: pytest.MonkeyP
         lost = Broken()
         del lost
     assert told == [ValueError]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_another_thread_is_sent_amid_a_fork_waits_for_its_end(number: signal.Signals) -> None:
+    """The mask is a thread's own; Python raises in the first thread what any of them is sent."""
+    reached = []
+
+    def send() -> None:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.pthread_kill(threading.get_ident(), number)
+
+    def held() -> None:
+        with interrupts_held(tracked=False):
+            other = threading.Thread(target=send)
+            other.start()
+            other.join()
+            time.sleep(0.01)
+            reached.append("the end")
+
+    with pytest.raises(KeyboardInterrupt), interrupts.listening() as noted:
+        held()
+    assert reached == ["the end"]
+    assert not noted
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -48,6 +48,33 @@ def listening() -> Iterator[list[int]]:
         noted.clear()  # what is done next in this process was not interrupted
 
 
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Ctrl-C and SIGTERM that come inside are heard at its end. A mask does not see to that: it is a thread's own, and
+    what another thread is sent Python raises in the first. A process forked inside ends by either at once, until it has
+    handlers of its own."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    owner, came = os.getpid(), []
+
+    def wait(number: int, frame: FrameType | None) -> None:
+        if os.getpid() != owner:
+            os._exit(1)
+        came.append((number, frame))
+
+    usual = {n: handler for n in (signal.SIGINT, signal.SIGTERM) if callable(handler := signal.getsignal(n))}
+    for number in usual:
+        signal.signal(number, wait)
+    try:
+        yield
+    finally:
+        for number, handler in usual.items():
+            signal.signal(number, handler)
+        for heard, frame in came:
+            usual[signal.Signals(heard)](heard, frame)
+
+
 def _sent_again(usual: Any) -> Any:
     """A hook for what Python cannot raise: Ctrl-C in a destructor or a weak reference's callback is sent once more, a
     moment later; all else goes to the usual hook."""

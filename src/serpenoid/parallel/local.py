@@ -17,6 +17,7 @@ from contextlib import contextmanager, suppress
 from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
+from serpenoid.interrupts import deferred
 from serpenoid.parallel.retry import Lost, ruled_out
 
 T = TypeVar("T")
@@ -65,7 +66,8 @@ def _forget_what_waits(pool: Any) -> None:
 
 @contextmanager
 def interrupts_held(tracked: bool = True) -> Iterator[None]:
-    """Processes started inside are deaf to Ctrl-C, which a terminal sends to all; this one hears it afterwards.
+    """Processes started inside are deaf to Ctrl-C, which a terminal sends to all; this one hears it afterwards, and
+    SIGTERM: one amid a fork would leave a process that nobody ends.
 
     tracked: they share memory or locks. What keeps account of these is a process, too, and is started first: Python
     3.11 lets interrupts in again as it starts it.
@@ -74,7 +76,8 @@ def interrupts_held(tracked: bool = True) -> Iterator[None]:
         resource_tracker.ensure_running()
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        yield
+        with deferred():
+            yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
