@@ -139,7 +139,7 @@ def _seconds_words(trial: Trial, motion: Motion) -> str:
 
     used = usage(trial)
     rest = float(motion.time_s[-1] - motion.time_s[0]) - used.promised_s
-    return f"{used}, {rest:.2g} s outside the cycles" if rest >= 0.01 else str(used)
+    return f"{used}, {rest:.4g} s outside the cycles" if rest >= 0.01 else str(used)
 
 
 def _body_words(trial: Trial, motion: Motion) -> str:

@@ -26,7 +26,7 @@ class Usage:
     def __str__(self) -> str:
         """`11.2 s used in 3 pieces, 0.8 s dropped`."""
         pieces = "1 piece" if self.pieces == 1 else f"{self.pieces} pieces"
-        return f"{self.used_s:.4g} s used in {pieces}, {self.dropped_s:.2g} s dropped"
+        return f"{self.used_s:.4g} s used in {pieces}, {self.dropped_s:.4g} s dropped"
 
 
 def whole_pieces(motion: Motion, passage: Passage) -> list[slice]:

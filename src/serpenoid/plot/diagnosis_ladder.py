@@ -38,7 +38,8 @@ def stage(error: Error, ax: Axes) -> Axes:
     for i, (value, colour) in enumerate(((error.before, ORANGE), (error.after, BLUE))):
         ax.bar(i, scale * value, color=colour, width=0.62)
         top = scale * max(value, error.noise_level)  # clear of the line
-        times = f"{value / error.noise_level:.2g} \N{MULTIPLICATION SIGN}\nnoise"
+        ratio = value / error.noise_level
+        times = f"{ratio:.{int(ratio < 10)}f} \N{MULTIPLICATION SIGN}\nnoise"
         ax.text(i, top, times, ha="center", va="bottom", fontsize=SMALL)
     ax.axhline(scale * error.noise_level, color=INK, lw=1.0, ls="--", label="noise level")
     ax.set_xticks([0, 1], ["before", "after"])
