@@ -37,6 +37,7 @@ from blind.separation import separation
 from blind.strength import effective_eps, floor, strength
 from serpenoid.parallel import Workers, results
 
+ROOT = Path(__file__).parents[2]
 REFUSED = 2  # exit code of a diagnosis that says why it cannot be made
 
 
@@ -180,13 +181,13 @@ def run_one(study: Study, index: int) -> dict[str, Any]:
             raise RuntimeError(f"{identity}: the seal does not belong to this campaign")
         row = {"identity": identity, "cause": found.cause, "seconds": said.seconds, "processor_s": said.processor_s}
         row |= described(found.campaign)
-        if said.diagnosis:
+        if said.diagnosis and not said.code:
             row |= score(found, said.diagnosis)
         else:
             hidden = [str(Name(e.name, e.place)) for e in found.campaign.effects]
             row |= {"outcome": "refused" if said.code == REFUSED else "failed", "hidden": hidden}
         if said.stderr:
-            row["stderr"] = said.stderr
+            row["stderr"] = said.stderr.replace(f"{ROOT}/", "")
         if study.kind == "followup" and said.diagnosis:
             again = lambda folder, new: run_diagnosis(study, folder, new).diagnosis  # noqa: E731
             row |= follow_up(found.campaign, said.diagnosis, out, work, again)

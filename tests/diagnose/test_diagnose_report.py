@@ -15,6 +15,7 @@ from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.report.animate import animated
 from serpenoid.diagnose.report.cards import cards, worse
 from serpenoid.diagnose.report.pages import write_pages
+from serpenoid.diagnose.residuals import maps
 from serpenoid.diagnose.residuals.maps import ACROSS, cell_side, windows
 from serpenoid.plot import diagnosis, diagnosis_ladder, diagnosis_maps
 from serpenoid.plot.style import figure
@@ -34,6 +35,13 @@ def report(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> tuple[str, list
     names = diagnosis.draw_all(out, d, np.zeros((20, 10)))
     write_pages(out, record, animated(d))
     return (out / "report.html").read_text(encoding="utf-8"), names
+
+
+def test_a_floor_of_which_no_square_was_visited_often_is_not_drawn(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(maps, "LEAST_VISITS", 10**6)
+    assert "on-floor" not in diagnosis.draw_all(tmp_path, diagnosed[0])
 
 
 def test_the_report_needs_no_other_file(report: tuple[str, list[str]]) -> None:

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.inference.prices import gained_by_chance
-from serpenoid.diagnose.residuals.maps import windows
+from serpenoid.diagnose.residuals.maps import on_floor, windows
 from serpenoid.group import accumulate, relative
 from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps
@@ -43,7 +43,10 @@ def draw_all(folder: Path, d: Diagnosis, experiment: Floats | None = None) -> li
     jobs |= {
         "paths": lambda: paths_figure(d),
         "along-body": lambda: diagnosis_maps.body_figure(w, extended, d.motion.selection.scores),
-        "on-floor": lambda: diagnosis_maps.floor_figure(w, extended),
+    }
+    if on_floor(w, w.before):  # some square was visited often enough
+        jobs["on-floor"] = lambda: diagnosis_maps.floor_figure(w, extended)
+    jobs |= {
         "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder),
         "ranking": lambda: ranking_figure(d),
     }
