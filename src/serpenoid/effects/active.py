@@ -107,11 +107,15 @@ class ActiveEffect(Record):
         inside = [min(max(float(c), low), high) for c, (low, high) in zip(coordinates, bounds, strict=True)]
         return self.with_coordinates(inside)
 
+    @property
+    def called(self) -> str:
+        """Name and place."""
+        return self.name if self.place is None else f"{self.name} at {self.effect.place} {self.place}"
+
     def words(self) -> str:
         """One line: name, place, values with units."""
-        where = "" if self.place is None else f" at {self.effect.place} {self.place}"
         shown = ", ".join(f"{p.name} {self.parameters[p.name]:.4g} {p.unit}" for p in self.effect.parameters)
-        return f"{self.name}{where}: {shown}"
+        return f"{self.called}: {shown}"
 
 
 def joined(known: Sequence[ActiveEffect], new: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:

@@ -17,7 +17,7 @@ from scipy.special import gammainc, gammaincinv
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.links import link_directions, link_of_edge, vertices_by_links
+from serpenoid.measure.links import laid_over, link_directions, link_of_edge, vertices_by_links
 
 Flags = NDArray[np.bool_]
 ITERATIONS = 60
@@ -163,23 +163,13 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     psi = _fill_by_bends(psi, np.stack([_fill_in_time(column) for column in bends.T], axis=1))
     psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
     unknowns = np.concatenate([np.zeros((len(psi), 2)), _within_half_a_turn(psi)], axis=1)
-    unknowns[adrift, 2:] += _turn(vertices[adrift], vertices_by_links(body, unknowns[adrift])[0])[:, None]
-    unknowns[:, :2] = _mean_of_seen(vertices, vertices - vertices_by_links(body, unknowns)[0])[:, 0]
+    unknowns[adrift, 2:] += laid_over(vertices_by_links(body, unknowns[adrift])[0], vertices[adrift])[0][:, None]
+    shape, _ = vertices_by_links(body, unknowns)
+    with np.errstate(invalid="ignore"):
+        seen = np.isfinite(vertices)
+        offset = np.where(seen, vertices - shape, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+    unknowns[:, :2] = offset
     return unknowns
-
-
-def _mean_of_seen(vertices: Floats, values: Floats) -> Floats:
-    """Mean (F, 1, 2) of values (F, N, 2) over the vertices that are seen; 0 where none is."""
-    seen = np.isfinite(vertices)
-    return np.asarray(np.where(seen, values, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1))[:, None]
-
-
-def _turn(vertices: Floats, shape: Floats) -> Floats:
-    """Angle (F,) by which a shape (F, N, 2) is turned to meet the vertices that are seen, in the least squares."""
-    about, to = (np.nan_to_num(v - _mean_of_seen(vertices, v)) for v in (shape, vertices))
-    about = np.where(np.isfinite(vertices), about, 0.0)
-    cross = about[..., 0] * to[..., 1] - about[..., 1] * to[..., 0]
-    return np.asarray(np.arctan2(cross.sum(axis=1), (about * to).sum(axis=(1, 2))))
 
 
 def _within_half_a_turn(psi: Floats) -> Floats:

@@ -37,6 +37,17 @@ def _turns(stretches: Floats) -> Floats:
     return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
 
 
+def laid_over(points: Floats, markers: Floats) -> tuple[Floats, Floats, Floats]:
+    """Turn (F,) that lays points (F, N, 2) over the visible markers by least squares; the means (F, 2) of both."""
+    seen = np.isfinite(markers[..., 0])
+    share = (seen / np.maximum(seen.sum(axis=1), 1)[:, None])[..., None]
+    there = np.where(seen[..., None], markers, 0.0)
+    mid_p, mid_m = (share * points).sum(axis=1), (share * there).sum(axis=1)
+    a, b = (points - mid_p[:, None]) * seen[..., None], (there - mid_m[:, None]) * seen[..., None]
+    cross = (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]).sum(axis=1)
+    return np.asarray(np.arctan2(cross, (a * b).sum(axis=(1, 2)))), mid_p, mid_m
+
+
 def chain_vertices(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
     """Vertices (R, N, 2) of poses (R, 3) and joint angles (R, m)."""
     points, _ = vertices_by_links(body, link_directions(body, poses, joint_angles))

@@ -17,7 +17,7 @@ from multiprocessing.process import BaseProcess
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from serpenoid.parallel.forks import attempted, may_fork, raised_again
+from serpenoid.parallel.forks import answer, attempted, may_fork, raised_again
 from serpenoid.parallel.local import interrupts_held
 
 PATIENCE_S = 2.0  # in which a process ends that was told to
@@ -51,7 +51,7 @@ class Beside:
             with suppress(OSError):  # that it has ended is heard in the pipe
                 pipe.send((function, arguments))
 
-        def answer() -> T:
+        def value_of() -> T:
             found = None
             if pipe is not None:
                 with suppress(EOFError, OSError):
@@ -59,7 +59,7 @@ class Beside:
             value: T = raised_again(found or attempted((function, arguments)))
             return value
 
-        return answer
+        return value_of
 
     def __enter__(self) -> Self:
         return self
@@ -87,15 +87,4 @@ def _serve(prepare: Callable[[], object], ours: Connection, pipe: Connection) ->
     attempted((prepare, ()))  # what cannot be prepared says so where it is needed
     with suppress(EOFError, OSError):
         while True:
-            _answered(pipe)
-
-
-def _answered(pipe: Connection) -> None:
-    """One request; nothing of it is kept."""
-    answer = attempted(pipe.recv())
-    try:
-        pipe.send(answer)
-    except OSError:
-        raise
-    except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
-        pipe.send((False, error))
+            answer(pipe, pipe.recv())

@@ -66,11 +66,18 @@ def _serve(tasks: Sequence[Task], pipe: Connection, parent: int) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     watch_parent(parent)
     while True:
-        answer = attempted(tasks[pipe.recv()])
-        try:
-            pipe.send(answer)
-        except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
-            pipe.send((False, error))
+        answer(pipe, tasks[pipe.recv()])
+
+
+def answer(pipe: Connection, task: Task) -> None:
+    """Send what a task gives or raises; nothing of it is kept."""
+    found = attempted(task)
+    try:
+        pipe.send(found)
+    except OSError:  # nobody hears
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
+        pipe.send((False, error))
 
 
 def attempted(task: Task) -> Answer:

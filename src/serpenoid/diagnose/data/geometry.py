@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
-from serpenoid.measure.links import link_of_edge
+from serpenoid.measure.links import laid_over, link_of_edge
 
 LEAST_MARKERS = 3  # two fix a pose, a third says how well
 GYRATION = 0.29  # of a straight rod, body lengths
@@ -30,15 +30,8 @@ def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:
 
     NaN where fewer than three markers are seen. Points are in the body frame, so the pose is that of the body.
     """
-    seen = np.isfinite(markers[..., 0])
-    count = seen.sum(axis=1)
-    share = (seen / np.maximum(count, 1)[:, None])[..., None]
-    there = np.where(seen[..., None], markers, 0.0)
-    mid_p, mid_m = (share * points).sum(axis=1), (share * there).sum(axis=1)
-    a, b = (points - mid_p[:, None]) * seen[..., None], (there - mid_m[:, None]) * seen[..., None]
-    dot = (a * b).sum(axis=(1, 2))
-    cross = (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]).sum(axis=1)
-    heading = np.arctan2(cross, dot)
+    count = np.isfinite(markers[..., 0]).sum(axis=1)
+    heading, mid_p, mid_m = laid_over(points, markers)
     place = mid_m - turn(heading, mid_p)
     poses = np.column_stack([place, heading])
     poses[count < LEAST_MARKERS] = np.nan

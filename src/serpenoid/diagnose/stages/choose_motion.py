@@ -151,10 +151,8 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
 
 def _refusal(refused: Refused) -> str:
     """Why an effect that the search tried is not named."""
-    effect = refused.effect
-    where = "" if effect.place is None else f" at {effect.effect.place} {effect.place}"
     gain = f"would take away {refused.share:.0%} of what is left"
-    return f"{effect.name}{where} {gain}, not more than a wrong effect would: not named"
+    return f"{refused.effect.called} {gain}, not more than a wrong effect would: not named"
 
 
 def undetected_of(t: Weak, noise_level_m: float) -> Named:

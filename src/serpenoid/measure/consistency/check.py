@@ -28,7 +28,7 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
-from serpenoid.measure.consistency.rivals import ODDS, SURE, Compared, Rival, compared, leads
+from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
 from serpenoid.measure.consistency.signals import Signal, moving_s, period_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
@@ -219,8 +219,8 @@ def _contradiction(trial: str, certain: list[Rival]) -> Contradiction:
 
 def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:
     """A motion that neither the contract nor any rival explains."""
-    witness, sure = found.witness, [r for r in found.rivals if r.lead + r.log_share > ODDS and r.explained > SURE]
-    if found.contract.explained > UNEXPLAINED or sure:
+    witness = found.witness
+    if found.contract.explained > UNEXPLAINED or any(leads(rival, rival.lead) for rival in found.rivals):
         return []
     what = f"`{claim.label}`"
     if witness == "the recorded shapes" and claim.cameras is not None and claim.servos is not None:
