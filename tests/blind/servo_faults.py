@@ -35,7 +35,8 @@ from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import Played, _law_error
 from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.plays import Plays, carried
+from serpenoid.diagnose.stages.expected import carried
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium

@@ -18,14 +18,16 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
 from blind.schedule import lagged
+from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording, read_recordings
-from serpenoid.diagnose.data.shape_in_time import Course, Source, fitted
+from serpenoid.diagnose.data.shape_in_time import Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
-from serpenoid.diagnose.stages.plays import Plays, carried
+from serpenoid.diagnose.stages.expected import carried
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import chain_vertices

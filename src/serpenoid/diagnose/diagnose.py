@@ -26,8 +26,8 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, ratio_interval
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
+from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
-from serpenoid.diagnose.stages.plays import carried
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 

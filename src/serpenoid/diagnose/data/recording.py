@@ -15,8 +15,9 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
+from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
-from serpenoid.diagnose.data.shape_in_time import PER_KNOT, Course, ShapeInTime, Source, fitted, spacing
+from serpenoid.diagnose.data.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
 from serpenoid.diagnose.data.shapes_from_points import angles_shown
 from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.errors import InputError

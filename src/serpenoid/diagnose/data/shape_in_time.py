@@ -24,6 +24,7 @@ from scipy.linalg import solveh_banded
 from scipy.sparse import vstack
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.course import Course
 
 DEGREE = 3
 SPACING_S, SPACING_CYCLE = 0.078, 0.036  # between knots: seconds, at most this part of a cycle
@@ -44,18 +45,6 @@ class Source:
         """The same to the first reading at or after a time [s]."""
         count = int(np.searchsorted(self.time, end)) + 1
         return replace(self, time=self.time[:count], values=self.values[:count])
-
-
-@dataclass(frozen=True)
-class Course:
-    """Joint angles (C, m) [rad] at time (C,) [s], straight in between, held beyond."""
-
-    time: Floats
-    angles: Floats
-
-    def at(self, time: Floats) -> Floats:
-        """Joint angles (R, m) [rad]."""
-        return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import VISIBLE, excludable
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import most_gained
-from serpenoid.diagnose.stages.plays import Plays, ways
+from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.stages.set_points import ways
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, Effect, Parameter
 from serpenoid.effects.catalogue import actuation_effects, find

@@ -16,15 +16,16 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.shape_in_time import Course
 from serpenoid.diagnose.inference.finding import VISIBLE, Stage, excludable
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.expected import carried, expected
 from serpenoid.diagnose.stages.marker_evidence import angle_leverage
-from serpenoid.diagnose.stages.plays import Plays, carried, expected
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import marker_angles
 

@@ -1,0 +1,40 @@
+"""Joint angles at times, straight in between.
+
+Legend: C times of a course, R readings, m joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+
+MEETINGS = 9  # steps in which it is found how late a course is read: each far smaller than the last
+MET_S = 1e-6  # a step that ends them
+
+
+@dataclass(frozen=True)
+class Course:
+    """Joint angles (C, m) [rad] at time (C,) [s], straight in between, held beyond."""
+
+    time: Floats
+    angles: Floats
+
+    def at(self, time: Floats) -> Floats:
+        """Joint angles (R, m) [rad]."""
+        return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
+
+    def late(self, time: Floats, readings: Floats, near: float) -> float:
+        """By how much later [s], no more than `near`, the course is read best (R, m) at time (R,)."""
+        rates = np.diff(self.angles, axis=0) / np.diff(self.time)[:, None]
+        late = 0.0
+        for _ in range(MEETINGS):
+            at = time - late
+            rate = rates[np.clip(np.searchsorted(self.time, at) - 1, 0, len(rates) - 1)]
+            change = float(((readings - self.at(at)) * rate).sum() / max(float((rate**2).sum()), 1e-12))
+            late, before = float(np.clip(late - change, -near, near)), late
+            if abs(late - before) < MET_S:
+                break
+        return late

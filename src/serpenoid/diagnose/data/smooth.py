@@ -1,0 +1,37 @@
+"""Readings about local parabolas: how rough they are, and what a smoother leaves of them.
+
+Legend: R readings, m joints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.noise import TICK
+
+SMOOTHED_ROWS = 9
+
+
+def scatter(readings: Floats, pooled: bool) -> Floats:
+    """RMS about local parabolas [rad], corrected for what they swallow: of each joint (m,), or pooled: the median's."""
+    if len(readings) < SMOOTHED_ROWS:
+        return np.full(readings.shape[1], TICK)
+    squares = roughness(readings, SMOOTHED_ROWS) ** 2 / (1 - 2.25 / SMOOTHED_ROWS)
+    return np.asarray(np.sqrt(np.full_like(squares, np.median(squares)) if pooled else squares))
+
+
+def roughness(values: Floats, rows: int) -> Floats:
+    """RMS of `values` (R, m) about local parabolas (m,)."""
+    return np.asarray(np.sqrt(((values - local_parabolas(values, rows)) ** 2).mean(axis=0)))
+
+
+def local_parabolas(values: Floats, rows: int) -> Floats:
+    """Each of `values` (R, m) by the parabola through the `rows` about it (Savitzky and Golay, 1964), R >= rows.
+
+    SciPy's, without its package for signals, whose import takes as long as all others together.
+    """
+    powers, middle = np.vander(np.arange(rows) - rows // 2, 3), rows // 2
+    smoother = powers @ np.linalg.pinv(powers)
+    inside = np.lib.stride_tricks.sliding_window_view(values, rows, axis=0) @ smoother[middle]
+    return np.concatenate([smoother[:middle] @ values[:rows], inside, smoother[middle + 1 :] @ values[-rows:]])

@@ -1,0 +1,123 @@
+"""Effects of the observation model as they are tried: fitted beside one another to the joint angles and edges that
+markers show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from serpenoid.body import Body
+from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
+from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.null import Scored, largest_by_chance
+from serpenoid.diagnose.inference.prices import Priced
+from serpenoid.diagnose.stages.marker_evidence import Sample, evidence, misfit, signature
+from serpenoid.effects.active import ActiveEffect
+
+CONVERGED = 1e-4  # chi squared: the step that gains it is a hundredth of a standard deviation, the next far smaller
+Key = tuple[str, int | None]
+
+
+@dataclass(frozen=True)
+class Looked:
+    """Some effects of the observation model, fitted beside one another.
+
+    before: the model without them. without: names that are no candidates.
+    """
+
+    data: Sample
+    now: Observation
+    before: Observation
+    keys: tuple[Key, ...] = ()
+    without: frozenset[str] = frozenset()
+
+    @property
+    def size(self) -> int:
+        """See `Explanation`."""
+        return len(self.keys)
+
+    @property
+    def own(self) -> list[int]:
+        """Columns of the effects."""
+        return [c for k in self.keys for c in columns_of(self.data.body, *k)]
+
+    @property
+    def others(self) -> list[Key]:
+        """What else might be there."""
+        return [k for k in all_keys(self.data.body) if k not in self.keys and k[0] not in self.without]
+
+    @cached_property
+    def sums(self) -> Evidence:
+        """All columns, about this model."""
+        return evidence(self.data, self.now)
+
+    @cached_property
+    def priced(self) -> Priced:
+        """See `Explanation`."""
+        return Priced(misfit(self.data, self.now), len(self.own), self.data.count)
+
+    @cached_property
+    def needed(self) -> float:
+        """Chi squared that an effect must take away: the best of all candidates takes as much by chance."""
+        body, order = self.data.body, [*self.own, *(c for k in self.others for c in columns_of(self.data.body, *k))]
+        matrix = self.sums.matrix[:, order][:, :, order]
+        summed = replace(self.sums, matrix=matrix, vector=self.sums.vector[:, order])
+        ends = np.cumsum([len(self.own), *(len(columns_of(body, *k)) for k in self.others)])
+        groups = tuple(tuple(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+        return largest_by_chance([Scored(summed, len(self.own), groups)])
+
+    def beside(self, key: Key) -> Looked:
+        """One more effect, all fitted."""
+        keys = (*self.keys, key)
+        return replace(self, now=solved(self.data, self.now, keys), keys=keys)
+
+    def without_one(self, index: int) -> Looked:
+        """One less, the others fitted again."""
+        kept = tuple(k for i, k in enumerate(self.keys) if i != index)
+        now = self._cleared(self.keys[index])
+        return replace(self, now=solved(self.data, now, kept) if kept else now, keys=kept)
+
+    def each_without(self) -> list[Looked]:
+        """One less, each in turn."""
+        return [self.without_one(i) for i in range(self.size)]
+
+    def _cleared(self, key: Key) -> Observation:
+        """The model with one effect's numbers as they were before."""
+        now, body = self.now, self.data.body
+        values, former = (values_of(body, model, *key) for model in (now, self.before))
+        for column, value, old in zip(columns_of(body, *key), values, former, strict=True):
+            now = now.with_column(column, old - value)
+        return now
+
+    def strength(self, key: Key) -> float:
+        """The worst channel's RMS of one effect alone, over the noise level."""
+        return float(signature(self.data, only(self.data.body, self.now, key)).max())
+
+
+def effect_of(found: Looked, key: Key) -> ActiveEffect:
+    """One of the effects with its values."""
+    return ActiveEffect.neutral(*key).with_coordinates(values_of(found.data.body, found.now, *key))
+
+
+def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
+    """Gauss-Newton in the numbers of the given effects, until a step gains next to nothing."""
+    columns = [c for k in keys for c in columns_of(data.body, *k)]
+    for _ in range(rounds):
+        sums = evidence(data, now, columns)
+        step, _ = sums.solve(range(len(columns)))
+        for column, amount in zip(columns, step, strict=True):
+            now = now.with_column(column, float(amount))
+        if sums.vector.sum(axis=0) @ step < CONVERGED:
+            break
+    return now
+
+
+def only(body: Body, now: Observation, key: Key) -> Observation:
+    """An observation model with this one effect of `now`."""
+    alone = Observation.neutral(body)
+    for column, value in zip(columns_of(body, *key), values_of(body, now, *key), strict=True):
+        alone = alone.with_column(column, value)
+    return alone

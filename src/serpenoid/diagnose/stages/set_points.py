@@ -1,0 +1,84 @@
+"""The ways to take what was commanded: the set-points that servos may have followed.
+
+A log's own word of what servos were told, rows of a table that are joined by lines, or rows that jump. A repeat that
+tells no more of the servos than the trial it repeats is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.course import Course
+from serpenoid.diagnose.data.noise import TICK
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.stages.plays import Plays, unsure_start
+
+JUMP_S = 1e-6  # before a row is due: a jump takes no time
+
+
+def ways(recordings: Sequence[Recording]) -> Iterator[Plays]:
+    """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them."""
+    recordings = _telling(recordings)
+    yield _plays(recordings, told=False)
+    jumping = [replace(r, schedule=replace(r.schedule, held=True)) for r in recordings]
+    yield _plays(jumping, told=False)
+    if all(r.commands is not None for r in recordings):
+        yield _plays(jumping, told=True)
+
+
+def _telling(recordings: Sequence[Recording]) -> list[Recording]:
+    """One of each setting, and its repeats in which a joint strays from the command by another amount."""
+    found: list[tuple[Recording, Floats, Floats]] = []
+    for r in reversed(recordings):
+        strays, unsure = _strays(r)
+        like = [(s, u) for other, s, u in found if other.setting == r.setting]
+        differs = (np.abs(s - strays) > LAW_ERROR**2 * np.maximum(s, strays) + np.maximum(u, unsure) for s, u in like)
+        if all(d.any() for d in differs):
+            found.append((r, strays, unsure))
+    return [r for r, _, _ in reversed(found)]
+
+
+def _strays(r: Recording) -> tuple[Floats, Floats]:
+    """Mean square (m,) of what a trial's readings miss the command by, and how much of it may be its start's."""
+    time = r.read_at
+    inside = (time > 0) & (time < r.promised_s)
+    if not inside.any():
+        return np.zeros(r.body.joint_count), np.full(r.body.joint_count, np.inf)
+    told = r.schedule.commanded(time[inside])
+    late = r.schedule.commanded(time[inside] - unsure_start(r)) - told
+    return ((r.position[inside] - told) ** 2).mean(axis=0), (late**2).mean(axis=0) + TICK**2
+
+
+def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
+    readings, labels, times, meshes, setpoints, where = [], [], [], [], [], []
+    for number, r in enumerate(recordings):
+        time = r.read_at
+        inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
+        mesh = np.unique(np.concatenate([[0.0], time[inside], [] if told else corners(r)]))
+        course = Course(time, r.commands) if told and r.commands is not None else None
+        setpoints.append(r.schedule.commanded(mesh) if course is None else course.at(mesh))
+        times.append(time[inside])
+        meshes.append(mesh)
+        where.append(np.searchsorted(mesh, time[inside]))
+        readings.append(r.position[inside])
+        labels.append(np.full(len(readings[-1]), number))
+    noise = np.full(recordings[0].body.joint_count, np.inf)
+    found = Plays(
+        tuple(recordings), np.concatenate(readings), np.concatenate(labels), tuple(times), tuple(meshes),
+        tuple(setpoints), tuple(where), noise, told=told,
+    )  # fmt: skip
+    return found.measured(np.zeros_like(found.readings)).measured(found.realised([]))
+
+
+def corners(r: Recording) -> Floats:
+    """Times from 0 on at which rows are due, and just before where they jump."""
+    s, steps = r.schedule, len(r.schedule.table)
+    corners = [n * s.period_s + np.arange(steps + 1) / steps * s.cycle_duration_s for n in range(s.cycles)]
+    jumps = [c - JUMP_S for c in corners] if s.held else []
+    every = np.concatenate([*corners, *jumps])
+    return np.asarray(every[every >= 0])
