@@ -51,6 +51,7 @@ def test_a_killed_sweep_goes_on_where_it_stopped(tmp_path: Path, family: Sweep) 
     assert len(before) == 2
     resumed = sweep(asked, VALUES, starts=3, seed=0, folder=tmp_path)
     assert {p: p.stat().st_mtime_ns for p in before} == before  # solved once
+    assert (family.kept, resumed.kept) == (0, 2)
     np.testing.assert_allclose(costs(resumed), costs(family), atol=SAME_COST)
 
 

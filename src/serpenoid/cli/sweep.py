@@ -130,9 +130,12 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
 
 def _lines(summary: dict) -> list[str]:
     missing = f", {summary['not_reached']} not reached" if summary["not_reached"] else ""
+    kept = f" ({summary['kept_from_an_earlier_run']} kept from an earlier run)" * bool(
+        summary["kept_from_an_earlier_run"]
+    )
     window = summary["idle_for_minimum_between_1_and_2"]
     return [
-        f"{summary['problem']}: {summary['solved']} points solved, {summary['failed']} failed{missing}",
+        f"{summary['problem']}: {summary['solved']} points solved{kept}, {summary['failed']} failed{missing}",
         f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
         _transport(window),
         *(f"  {line}, at the least c" for line in summary["limits"]),

@@ -66,7 +66,7 @@ class ChainStore:
         objective = float(ipopt.functions["f"](point.x, parameters))
         outcome = Outcome(Status.SOLVED, said, point, objective, residuals, iterations, {"total": seconds})
         q = point.x[-solver.family.size :]
-        return Answer(outcome, q, iterations, seconds, carried, _clearance(solver, q))
+        return Answer(outcome, q, iterations, seconds, carried, _clearance(solver, q), kept=True)
 
     def _path(self, c: float) -> Path:
         return self.folder / f"{self.chain}-{c!r}.npz"

@@ -34,7 +34,7 @@ SLIPPED = 1e-3  # far above the tolerance of the poses (1e-8), far below another
 class Answer:
     """IPOPT's outcome with the gait it found, total iterations over all exchanges, and what the last NLP carried.
 
-    clearance: what is proven of obstacles.
+    clearance: what is proven of obstacles. kept: whether an earlier run found it.
     """
 
     outcome: Outcome
@@ -43,6 +43,7 @@ class Answer:
     seconds: float
     carried: Carried
     clearance: Clearance | None = None
+    kept: bool = False
 
     def after(self, before: Answer) -> Answer:
         """With the iterations and seconds of the search before, too."""

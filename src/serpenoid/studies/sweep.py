@@ -48,11 +48,12 @@ class SweepPoint:
 
 @dataclass(frozen=True)
 class Sweep:
-    """Points in increasing c; `complete` is False after Ctrl-C."""
+    """Points in increasing c; `complete` is False after Ctrl-C; kept: how many of them an earlier run had solved."""
 
     problem: Problem
     points: tuple[SweepPoint, ...]
     complete: bool
+    kept: int = 0
 
     @property
     def solved(self) -> list[Solution]:
@@ -109,7 +110,8 @@ def sweep(
                 if progress is not None:
                     progress(sum(map(len, found.values())), f"c = {c:g}: {answer.outcome.objective:.6f}")
         points = tuple(_better(solver, c, found, polish and not flag) for c in ordered.tolist())
-    return Sweep(problem, points, complete=not flag)
+    kept = sum(any(chain[c].kept for chain in found.values() if c in chain) for c in ordered.tolist())
+    return Sweep(problem, points, complete=not flag, kept=kept)
 
 
 def _chain(

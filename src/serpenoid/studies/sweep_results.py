@@ -28,6 +28,7 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         "complete": result.complete,
         "points": len(result.points),
         "solved": len(solved),
+        "kept_from_an_earlier_run": result.kept,
         "failed": sum(point.reached for point in result.points) - len(solved),
         "not_reached": sum(not point.reached for point in result.points),
         "displacement": [float(min(shown)), float(max(shown))] if solved else [0.0, 0.0],
