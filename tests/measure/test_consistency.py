@@ -19,7 +19,7 @@ from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions
 from serpenoid.measure.consistency.geometry import layout, marker_faults
 from serpenoid.measure.consistency.rivals import ODDS
-from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.schedule import Schedule
@@ -263,7 +263,7 @@ def test_one_joint_cannot_tell_a_half_cycle_from_a_flipped_sign():
 def test_the_period_of_a_signal_includes_its_pause(pause):
     schedule = Schedule(serpenoid_table(40), 1.7, 4, pause)
     time = np.arange(0, schedule.end_s, 1 / 60)
-    found = period_s(Signal(time, schedule.commanded(time)))
+    found = Signal(time, schedule.commanded(time)).period_s
     assert found == pytest.approx(1.7 + pause, abs=0.02)  # a frame
 
 
@@ -293,7 +293,7 @@ def test_a_body_of_three_points_says_nothing_about_its_order():
 
 def test_the_lampreys_beat_is_found_in_spite_of_bad_frames():
     motion = load_campaign(ROOT / "problems/campaigns/lamprey.toml").trials[0].motion
-    found = period_s(Signal(motion.time_s, motion.joint_angles))
+    found = Signal(motion.time_s, motion.joint_angles).period_s
     assert found == pytest.approx(1 / 3.8, abs=0.02)  # 3.8 Hz is known from outside; a frame
 
 
@@ -323,7 +323,7 @@ def test_the_duration_of_a_single_cycle_is_told_by_how_long_the_body_moves(facto
     angles = played.commanded(np.clip(time, 0.0, played.end_s))
     seen = Signal(time, angles + 0.005 * np.random.default_rng(5).standard_normal(angles.shape))
     promised = Schedule(played.table, factor * 2.0, 1, 0.0)
-    assert period_s(seen) is None
+    assert seen.period_s is None
     found = check([Claim("one", "gait-1", promised, cameras=seen)], {"gait-1": played.table}).contradictions
     assert [one.kind for one in found] == ([] if factor == 1.0 else ["duration"])
     for one in found:

@@ -16,7 +16,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.consistency.check import Claim, check
 from serpenoid.measure.consistency.geometry import layout, marker_faults
-from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.trial import build_motion, cut_passages
@@ -64,7 +64,7 @@ def test_a_cycle_that_is_lost_beside_its_pause_is_no_division_by_nothing(virtual
 def test_a_recording_between_whose_halves_lies_a_thousand_seconds_has_no_period():
     at = np.arange(100) / 60
     at[50:] += 1000.0
-    assert period_s(Signal(at, np.sin(at)[:, None])) is None
+    assert Signal(at, np.sin(at)[:, None]).period_s is None
 
 
 def bending(at: np.ndarray) -> np.ndarray:

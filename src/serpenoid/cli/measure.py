@@ -144,9 +144,9 @@ def _seconds_words(trial: Trial, motion: Motion) -> str:
 
 def _body_words(trial: Trial, motion: Motion) -> str:
     """Length and period: where units of length or time are wrong, these two numbers show it."""
-    from serpenoid.measure.consistency.signals import Signal, period_s
+    from serpenoid.measure.consistency.signals import Signal
 
-    period = period_s(Signal(motion.time_s, motion.joint_angles))
+    period = Signal(motion.time_s, motion.joint_angles).period_s
     length = f"{metric(trial.metres)} long" if trial.metres else "of unknown length (pixels)"
     return (
         f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period") + _promised(trial)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.signals import Signal, period_s
+from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
 
@@ -111,7 +111,7 @@ def _stretching(motion: Motion) -> list[str]:
 
 def _length(motion: Motion) -> list[str]:
     frames = sum(run.stop - run.start for run in motion.runs)
-    period = period_s(Signal(motion.time_s, motion.joint_angles))
+    period = Signal(motion.time_s, motion.joint_angles).period_s
     seconds = sum(float(motion.time_s[run.stop - 1] - motion.time_s[run.start]) for run in motion.runs)
     if period is None:
         return [f"{seconds:.3g} s, and nothing repeats in it: a fit is possible, but says nothing about other beats"]

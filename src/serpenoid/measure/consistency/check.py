@@ -29,7 +29,7 @@ from serpenoid.measure.consistency.hypotheses import (
 )
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
 from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
-from serpenoid.measure.consistency.signals import Signal, moving_s, period_s
+from serpenoid.measure.consistency.signals import Signal, moving_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
@@ -104,7 +104,7 @@ def _in_other_units(claim: Claim) -> list[Contradiction]:
 
 def _longer(signal: Signal, schedule: Schedule) -> float:
     """By how much longer than promised it takes to repeat, or, where nothing repeats, how much longer it moves."""
-    own = period_s(signal)
+    own = signal.period_s
     if own is not None:
         return own / schedule.period_s
     return moving_s(signal) / schedule.moving_s
@@ -132,7 +132,7 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
     ]
     for signal, witness, prior in seen:
         if schedule is not None and signal is not None and signal.enough:
-            own = period_s(signal)
+            own = signal.period_s
             periods = _periods(signal, own, schedule)
             slower = schedule.period_s / min(schedule.period_s, *periods)
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
@@ -159,7 +159,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         return None
     if cameras.values.shape[1] != servos.values.shape[1]:
         return None
-    own, promised = period_s(cameras), period_s(servos)
+    own, promised = cameras.period_s, servos.period_s
     course = _logged(servos, promised)
     joints = cameras.values.shape[1]
     logs = [(c.trial, c.servos) for c in claims if c.servos is not None and not _repeats(c, claim)]

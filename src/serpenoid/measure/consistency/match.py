@@ -9,7 +9,7 @@ discrepancy's size is unknown: its Student t has one observation's worth of beli
 and as many degrees of freedom as that motion has, whatever the number of frames: amplitudes and phases of two
 harmonics. Repeated cycles repeat their discrepancy, so they do not count again.
 
-Legend: n grid points, K starts, m joints.
+Legend: n grid points, Q rates, K starts, m joints.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from serpenoid.measure.cells import Floats
@@ -30,6 +31,7 @@ DAMAGED = 0.1  # prior share of joints that do what a healthy one does not
 HIGHEST_GAIN = 1.5
 COARSE = 0.1  # of a cycle that the ends of a signal may be off in a first look at a clock's rate
 FINER = 9  # rates on either side of the best in the second look: its ends are within a hundredth of a cycle
+AT_ONCE = 8_000  # numbers of a signal, once for each rate, that are laid together: more leave the cache of a core
 RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
 
 
@@ -101,9 +103,9 @@ def match(signal: Sampled, course: Course, prior: Prior = PHYSICAL) -> Match:
     """
     cycles = min(signal.span_s, course.total_s) / course.period_s
     step = 1 / max(1.0, np.ceil(RATES * cycles / COARSE))
-    first = max((match_at(signal, course, 1 + RATES * k, prior) for k in np.arange(-1, 1 + step / 2, step)), key=_score)
+    first = max(_at_rates(signal, course, 1 + RATES * np.arange(-1, 1 + step / 2, step), prior), key=_score)
     finer = first.rate + RATES * step * np.arange(-FINER, FINER + 1) / (FINER + 1)
-    return max([first, *(match_at(signal, course, rate, prior) for rate in finer)], key=_score)
+    return max([first, *_at_rates(signal, course, finer, prior)], key=_score)
 
 
 def _score(found: Match) -> float:
@@ -112,25 +114,33 @@ def _score(found: Match) -> float:
 
 def match_at(signal: Sampled, course: Course, rate: float, prior: Prior = PHYSICAL) -> Match:
     """The best start of `course` lasting `rate` times as long as promised."""
-    return replace(_match_one(signal, course.slowed(float(rate)), prior), rate=float(rate))
+    return _at_rates(signal, course, np.array([rate]), prior)[0]
 
 
-def _match_one(signal: Sampled, course: Course, prior: Prior) -> Match:
-    begin, commanded = _commanded(signal, course)
+def _at_rates(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[Match]:
+    """The best start at each of Q rates; some rates at once, or most of the time goes into calling NumPy."""
+    parts = -(-len(rates) * signal.values.size // AT_ONCE)
+    return [found for some in np.array_split(rates, parts) for found in _laid(signal, course, some, prior)]
+
+
+def _laid(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[Match]:
+    begin, starts, commanded = _commanded(signal, course, rates)
     cov, variance, mean = _sliding(signal, commanded)
     gain = np.clip(cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
-    left = np.maximum(signal.spread - 2 * gain * cov + gain**2 * variance, 0.0)  # (K, m)
+    left = np.maximum(signal.spread - 2 * gain * cov + gain**2 * variance, 0.0)  # (Q, K, m)
     zero = signal.mean - gain * mean
-    fit = log_student(left, signal, prior)
-    belief = log_prior(zero, 0.0, prior.zero_sd, np.pi, prior.damage)
-    best = int(np.argmax((fit + belief).sum(axis=1)))
-    by_joint = fit[best] + belief[best]
-    by_gain = log_gains(gain[best], prior)
-    explained = explained_by(left[best], signal)
-    start = signal.start_s - (begin + best * signal.step_s)
-    return Match(
-        float(by_joint.sum() + by_gain.sum()), by_joint + by_gain, start, gain[best], zero[best], explained, course
-    )
+    fits = log_student(left, signal, prior) + log_prior(zero, 0.0, prior.zero_sd, np.pi, prior.damage)
+    there = np.arange(fits.shape[1]) < starts[:, None]
+    best = np.where(there, fits.sum(axis=2), -np.inf).argmax(axis=1)
+    found = []
+    for q, (k, rate) in enumerate(zip(best, rates.tolist(), strict=True)):
+        by_gain = log_gains(gain[q, k], prior)
+        start = signal.start_s - float(begin[q] + k * signal.step_s)
+        evidence = float(fits[q, k].sum() + by_gain.sum())
+        explained = explained_by(left[q, k], signal)
+        laid = course.slowed(rate)
+        found.append(Match(evidence, fits[q, k] + by_gain, start, gain[q, k], zero[q, k], explained, laid, rate))
+    return found
 
 
 def explained_by(left: Floats, signal: Sampled) -> float:
@@ -143,23 +153,27 @@ def explained_by(left: Floats, signal: Sampled) -> float:
     return 1.0 if moved < noise else 1 - max(float(left.sum()) - noise, 0.0) / moved
 
 
-def _commanded(signal: Sampled, course: Course) -> tuple[float, Floats]:
-    """Commands on the signal's grid for every start that leaves half of the shorter of the two in common."""
-    total = course.total_s
-    common = 0.5 * min(signal.span_s, total)
-    begin, end = common - signal.span_s, total - common + signal.span_s
-    count = max(int((end - begin) / signal.step_s) + 1, len(signal.values))
-    return begin, course.angles(np.asarray(begin + signal.step_s * np.arange(count)))
+def _commanded(signal: Sampled, course: Course, rates: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
+    """Commands (Q, n + K - 1, m) on the signal's grid from the first start on, that start (Q,), and how many there are
+    (Q,): all that leave half of the shorter of the two in common."""
+    total, span = course.total_s * rates, signal.span_s
+    common = 0.5 * np.minimum(span, total)
+    begin, end = common - span, total - common + span
+    count = np.maximum(((end - begin) / signal.step_s).astype(int) + 1, len(signal.values))
+    at = (begin[:, None] + signal.step_s * np.arange(count.max())) / rates[:, None]
+    angles = course.angles(at.ravel())
+    return begin, count - len(signal.values) + 1, angles.reshape(*at.shape, -1)
 
 
 def _sliding(signal: Sampled, commanded: Floats) -> tuple[Floats, Floats, Floats]:
-    """Covariance with the signal, variance and mean of the commands under every start (K, m)."""
-    starts, joints = len(commanded) - len(signal.values) + 1, commanded.shape[1]
-    size = next_fast_len(len(commanded) + len(signal.values), real=True)
+    """Covariance with the signal, variance and mean of the commands under every start (Q, K, m)."""
+    _, count, joints = commanded.shape
+    starts, size = count - len(signal.values) + 1, next_fast_len(count + len(signal.values), real=True)
     known = signal.transforms(size)
-    there = rfft(np.concatenate([commanded, commanded**2], axis=1), size, axis=0)
-    both = np.concatenate([known[:, :1] * there, known[:, 1:] * there[:, :joints]], axis=1)
-    mean, second, product = np.split(irfft(both, size, axis=0)[:starts] / signal.weight.sum(), 3, axis=1)
+    there = rfft(np.concatenate([commanded, commanded**2], axis=2), size, axis=1)
+    both = np.concatenate([known[:, :1] * there, known[:, 1:] * there[..., :joints]], axis=2)
+    sliding = irfft(both, size, axis=1)[:, :starts] / signal.weight.sum()
+    mean, second, product = (sliding[..., k * joints : (k + 1) * joints] for k in range(3))
     return product - mean * signal.mean, second - mean**2, mean
 
 

@@ -32,12 +32,12 @@ class Signal:
     time_s: Floats
     values: Floats
 
-    @property
+    @cached_property
     def enough(self) -> bool:
         """Whether it can be laid over anything."""
         return self.known.sum() >= LEAST_ROWS and self.moves
 
-    @property
+    @cached_property
     def known(self) -> NDArray[np.bool_]:
         """Rows (R,) in which every joint's angle is there."""
         return np.asarray(np.isfinite(self.values).all(axis=1))
@@ -53,7 +53,7 @@ class Signal:
         alike = shared > max(ALIKE, UNLIKELY / np.sqrt(len(whole))) * size
         return bool((alike & (size > ROUNDING) | (size > MOVING * self.noise_variance)).any())
 
-    @property
+    @cached_property
     def noise_variance(self) -> Floats:
         """White noise of every joint (m,) [rad^2], from second differences: mean (a - 2 b + c)^2 / 6, by medians."""
         bend = np.diff(self.values, n=2, axis=0)
@@ -61,6 +61,11 @@ class Signal:
         if len(bend) < LEAST_ROWS:
             return np.full(self.values.shape[1], 1e-8)
         return np.asarray((1.4826 * np.median(np.abs(bend), axis=0)) ** 2 / 6 + ROUNDING)
+
+    @cached_property
+    def period_s(self) -> float | None:
+        """After what time it repeats: the first delay at which it agrees with itself nearly best; None: never."""
+        return _period_s(self)
 
 
 @dataclass(frozen=True)
@@ -123,8 +128,7 @@ def _without_outliers(values: Floats) -> Floats:
     return np.asarray(clipped - clipped.mean(axis=0))
 
 
-def period_s(signal: Signal) -> float | None:
-    """After what time the motion repeats: the first delay at which it agrees with itself nearly best; None: never."""
+def _period_s(signal: Signal) -> float | None:
     whole = sample(signal, float(np.median(np.diff(signal.time_s))))
     centred = _without_outliers(whole.values) * whole.weight[:, None]
     size = 2 * len(centred)
