@@ -185,6 +185,16 @@ def test_ctrl_c_inside_generated_code_has_the_usual_exit_code(tmp_path: Path) ->
     assert (done.returncode, done.stderr) == (130, "serpenoid: stopped.\n")
 
 
+def test_what_libraries_have_made_is_not_looked_through_as_a_command_ends(tmp_path: Path) -> None:
+    (tmp_path / "ended.py").write_text(
+        "import gc\nimport serpenoid.cli.main as cli\nfrom serpenoid.__main__ import entry\ncli.main = lambda: 3\n"
+        "try:\n    entry()\nexcept SystemExit as end:\n    print(end.code, gc.get_freeze_count() > 10_000)\n"
+    )
+    words = [sys.executable, "-m", "ended"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout == "3 True\n"
+
+
 def test_what_is_found_after_the_file_was_read_names_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["solve", str(PROBLEMS / "sidewinding.toml"), "--ladder", "--out", str(tmp_path)]
     assert main(words) == 2

@@ -32,7 +32,8 @@ LAYERS = ("baseline", "extended")
 def report(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> tuple[str, list[str]]:
     """The page and the names of its figures, with some joint table as the next experiment."""
     d, record, out = diagnosed
-    names = diagnosis.draw_all(out, d, np.zeros((20, 10)))
+    names = diagnosis.draw_motion(out, d.motion.selection) + diagnosis.draw_rest(out, d)
+    names += diagnosis.draw_experiment(out, np.zeros((20, 10)))
     write_pages(out, record, animated(d))
     return (out / "report.html").read_text(encoding="utf-8"), names
 
@@ -41,7 +42,7 @@ def test_a_floor_of_which_no_square_was_visited_often_is_not_drawn(
     diagnosed: tuple[Diagnosis, dict[str, Any], Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(maps, "LEAST_VISITS", 10**6)
-    assert "on-floor" not in diagnosis.draw_all(tmp_path, diagnosed[0])
+    assert "on-floor" not in diagnosis.draw_motion(tmp_path, diagnosed[0].motion.selection)
 
 
 def test_the_report_needs_no_other_file(report: tuple[str, list[str]]) -> None:
@@ -174,7 +175,7 @@ def test_gains_are_joined_only_between_neighbouring_vertices_and_every_vertex_ha
 def test_what_chance_gains_is_seen_beside_any_gain(gain: float, scale: str) -> None:
     best = SimpleNamespace(effects=())
     found = SimpleNamespace(scores=[("load", 1, gain), ("load", 2, 3.0)], best=best)
-    fig = diagnosis.ranking_figure(SimpleNamespace(motion=SimpleNamespace(selection=found)))  # type: ignore[arg-type]
+    fig = diagnosis.ranking_figure(found)  # type: ignore[arg-type]
     (ax,) = fig.axes
     assert ax.get_xscale() == scale
     assert "chosen" not in ax.get_legend_handles_labels()[1]

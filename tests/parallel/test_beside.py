@@ -86,6 +86,23 @@ def test_what_is_raised_there_is_raised_here_with_its_place() -> None:
     assert "in refused" in "".join(raised.value.__notes__)
 
 
+def until(path: Path) -> str:
+    """Busy until a file is there."""
+    patience = time.monotonic() + 20
+    while not path.exists():
+        assert time.monotonic() < patience, "nobody goes on while this is busy"
+        time.sleep(0.01)
+    return "was busy"
+
+
+def test_who_asks_goes_on_while_it_is_busy_however_much_is_asked(tmp_path: Path) -> None:
+    with Beside(prepare) as other:
+        other.begin()
+        first, second = other.ask(until, tmp_path / "go"), other.ask(len, bytes(10**7))
+        (tmp_path / "go").touch()
+        assert (first(), second()) == ("was busy", 10**7)
+
+
 def stopped_amid_pieces(folder: Path) -> None:
     with Beside(prepare) as other:
         other.begin()

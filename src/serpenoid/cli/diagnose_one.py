@@ -5,15 +5,17 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import content_of, content_of_campaign, sign
+from serpenoid.cli.pictures import Pictures, prepare
 from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
-    from serpenoid.body import Body, Floats
-    from serpenoid.diagnose.diagnose import Diagnosis
+    from serpenoid.body import Body
+    from serpenoid.diagnose.diagnose import Diagnosis, Searched
+    from serpenoid.diagnose.inference.select import Selection
     from serpenoid.diagnose.stages.baseline import Baseline
     from serpenoid.measure.campaign import CampaignFile
     from serpenoid.measure.trial_files import Files, Reader
@@ -46,25 +48,37 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], tuple[B
     folder = options.output_folder(args, default, *key, sorted(args.without))
     kind = "animal" if load_campaign_file(campaign)[0].tracked_only else "robot"
     work = Work(kind, sizes, not args.no_figures)
-    with options.progress_bar(args, "diagnosing", 1.0, work.left) as advance, Beside(_drawing) as artist:
+    with options.progress_bar(args, "diagnosing", 1.0, work.left) as advance, Beside(prepare) as artist:
         work.tell = advance
+        pictures = Pictures(folder, None if args.no_figures else artist)
         earlier, before = None, None
         if args.reference:
             file, then = _diagnosed(args, args.reference, None, work, artist, read_files)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
-        file, found = _diagnosed(args, campaign, earlier, work, artist, lambda file, folder: files())
-        sign(args)
+
+        def searched(found: Selection) -> None:
+            sign(args)
+            pictures.of_motion(found)
+
+        file, found = _diagnosed(args, campaign, earlier, work, artist, lambda file, folder: files(), searched)
+        pictures.of_rest(found)
         record = write(folder, file, found, before)
         if not args.no_figures:
             work.draw()
-            _pictures(folder, found, record, artist)
+        pictures.in_report(found, record)
         work.finish()
     options.report(args, record, [*lines(record), f"written to {folder}"], folder)
     return 0
 
 
 def _diagnosed(
-    args: argparse.Namespace, campaign: str, earlier: Baseline | None, work: Work, artist: Beside, files: Reader
+    args: argparse.Namespace,
+    campaign: str,
+    earlier: Baseline | None,
+    work: Work,
+    artist: Beside,
+    files: Reader,
+    searched: Searched = lambda found: None,
 ) -> tuple[CampaignFile, Diagnosis]:
     from serpenoid.diagnose.campaign import diagnose_campaign
     from serpenoid.effects.catalogue import find
@@ -80,8 +94,9 @@ def _diagnosed(
 
     without = frozenset(find(name).name for name in args.without)
     found = diagnose_campaign(
-        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice, files
-    )
+        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice, files,
+        searched,
+    )  # fmt: skip
     work.campaign_done()
     return found
 
@@ -91,27 +106,3 @@ def _files(campaign: str) -> tuple[Body, tuple[Files, ...]]:
     from serpenoid.measure.trial_files import read_files
 
     return read_files(*load_campaign_file(campaign))
-
-
-def _drawing() -> None:
-    """What drawing needs takes as long to import as a stage takes to judge."""
-    import serpenoid.plot.diagnosis  # noqa: F401
-
-
-def _draw(folder: Path, found: Diagnosis, table: Floats | None) -> None:
-    from serpenoid.plot.diagnosis import draw_all
-
-    draw_all(folder, found, table)
-
-
-def _pictures(folder: Path, found: Diagnosis, record: dict[str, Any], artist: Beside) -> None:
-    from serpenoid.table_file import read_table
-
-    proposed = record["next_experiment"]
-    drawn = artist.ask(_draw, folder, found, read_table(folder / proposed["joint_table"]) if proposed else None)
-    from serpenoid.diagnose.report.animate import animated
-    from serpenoid.diagnose.report.pages import write_pages
-
-    trials = animated(found)
-    drawn()
-    write_pages(folder, record, trials)

@@ -9,7 +9,7 @@ from pathlib import Path
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
-from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
+from serpenoid.diagnose.diagnose import Diagnosis, Searched, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline, check_body
 from serpenoid.errors import InputError
@@ -30,11 +30,13 @@ def diagnose_campaign(
     say: Callable[[str], None] = lambda stage: None,
     notice: Callable[[str], None] = lambda text: None,
     files: Reader = read_files,
+    searched: Searched = lambda found: None,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
     without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
-    is left out. files: reads what a robot's campaign names, or has read it.
+    is left out. files: reads what a robot's campaign names, or has read it. searched: hears what the search for
+    effects of the motion found, as soon as it has ended.
     """
     file, _ = load_campaign_file(campaign)
     if is_tracked_only(file):
@@ -46,11 +48,11 @@ def diagnose_campaign(
             if recording.shortened:
                 notice(f"{recording.name}: {recording.shortened}")
         begun = baseline(model, file, tracked[0].body)
-        found = diagnose_tracked(tracked, Baseline(begun, without=without), say)
+        found = diagnose_tracked(tracked, Baseline(begun, without=without), say, searched)
         plain = Model(read.body, begun.medium)
         ratio = drag_ratio(anisotropy(read, plain), plain)
         return file, replace(found, drag_ratio=ratio)
     check_body(model, file)
     known = earlier or Baseline(baseline(model, file, file.body), without=without)
     known.check(file.body)
-    return file, diagnose(read_recordings(campaign, reading, files)[1], known, say)
+    return file, diagnose(read_recordings(campaign, reading, files)[1], known, say, searched)

@@ -19,7 +19,7 @@ from serpenoid.diagnose.inference.bounds import ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage
 from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out
 from serpenoid.diagnose.inference.medium import Fit
-from serpenoid.diagnose.inference.select import unclear
+from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -31,6 +31,7 @@ from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 
+Searched = Callable[[Selection], None]  # hears what the search for effects of the floor found, before all is judged
 NO_LOG = "no servo log: shapes are what the points show"
 
 
@@ -79,7 +80,12 @@ class Diagnosis:
         return Model(fitted.body, fitted.medium, tuple({e.key: e for e in every}.values()))
 
 
-def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[[str], None]) -> Diagnosis:
+def diagnose(
+    recordings: Sequence[Recording],
+    baseline: Baseline,
+    say: Callable[[str], None],
+    searched: Searched = lambda found: None,
+) -> Diagnosis:
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
     recordings, servos, actuation = of_servos(recordings, baseline)
@@ -89,7 +95,9 @@ def diagnose(recordings: Sequence[Recording], baseline: Baseline, say: Callable[
     if all(r.by_servos for r in recordings):
         observation, seen = choose_observation(recordings, seen, baseline.without)
     say("shape against motion")
-    motion = beside_changes(choose_motion(recordings, seen, baseline, say), (actuation, observation), baseline)
+    motion = choose_motion(recordings, seen, baseline, say)
+    searched(motion.selection)
+    motion = beside_changes(motion, (actuation, observation), baseline)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)
 
@@ -106,13 +114,17 @@ def beside_changes(found: MotionFinding, above: Sequence[Stage], baseline: Basel
 
 
 def diagnose_tracked(
-    recordings: Sequence[TrackedRecording], baseline: Baseline, say: Callable[[str], None]
+    recordings: Sequence[TrackedRecording],
+    baseline: Baseline,
+    say: Callable[[str], None],
+    searched: Searched = lambda found: None,
 ) -> Diagnosis:
     """The same where there are tracked points alone: the stage of motion, and why the others are skipped."""
     actuation = Stage("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Stage("observation", left=np.nan, skipped=NO_LOG)
     say("shape against motion")
     motion = choose_tracked(recordings, baseline, say)
+    searched(motion.selection)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, baseline.observation(), stages, motion, (motion_step(motion),), say, fitted_again)
 

@@ -25,34 +25,42 @@ from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
+    from serpenoid.diagnose.inference.select import Selection
 
 COLUMNS = 4
 WIDE = 30.0  # times what chance gains: beyond, the line of chance would touch the axis
 PARTS = {"actuation": "joints", "observation": "markers"}
+Jobs = dict[str, Callable[[], Figure]]
 LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
 
 
-def draw_all(folder: Path, d: Diagnosis, experiment: Floats | None = None) -> list[str]:
-    """Every figure that there is something to draw for, and the next experiment's joint table (T, m); their names."""
-    w = windows(d.motion.selection.motion, d.motion.selection.null.predictions, d.motion.selection.best.predictions)
-    extended = bool(d.motion.selection.best.effects)
+def draw_motion(folder: Path, found: Selection) -> list[str]:
+    """What the search for effects alone shows, so that it can be drawn before all is judged; names of the figures."""
+    w = windows(found.motion, found.null.predictions, found.best.predictions)
+    extended = bool(found.best.effects)
     # what takes longest is begun first
-    jobs: dict[str, Callable[[], Figure]] = {"residuals": lambda: diagnosis_maps.residuals_figure(w, extended)}
+    jobs: Jobs = {"residuals": lambda: diagnosis_maps.residuals_figure(w, extended)}
     if extended:
         jobs["residuals-left"] = lambda: diagnosis_maps.left_figure(w)
-    jobs |= {
-        "paths": lambda: paths_figure(d),
-        "along-body": lambda: diagnosis_maps.body_figure(w, extended, d.motion.selection.scores),
-    }
+    jobs["along-body"] = lambda: diagnosis_maps.body_figure(w, extended, found.scores)
     if on_floor(w, w.before):  # some square was visited often enough
         jobs["on-floor"] = lambda: diagnosis_maps.floor_figure(w, extended)
-    jobs |= {
-        "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder),
-        "ranking": lambda: ranking_figure(d),
-    }
+    return _draw(folder, jobs | {"ranking": lambda: ranking_figure(found)})
+
+
+def draw_rest(folder: Path, d: Diagnosis) -> list[str]:
+    """All other figures of a diagnosis."""
+    jobs: Jobs = {"paths": lambda: paths_figure(d), "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder)}
     jobs |= {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in d.ladder if s.error.name in PARTS}
-    if experiment is not None:
-        jobs["next-experiment"] = lambda: table_figure(experiment)
+    return _draw(folder, jobs)
+
+
+def draw_experiment(folder: Path, table: Floats) -> list[str]:
+    """The joint table (T, m) of the next experiment."""
+    return _draw(folder, {"next-experiment": lambda: table_figure(table)})
+
+
+def _draw(folder: Path, jobs: Jobs) -> list[str]:
     in_processes([(_draw_one, (job, folder, name)) for name, job in jobs.items()])
     return list(jobs)
 
@@ -87,8 +95,8 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
             continue
         for name, predictions in drawn:
             if name == "baseline" or d.extension.effects:
-                _draw(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), scale, LABELS[name], 1.8)
-        _draw(ax, relative(track.poses[0], track.poses), scale, INK, 0.8)
+                _path(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), scale, LABELS[name], 1.8)
+        _path(ax, relative(track.poses[0], track.poses), scale, INK, 0.8)
     dress(ax, "", f"x [{unit}]", f"y [{unit}]")
     ax.set_title(
         f"{setting[0]}, {setting[1]:.3g} s" if setting[1] else setting[0], fontsize=SMALL, loc="left", color=INK
@@ -98,7 +106,7 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
     return ax
 
 
-def _draw(ax: Axes, path: Floats, scale: float, colour: str, width: float) -> None:
+def _path(ax: Axes, path: Floats, scale: float, colour: str, width: float) -> None:
     points = scale * path[:, :2]
     ax.plot(*points.T, color=colour, lw=width)
     ax.plot(*points[-1], "o", color=colour, ms=3)
@@ -113,13 +121,13 @@ def table_figure(table: Floats) -> Figure:
     return fig
 
 
-def ranking_figure(d: Diagnosis) -> Figure:
+def ranking_figure(found: Selection) -> Figure:
     """The best candidates by first-order gain."""
-    scores = d.motion.selection.scores
+    scores = found.scores
     best, needed = [s for s in scores if s[2] > 0][:12], gained_by_chance(len(scores))
     fig = figure(7.4, 1.3 + 0.24 * max(len(best), 3))
     ax = fig.add_subplot()
-    chosen = {e.key for e in d.motion.selection.best.effects}
+    chosen = {e.key for e in found.best.effects}
     colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
     ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()

@@ -63,6 +63,11 @@ def write_page(path: Path, template: str, **values: Any) -> None:
     write_text(path, _environment().get_template(template).render(values))
 
 
+def prepare(template: str) -> None:
+    """Read and compile templates/`template` while its values are still awaited."""
+    _environment().get_template(template)
+
+
 @cache
 def _environment() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined

@@ -6,7 +6,7 @@ report/templates/diagnosis.html.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +25,9 @@ from serpenoid.diagnose.report.words import (
 )
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
-from serpenoid.report.pages import Picture, Table, write_page
+from serpenoid.report.pages import Picture, Table, prepare, write_page
 
+TEMPLATE = "diagnosis.html"
 CAPTIONS = {
     "paths": "Centroid from the measured first pose, which heads along x; one curve for each repeat, dots mark the "
     "ends. Each prediction comes from a fit to the other gaits. Ink: measured, orange: baseline, blue: extended model.",
@@ -51,26 +52,32 @@ FIGURES = {
 }  # fmt: skip
 
 
-def write_pages(folder: Path, record: Record, trials: Sequence[Animated] = ()) -> None:
-    """report.html, from the record, the figures that are in the folder and the trials to be shown in motion."""
-    write_page(
-        folder / "report.html",
-        "diagnosis.html",
-        title=f"{record['campaign']}: {record['verdict']}",
-        lead=[],
-        cards=cards(record),
-        animation=animation_data(trials),
-        beside=_beside(record),
-        named=bool(record["effects"]),
-        settled=record["verdict"] in SETTLED,
-        gain=_gain(record),
-        ladder=_ladder(record),
-        parameters=_parameters(record),
-        alternatives=_alternatives(record),
-        undetected=[text.capitalize() for text in undetected(record)],
-        pictures={place: _pictures(folder, names, unseen(record)) for place, names in FIGURES.items()},
+def write_pages(
+    folder: Path, record: Record, trials: Sequence[Animated] = (), drawn: Callable[[], object] = lambda: None
+) -> None:
+    """report.html, from the record, the figures that are in the folder and the trials to be shown in motion.
+
+    drawn: waits until the figures are there; all else is made before.
+    """
+    made = {
+        "title": f"{record['campaign']}: {record['verdict']}",
+        "lead": [],
+        "cards": cards(record),
+        "animation": animation_data(trials),
+        "beside": _beside(record),
+        "named": bool(record["effects"]),
+        "settled": record["verdict"] in SETTLED,
+        "gain": _gain(record),
+        "ladder": _ladder(record),
+        "parameters": _parameters(record),
+        "alternatives": _alternatives(record),
+        "undetected": [text.capitalize() for text in undetected(record)],
         **_experiment(record["next_experiment"]),
-    )
+    }
+    prepare(TEMPLATE)
+    drawn()
+    pictures = {place: _pictures(folder, names, unseen(record)) for place, names in FIGURES.items()}
+    write_page(folder / "report.html", TEMPLATE, pictures=pictures, **made)
 
 
 def _beside(record: Record) -> list[str]:
