@@ -23,7 +23,7 @@ def gained(seed: int, second: float, wrong: float = WRONG) -> tuple[float, float
         x = np.column_stack(columns)
         effect = x @ np.linalg.lstsq(x, seen, rcond=None)[0]
         left = seen - effect
-        return float(left @ left), least_deviance(left, np.ones(WINDOWS), effect)
+        return float(left @ left), least_deviance(left, effect)
 
     return tuple(a - b for a, b in zip(fitted(first), fitted(first, neighbour), strict=True))  # type: ignore[return-value]
 

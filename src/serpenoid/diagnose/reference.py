@@ -186,7 +186,8 @@ def reference_of(d: Diagnosis) -> Reference:
 
 def _explanation(motion: Motion, model: Model) -> Explanation:
     errors = _left(motion, model)
-    chi2 = sum(float(np.nansum((e / motion.noise.of(t)) ** 2)) for t, e in zip(motion.tracks, errors, strict=True))
+    white = [w.of(e, np.asarray(np.isfinite(e).all(axis=1))) for w, e in zip(motion.white, errors, strict=True)]
+    chi2 = sum(float((x**2).sum()) for x in white)
     return Explanation(model, chi2, _habits(motion, errors))
 
 

@@ -14,15 +14,18 @@ Legend: W windows of a track, M times.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.repeats import Repeat
 from serpenoid.diagnose.data.windows import Track
 
+BLOCK = 64  # windows, eight cycles: of a long trial, what is seen at once
 FINER = 4.0  # the shortest time that is tried is so much shorter than a window: as good as none
 ROUNDING = 1e-9  # of a variance
 NEVER = 1e-4  # how likely a time is that is left out
@@ -51,9 +54,21 @@ class Memory:
             use = track.playing[repeat.here] & np.isfinite(d).all(axis=1)
             if use.any():
                 here = repeat.here[use]
-                logs += [_likelihood(d[use], covariance(track, chance[repeat.one], time, here)) for time in times]
+                of = partial(covariance, track, chance[repeat.one])
+                logs += [_likelihood(d[use], roots(partial(of, time), here)) for time in times]
         weights = np.exp(logs - logs.max())
         return cls(tuple(times), tuple(weights / weights.sum()))
+
+    @property
+    def lasts(self) -> bool:
+        """Whether repeats exclude that pushes are forgotten at once: the mean likelihood of all times over that of none
+        exceeds 1 / ERROR, by chance, with no more than this probability (Markov's inequality)."""
+        return bool(self.times) and self.weights[0] * len(self.times) < ERROR
+
+    def covariance(self, track: Track, chance: Floats, windows: np.ndarray) -> Floats:
+        """(3, W, W) of some windows of a track, by index, SD (W, 3) each: the mean over what times are likely."""
+        likely = [(t, w) for t, w in zip(self.times, self.weights, strict=True) if w > NEVER]
+        return np.asarray(sum(w * covariance(track, chance, t, windows) for t, w in likely) / sum(w for _, w in likely))
 
     def draws(self, track: Track, chance: Floats, rng: np.random.Generator, count: int) -> Floats:
         """Chance of a track's windows (count, W, 3) with SD (W, 3), each time as often as it is likely."""
@@ -61,9 +76,16 @@ class Memory:
         if not self.times:
             return white * chance
         which = np.searchsorted(np.cumsum(self.weights), (np.arange(count) + 0.5) / count * (1 - ROUNDING))
+        every = np.arange(len(chance))
         for i in np.unique(which):
-            root = np.linalg.cholesky(covariance(track, chance, self.times[i]))
-            white[which == i] = np.einsum("kij,njk->nik", root, white[which == i])
+            mine = white[which == i].transpose(2, 1, 0)
+            for span, inverse in roots(partial(covariance, track, chance, self.times[i]), every):
+                rows = inverse.shape[1]
+                told = inverse[:, :, :-rows] @ mine[:, span][:, :-rows]
+                mine[:, span.stop - BLOCK : span.stop] = np.linalg.solve(
+                    inverse[:, :, -rows:], mine[:, span][:, -rows:] - told
+                )
+            white[which == i] = mine.transpose(2, 1, 0)
         return white
 
     def common(self, track: Track, chance: Floats) -> float:
@@ -105,8 +127,22 @@ def _lasting(track: Track, own: np.ndarray, time: float) -> Floats:
     return np.where(np.eye(len(own), dtype=bool), 1.0, size[:, None] * size * np.exp(-gap / time))
 
 
-def _likelihood(values: Floats, of: Floats) -> float:
-    """ln of it, but for a constant, of values (W, 3) with covariance (3, W, W)."""
-    root = np.linalg.cholesky(of)
-    white = np.linalg.solve(root, values.T[..., None])
-    return float(-np.log(np.einsum("kii->ki", root)).sum() - (white**2).sum() / 2)
+def roots(of: Callable[[np.ndarray], Floats], windows: np.ndarray) -> Iterator[tuple[slice, Floats]]:
+    """L^-1 of the covariance L L^T of windows (W,), block by block: which of them tell, and its rows (3, R, told by).
+
+    of: covariance (3, K, K) of some windows. A block of a long trial is seen beside the one before it alone (Vecchia,
+    J. R. Stat. Soc. B 50, 297, 1988), so cost grows with the number of windows, not with its cube.
+    """
+    for begin in range(0, max(len(windows), 1), BLOCK):
+        span = slice(max(begin - BLOCK, 0), begin + BLOCK)
+        yield span, np.linalg.inv(np.linalg.cholesky(of(windows[span])))[:, begin - span.start :]
+
+
+def _likelihood(values: Floats, found: Iterable[tuple[slice, Floats]]) -> float:
+    """ln of it, but for a constant, of values (W, 3) by the roots of their covariance."""
+    total = 0.0
+    for span, inverse in found:
+        white = inverse @ values[span].T[..., None]
+        own = np.diagonal(inverse[:, :, -inverse.shape[1] :], axis1=1, axis2=2)
+        total += float(np.log(own).sum() - (white**2).sum() / 2)
+    return total

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.memory import Memory
 from serpenoid.diagnose.data.repeats import chance_from
+from serpenoid.diagnose.data.white import White
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.effects.active import ActiveEffect
 
@@ -53,6 +55,11 @@ class Motion:
     unlike: Floats | float = 0.0
     untestable: frozenset[str] = frozenset()
     ratio: float | None = None
+
+    @cached_property
+    def white(self) -> tuple[White, ...]:
+        """What makes values of each track's windows white."""
+        return tuple(White(t, self.noise.chance(t), self.noise.memory) for t in self.tracks)
 
     @property
     def unrepeated(self) -> bool:

@@ -1,12 +1,12 @@
 """What a law gets wrong is in proportion to what it does: an explanation's marginal likelihood, its errors included.
 
-    m ~ N(0, v),   v = (1 + a^2) s^2 + b^2 E^2
+    m ~ N(0, v),   v = 1 + a^2 + b^2 E^2
 
-m: mean residual of a setting's repeats in a window and direction, s^2: its variance by chance and doubt, E: what the
-explanation's effects do there. a and b, the sizes of an error that everything shares and of one in proportion, are what
-makes the campaign most likely, for each explanation anew: they shrink when a cause enters that takes their place. A
-second effect that only mends the first one's law (a wheel beside the wheel) gains little; where the law is exact,
-a = b = 0, and this is chi squared.
+m: mean residual of a setting's repeats in a window and direction, E: what the explanation's effects do there, both in
+units of chance and doubt (white.py). a and b, the sizes of an error that everything shares and of one in proportion,
+are what makes the campaign most likely, for each explanation anew: they shrink when a cause enters that takes their
+place. A second effect that only mends the first one's law (a wheel beside the wheel) gains little; where the law is
+exact, a = b = 0, and this is chi squared.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import by_setting
+from serpenoid.diagnose.data.white import White
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, predicted_bare
 from serpenoid.diagnose.inference.prices import gained_by_chance
 
@@ -46,32 +47,32 @@ def deviance(motion: Motion, found: Fit) -> tuple[float, int]:
     bare = predicted_bare(motion, found) if found.effects else found.predictions
     moved = [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
     parts = [_means(motion, left, moved, trials) for trials in by_setting(motion.tracks).values()]
-    mean, variance, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
-    return least_deviance(mean, variance, effect), len(mean)
+    mean, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return least_deviance(mean, effect), len(mean)
 
 
-def least_deviance(mean: Floats, variance: Floats, effect: Floats) -> float:
-    """The same of means (K,) with their variances (K,) by chance and what effects do there (K,)."""
+def least_deviance(mean: Floats, effect: Floats) -> float:
+    """The same of means (K,) and what effects do there (K,), in units of chance and doubt."""
 
     def surprise(log: Floats) -> float:
-        v = variance * (1 + np.exp(log[0])) + np.exp(log[1]) * effect**2
-        return float((mean**2 / v + np.log(v / variance)).sum())
+        v = 1 + np.exp(log[0]) + np.exp(log[1]) * effect**2
+        return float((mean**2 / v + np.log(v)).sum())
 
     bounds = [(SMALLEST, LARGEST)] * 2
     return min(float(minimize(surprise, x, method="Nelder-Mead", bounds=bounds).fun) for x in STARTS)
 
 
-def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list[int]) -> tuple[Floats, Floats, Floats]:
-    """Mean residuals of repeats where one is known, their variances, and what effects do (K,) each."""
-    count = min(len(left[i]) for i in trials)
-    own = np.stack([left[i][:count] for i in trials])
-    known = np.isfinite(own)
-    times = known.sum(axis=0)
-    good = times > 0
+def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list[int]) -> tuple[Floats, Floats]:
+    """Mean residuals of repeats where one is known and what effects do (K,) each, by chance and doubt."""
     first = motion.tracks[trials[0]]
-    chance = motion.noise.chance(first)[:count]
-    doubt = np.broadcast_to(first.doubt, first.displacement.shape)[:count]
-    mean = np.where(known, own, 0.0).sum(axis=0)[good] / times[good]
-    variance = chance[good] ** 2 / times[good] + doubt[good] ** 2
-    done = np.where(known, np.stack([moved[i][:count] for i in trials]), 0.0).sum(axis=0)[good] / times[good]
-    return mean, variance, done
+    count, shape = min(len(left[i]) for i in trials), first.displacement.shape
+    own, done = (np.stack([x[i][:count] for i in trials]) for x in (left, moved))
+    known = np.isfinite(own)
+    times = np.zeros(shape)
+    times[:count] = known.sum(axis=0)
+    means = np.zeros((*shape, 2))
+    means[:count] = np.where(known[..., None], np.stack([own, done], axis=-1), 0.0).sum(axis=0)
+    good = np.asarray(times.all(axis=1))
+    means[good] /= times[good][..., None]
+    white = White(first, motion.noise.chance(first), motion.noise.memory, np.maximum(times, 1)).of(means, good)
+    return white[:, 0], white[:, 1]

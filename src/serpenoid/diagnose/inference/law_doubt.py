@@ -117,9 +117,9 @@ def _in_proportion(motion: Motion, fit: Fit, curvature: Floats) -> Floats:
     """Change of each coordinate (P,) that is worth, in the windows, as much as the effects do; 0 of what is silent."""
     bare = predicted_bare(motion, fit) if fit.effects else fit.predictions
     done = 0.0
-    for track, p, q in zip(motion.tracks, fit.predictions, bare, strict=True):
-        moved = (p.displacement - q.displacement) / motion.noise.of(track)
-        done += float(np.nansum(moved[track.usable] ** 2))
+    for track, white, p, q in zip(motion.tracks, motion.white, fit.predictions, bare, strict=True):
+        moved = p.displacement - q.displacement
+        done += float((white.of(moved, track.usable & np.isfinite(moved).all(axis=1)) ** 2).sum())
     scale = np.sqrt(np.divide(done, curvature, out=np.zeros(len(curvature)), where=curvature > SILENT))
     scale[0] = fit.coordinates[0] if curvature[0] > SILENT else 0.0
     return np.asarray(scale)

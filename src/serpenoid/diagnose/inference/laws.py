@@ -33,9 +33,7 @@ def dry_friction(found: Selection) -> str:
     if alone is None:
         return ""
     fits = (found.null, found.best, alone, _named(found, dry, alone))
-    left = [np.concatenate([x.ravel() for x in _white(found.motion, f)]) for f in fits]
-    common = np.isfinite(left).all(axis=0)
-    drag, drag_named, dry_alone, dry_named = (float(np.sqrt(np.mean(x[common] ** 2))) for x in left)
+    drag, drag_named, dry_alone, dry_named = _misses(found.motion, fits)
     if min(dry_alone, dry_named) < drag_named:
         named = "with what is named " if found.best.effects else ""
         by = f"{min(dry_alone, dry_named):.1f} times chance, linear drag by {drag_named:.1f}"
@@ -98,7 +96,13 @@ def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float, st
     return fit(motion, dry, effects, np.array([eps, *resting]), steps)
 
 
-def _white(motion: Motion, found: Fit) -> list[Floats]:
-    """What a fit leaves of each track's windows (B - 1, 3), by their noise."""
-    left = residuals(motion.tracks, found.predictions)
-    return [x / motion.noise.of(t) for x, t in zip(left, motion.tracks, strict=True)]
+def _misses(motion: Motion, fits: Sequence[Fit]) -> list[float]:
+    """RMS of what each fit leaves of the windows that all predict, by their noise."""
+    left: list[list[Floats]] = [[] for _ in fits]
+    for white, several in zip(
+        motion.white, zip(*[residuals(motion.tracks, f.predictions) for f in fits], strict=True), strict=True
+    ):
+        common = np.asarray(np.isfinite(several).all(axis=(0, 2)))
+        for found, x in zip(left, several, strict=True):
+            found.append(white.of(x, common))
+    return [float(np.sqrt(np.mean(np.concatenate(found) ** 2))) for found in left]

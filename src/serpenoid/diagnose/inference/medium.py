@@ -5,7 +5,7 @@ Legend: W windows of all trials, P columns.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -98,21 +98,24 @@ def linearised(
 
     hold: without what sits at a bound and is pushed outwards. near: what a model much like this one predicts.
     """
-    rows, columns, labels = [], [], []
     listed = [*at_values(model, effects), *candidates]
     found = predictions(model, motion.tracks, candidates, near)
     at = {column: i for i, column in enumerate(found[0].columns)}
     order = [at[column] for column in (EPS, *columns_of(listed))]
-    for track, label, p in zip(motion.tracks, motion.labels, found, strict=True):
-        use, noise = track.usable, motion.noise.of(track)
-        jacobian = p.jacobian[..., order]
-        good = use & np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(p.displacement).all(axis=1)
-        rows.append(((track.displacement - p.displacement) / noise)[good].ravel())
-        columns.append((jacobian / noise[..., None])[good].reshape(-1, len(order)))
-        labels.append(np.full(len(rows[-1]), label))
-    joined = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    joined = of_windows(motion, found, [p.jacobian[..., order] for p in found])
     evidence = held_at_bounds(model, listed, joined) if hold else joined
     return evidence, tuple(found)
+
+
+def of_windows(motion: Motion, found: Sequence[Prediction], by: Iterable[Floats]) -> Evidence:
+    """Evidence of what all windows leave beside predictions; by: derivatives (W, 3, P) of each track's windows."""
+    rows, columns, labels = [], [], []
+    for track, label, white, p, d in zip(motion.tracks, motion.labels, motion.white, found, by, strict=True):
+        known = track.usable & np.isfinite(d).all(axis=(1, 2)) & np.isfinite(p.displacement).all(axis=1)
+        rows.append(white.of(track.displacement - p.displacement, known))
+        columns.append(white.of(d, known))
+        labels.append(np.full(len(rows[-1]), label))
+    return Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
 
 
 @remembered

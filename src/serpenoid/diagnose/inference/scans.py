@@ -17,7 +17,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.windows import at_ends, by_track, columns_of
 from serpenoid.diagnose.inference.bounds import held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.inference.medium import Fit, of_windows
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import motion_effects
 from serpenoid.effects.scan import Grid, Scan
@@ -82,14 +82,7 @@ def score_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> list[R
 
 def with_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Evidence:
     """Evidence about a fit: its own columns, then the strength of each candidate of the grids."""
-    rows, columns, labels = [], [], []
-    found = zip(motion.tracks, motion.labels, base.predictions, _columns(motion, base, grids), strict=True)
-    for track, label, p, joined in found:
-        noise, use = motion.noise.of(track), track.usable
-        rows.append(((track.displacement - p.displacement) / noise)[use].ravel())
-        columns.append((joined / noise[..., None])[use].reshape(-1, joined.shape[2]))
-        labels.append(np.full(len(rows[-1]), label))
-    evidence = Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+    evidence = of_windows(motion, base.predictions, _columns(motion, base, grids))
     return held_at_bounds(base.model, base.effects, evidence)
 
 

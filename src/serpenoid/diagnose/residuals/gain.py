@@ -32,12 +32,13 @@ class Scores:
 def scores(motion: Motion, predictions: Sequence[Prediction], mend: bool = False) -> Scores:
     """Per trial."""
     rows = []
-    for track, p, left in zip(motion.tracks, predictions, residuals(motion.tracks, predictions), strict=True):
+    every = zip(motion.tracks, motion.white, predictions, residuals(motion.tracks, predictions), strict=True)
+    for track, white, p, left in every:
         path = accumulate(np.nan_to_num(p.displacement), track.poses[0])
         true = track.poses[track.boundaries]
         moved, said = (np.hypot(*(x[-1] - x[0])[:2]) for x in (true, path))
-        noise = motion.noise.of(track)
-        likelihood = -0.5 * np.nansum((left / noise) ** 2 + np.log(2 * np.pi * noise**2) * np.isfinite(left))
+        known = np.asarray(np.isfinite(left).all(axis=1))
+        likelihood = -0.5 * (white.of(left, known) ** 2 + np.log(2 * np.pi * white.spreads(known) ** 2)).sum()
         ratio = np.log(max(said, 1e-9) / max(moved, 1e-9))
         rows.append([path_rms(track, p, mend), said - moved, path[-1, 2] - true[-1, 2], ratio, likelihood])
     return Scores(*np.array(rows).T)

@@ -1,0 +1,63 @@
+"""Values of windows in units of their noise, independent of one another: whatever is fitted or scored is made of these.
+
+    z = L^-1 x,   L L^T = C                 (C: covariance of a trial's windows, by direction)
+
+Where chance does not last C is diagonal, and z is x over the standard deviations. Where it does (memory.py), each
+window is seen beside what those before it tell.
+
+Legend: W windows of a track, R those that are known.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.memory import Memory, roots
+from serpenoid.diagnose.data.windows import Track
+
+
+class White:
+    """What makes values of a track's windows white; chance (W, 3): SD, and how long it lasts; doubt of the baseline
+    stands beside it. times (W, 3): of how many repeats the values are means."""
+
+    def __init__(self, track: Track, chance: Floats, memory: Memory, times: Floats | float = 1.0) -> None:
+        self.track, self.chance, self.memory = track, chance, memory
+        self.doubt = np.broadcast_to(track.doubt, chance.shape)
+        self.repeated = np.sqrt(np.broadcast_to(times, chance.shape))
+        self._found: dict[bytes, list[tuple[slice, Floats]]] = {}
+
+    @cached_property
+    def deviations(self) -> Floats:
+        """Of each window alone (W, 3)."""
+        return np.hypot(self.chance / self.repeated, self.doubt)
+
+    def of(self, values: Floats, known: np.ndarray) -> Floats:
+        """Values (W, 3, ...) of the windows known (W,), window by window and direction by direction (3 R, ...)."""
+        if not self.memory.lasts:
+            sizes = self.deviations.reshape(*self.chance.shape, *[1] * (values.ndim - 2))
+            return np.asarray((values / sizes)[known].reshape(-1, *values.shape[2:]))
+        flat = values[known].reshape(int(known.sum()), 3, int(np.prod(values.shape[2:]))).transpose(1, 0, 2)
+        white = np.concatenate([inverse @ flat[:, span] for span, inverse in self._inverses(known)], axis=1)
+        return np.asarray(white.transpose(1, 0, 2).reshape(-1, *values.shape[2:]))
+
+    def spreads(self, known: np.ndarray) -> Floats:
+        """What values of windows known are divided by (3 R,): deviations beside what windows before them tell."""
+        if not self.memory.lasts:
+            return self.deviations[known].ravel()
+        own = [1 / np.diagonal(x[:, :, -x.shape[1] :], axis1=1, axis2=2) for _, x in self._inverses(known)]
+        return np.concatenate(own, axis=1).T.ravel()
+
+    def _inverses(self, known: np.ndarray) -> list[tuple[slice, Floats]]:
+        """Of windows known; the same in every evaluation."""
+        name = known.tobytes()
+        if name not in self._found:
+            self._found[name] = list(roots(self._covariance, np.flatnonzero(known)))
+        return self._found[name]
+
+    def _covariance(self, windows: np.ndarray) -> Floats:
+        once, doubt = self.repeated[windows].T, self.doubt[windows].T
+        chance = self.memory.covariance(self.track, self.chance, windows) / (once[:, :, None] * once[:, None])
+        return np.asarray(chance + np.einsum("ki,ij->kij", doubt**2, np.eye(len(windows))))
