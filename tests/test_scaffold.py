@@ -44,7 +44,10 @@ def satisfies(kind: str, path: Path) -> None:
     jsonschema.validate(tomllib.loads(path.read_text()), schema)
 
 
-@pytest.mark.parametrize("words", [[], SIX, ["--joints", "1"], ["--joints", "16", "--length", "1.4", "--mass", "2"]])
+@pytest.mark.parametrize(
+    "words",
+    [[], SIX, ["--joints", "1"], ["--joints", "16", "--length", "1.4", "--mass", "2"], [*SIX, "--wheels", "middles"]],
+)
 def test_a_new_problem_file_is_valid_and_its_gait_moves_within_its_limits(tmp_path: Path, words: list[str]) -> None:
     path = new("problem", tmp_path / "mine.toml", *words)
     satisfies("problem", path)
@@ -135,7 +138,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
     process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
     os.close(slave)
-    os.write(master, b"many\n4\n\n0.5\n\n\n\n\n")
+    os.write(master, b"many\n4\n\n0.5\n\n\n\n\n\n")
     out, _ = process.communicate(timeout=60)
     said = os.read(master, 65536).decode()
     os.close(master)

@@ -6,12 +6,14 @@ import json
 import re
 import shlex
 import shutil
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.measure.campaign import CampaignFile
 
 ROOT = Path(__file__).parents[1]
 pytestmark = pytest.mark.usefixtures("virtual_machine")
@@ -19,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("virtual_machine")
 
 def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys):
     page = (ROOT / "docs" / "your-csv.md").read_text(encoding="utf-8")
-    toml, _ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    toml, *_ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     commands = re.findall(r"```console\n(.*?)```", page, re.DOTALL)
     (tmp_path / "campaign.toml").write_text(toml)
     shutil.copy(ROOT / "problems" / "recordings" / "lamprey.csv", tmp_path)
@@ -60,7 +62,7 @@ c = 0.5
 def test_the_robot_of_the_page_is_read_under_its_own_names_and_units(tmp_path, capsys):
     (tmp_path / "robot.toml").write_text(ROBOT)
     assert main(["new", "campaign", str(tmp_path / "made"), "--problem", str(tmp_path / "robot.toml"), "--yes"]) == 0
-    _, toml = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "your-csv.md").read_text(encoding="utf-8"), re.DOTALL)
+    _, toml, _ = blocks()
     (tmp_path / "campaign.toml").write_text(toml)
     made = tmp_path / "made" / "example"
     shutil.copy(made / "joint_table.csv", tmp_path / "wave.csv")
@@ -78,6 +80,20 @@ def test_the_robot_of_the_page_is_read_under_its_own_names_and_units(tmp_path, c
     assert "500 mm long" in said or "0.5 m long" in said
     assert float(re.search(r"servo clock .*correlation ([\d.]+)", said)[1]) > 0.999
     assert float(re.search(r"servo scatter +([\d.]+) rad", said)[1]) < 0.02  # noise of 0.2 mm on edges of 100 mm
+
+
+def blocks() -> list[str]:
+    return re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "your-csv.md").read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_wheels_in_the_middles_of_links_fit_the_robot_of_the_page():
+    _, robot, middles = map(tomllib.loads, blocks())
+    motion = {**robot["motion"], **middles["motion"]}
+    file = CampaignFile.model_validate({**robot, "body": middles["body"], "motion": motion})
+    whole = CampaignFile.model_validate(robot).body
+    assert file.body.edges_m[::2] + file.body.edges_m[1::2] == pytest.approx(whole.edges_m)
+    assert list(file.motion.marked(9)) == [0, *file.body.joint_vertices, 8]
+    assert file.body.vertex_weights[1::2] == pytest.approx(whole.edges_m / whole.total_length_m, rel=1e-4)
 
 
 def _write(path: Path, names: list[str], rows: np.ndarray) -> None:

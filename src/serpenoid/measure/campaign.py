@@ -31,6 +31,9 @@ class MotionKeys(Record):
     )
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
     markers: tuple[Line, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
+    vertices: tuple[int, ...] | None = Field(
+        default=None, description="vertices with a marker, in increasing order; default all 0 .. N-1"
+    )
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
     minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
     columns: MotionColumns | None = Field(default=None, description="tidy, long: the file's own column names")
@@ -41,7 +44,18 @@ class MotionKeys(Record):
     def _roles(self) -> Self:
         if self.markers is not None and len(set(self.markers)) != len(self.markers):
             raise ValueError("`markers` names one marker twice")
+        if self.vertices is not None and list(self.vertices) != sorted(set(self.vertices)):
+            raise ValueError(f"`vertices` must be increasing vertex numbers, tail = 0, got {list(self.vertices)}")
         return self
+
+    def marked(self, count: int) -> tuple[int, ...]:
+        """Which of `count` vertices have a marker."""
+        return tuple(range(count)) if self.vertices is None else self.vertices
+
+    def labels(self, count: int) -> list[str]:
+        """What the marker of each of `count` vertices is called."""
+        named = dict(zip(self.marked(count), self.markers or (), strict=False))
+        return [named.get(vertex, f"vertex {vertex}") for vertex in range(count)]
 
     def over(self, other: MotionKeys) -> MotionKeys:
         """These keys, and `other`'s where these are not given; columns are those of a format."""
@@ -105,11 +119,12 @@ class CampaignFile(Record):
         if twice:
             raise ValueError(f"trial names must be unique, but `{', '.join(twice)}` is there twice")
         for trial in self.trial:
-            markers = trial.markers or self.motion.markers
-            if markers is not None and len(markers) != self.body.vertices:
-                raise ValueError(
-                    f"trial `{trial.name}`: `markers` needs {self.body.vertices} names, got {len(markers)}"
-                )
+            markers, marked = trial.markers or self.motion.markers, trial.vertices or self.motion.vertices
+            last, count = self.body.vertices - 1, self.body.vertices if marked is None else len(marked)
+            if marked is not None and (not marked or marked[0] < 0 or marked[-1] > last):
+                raise ValueError(f"trial `{trial.name}`: `vertices` must be from 0 to {last}, got {list(marked)}")
+            if markers is not None and len(markers) != count:
+                raise ValueError(f"trial `{trial.name}`: `markers` needs {count} names, got {len(markers)}")
         return self
 
     @property

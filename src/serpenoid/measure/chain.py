@@ -17,7 +17,7 @@ from scipy.special import gammainc, gammaincinv
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.links import laid_over, link_directions, link_of_edge, vertices_by_links
+from serpenoid.measure.links import corners, laid_over, link_directions, link_of_edge, vertices_by_links
 
 Flags = NDArray[np.bool_]
 ITERATIONS = 60
@@ -148,12 +148,11 @@ def _normal(
 def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     """Link directions from seen vertices, else bent from a neighbour as servos say, else as in frames before and after;
     a frame that shows no two neighbours is turned to meet the vertices that it shows; centroid to match them."""
-    link = link_of_edge(body)
-    edge = np.diff(vertices, axis=1)
-    psi = np.full((len(vertices), body.joint_count + 1), np.nan)
+    link, edge = link_of_edge(body), np.diff(vertices, axis=1)
+    psi = _directions(np.diff(vertices[:, corners(body)], axis=1))
     for its_link in range(psi.shape[1]):
-        total = np.nansum(edge[:, link == its_link], axis=1)
-        psi[:, its_link] = np.where(np.abs(total).sum(axis=1) > 0, np.arctan2(total[:, 1], total[:, 0]), np.nan)
+        parts = _directions(np.nansum(edge[:, link == its_link], axis=1))
+        psi[:, its_link] = np.where(np.isfinite(psi[:, its_link]), psi[:, its_link], parts)
     adrift = ~np.isfinite(psi).any(axis=1)
     psi[adrift, 0] = 0.0
     if servo is not None:
@@ -170,6 +169,12 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
         offset = np.where(seen, vertices - shape, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
     unknowns[:, :2] = offset
     return unknowns
+
+
+def _directions(stretches: Floats) -> Floats:
+    """Of vectors (..., 2); NaN where one is unknown or nothing."""
+    known = np.abs(stretches).sum(axis=-1) > 0
+    return np.asarray(np.where(known, np.arctan2(stretches[..., 1], stretches[..., 0]), np.nan))
 
 
 def _within_half_a_turn(psi: Floats) -> Floats:

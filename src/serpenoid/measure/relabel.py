@@ -71,7 +71,7 @@ def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:
     if len(tracks.names) != count:
         raise InputError(
             f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: "
-            "name those of the vertices, tail first, as `markers` in [motion]."
+            "in [motion], name those of the vertices, tail first, as `markers`, or say as `vertices` which have one."
         )
     return Labelled(tracks.floor[:, ::-1] if from_head else tracks.floor, (), ())
 

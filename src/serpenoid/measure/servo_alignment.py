@@ -13,7 +13,7 @@ from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate
-from serpenoid.measure.links import bends, chain_vertices, marker_angles
+from serpenoid.measure.links import bends, chain_vertices, corners, marker_angles
 from serpenoid.measure.logs import ServoLog
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
@@ -41,12 +41,12 @@ def align_servo(
     """
     if log.position.shape[1] != body.joint_count:
         return None, [f"servo log has {log.position.shape[1]} joints, the body {body.joint_count}: not used"]
-    corners = seen_corners(body, markers)
-    whole = len(corners) == body.joint_count + 2 and estimate.determined.mean() >= OFTEN
+    ends = seen_corners(body, markers)
+    whole = len(ends) == body.joint_count + 2 and estimate.determined.mean() >= OFTEN
     offset = (
         find_offset(time_s, estimate.joint_angles, log.time_s, log.position)
         if whole
-        else _offset_by_corners(body, corners, markers, time_s, log)
+        else _offset_by_corners(body, ends, markers, time_s, log)
     )
     if offset is None or offset.correlation < MIN_CORRELATION:
         seen = "no common motion" if offset is None else f"correlation {offset.correlation:.2f}"
@@ -67,14 +67,14 @@ def seen_share(markers: Floats) -> Floats:
 def seen_corners(body: Body, markers: Floats) -> list[int]:
     """Vertices whose markers are seen often enough: ends and joints."""
     share = seen_share(markers)
-    return [k for k in (0, *body.joint_vertices, body.vertices - 1) if share[k] > OFTEN]
+    return [k for k in corners(body) if share[k] > OFTEN]
 
 
-def _offset_by_corners(body: Body, corners: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:
-    if len(corners) < 3:
+def _offset_by_corners(body: Body, ends: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:
+    if len(ends) < 3:
         return None
     read = chain_vertices(body, np.zeros((len(log.time_s), 3)), log.position)
-    return find_offset(time_s, bends(markers[:, corners]), log.time_s, bends(read[:, corners]))
+    return find_offset(time_s, bends(markers[:, ends]), log.time_s, bends(read[:, ends]))
 
 
 def _zeros(difference: Floats) -> tuple[Floats, list[int]]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -121,16 +122,27 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     labelled = None
     if tracks is not None:
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
-        labelled = label_markers(tracks, keys, edges, file.body.vertices)
+        labelled = label_markers(tracks, keys, edges, file.body)
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
     return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled)
 
 
-def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, count: int) -> Labelled:
-    """Tracks as vertices 0 .. N - 1 (N = `count`), by marker names and edge lengths (N - 1,), if known."""
+def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:
+    """Tracks as vertices 0 .. N - 1, NaN where none has a marker, by names and edge lengths (N - 1,), if known."""
     markers = None if keys.format == "tidy" else keys.markers  # tidy columns are vertices already
-    return label_vertices(tracks, markers, edges, count, keys.first_point == "head")
+    marked, from_head = keys.marked(body.vertices), keys.first_point == "head"
+    found = label_vertices(tracks, markers, _between(marked, edges, body), len(marked), from_head)
+    vertices = np.full((len(found.vertices), body.vertices, 2), np.nan)
+    vertices[:, marked] = found.vertices
+    return replace(found, vertices=vertices, relabelled=tuple((name, marked[k]) for name, k in found.relabelled))
+
+
+def _between(marked: Sequence[int], edges: Floats | None, body: Body) -> Floats | None:
+    """Distances (M - 1,) of neighbouring markers; None where they are unknown, or a joint between two changes one."""
+    if edges is None or any(a < j < b for a, b in pairwise(marked) for j in body.joint_vertices):
+        return None
+    return np.diff(np.concatenate([[0.0], np.cumsum(edges)])[list(marked)])
 
 
 def neighbour_ratio(vertices: Floats, body: Body) -> float:

@@ -9,9 +9,10 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
+from serpenoid.measure.links import corners
 from serpenoid.measure.readers import NAMES
 from serpenoid.scaffold.json_schema import write_schema
-from serpenoid.scaffold.questions import Answers, Question, Template, existing, number
+from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of
 from serpenoid.table_file import write_table
 
 EXAMPLE = "example"
@@ -27,15 +28,9 @@ COLUMNS = {
 }
 
 
-def _format(text: str) -> str:
-    if text not in NAMES:
-        raise ValueError(f"needs one of {', '.join(NAMES)}")
-    return text
-
-
 QUESTIONS = (
     Question("problem", "Problem file of the robot or animal (empty: the paper's snake)", "", existing),
-    Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", _format),
+    Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", one_of(*NAMES)),
     Question("frames-per-second", "Frames per second of the cameras", "120", number(0, 1e5)),
 )
 
@@ -92,6 +87,8 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
     names = ", ".join(f'"Robot:{label}"' for label in _labels(body))
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
     by_name = answers["format"] in BY_NAME
+    rigid = len(corners(body)) < body.vertices
+    seen = [f"# vertices = {corners(body)}   # those with a marker, where not all have one"] * rigid
     return "\n".join(
         [
             hint,
@@ -118,6 +115,7 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             f"frames_per_second = {answers['frames-per-second']:g}",
             *COLUMNS.get(answers["format"], []),
             markers if by_name else f"# {markers}",
+            *seen,
             "",
             BEGIN,
             "[[trial]]",

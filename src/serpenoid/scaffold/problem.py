@@ -1,18 +1,30 @@
-"""`serpenoid new problem`: a chain of equal links with half links at its ends, or of given edges."""
+"""`serpenoid new problem`: a chain of equal links with half links at its ends, or of given edges.
+
+Wheels in the middles of links stand at vertices of their own, which do not bend; what stands at the joints then weighs
+next to nothing.
+"""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.scaffold.json_schema import write_schema
-from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, whole
+from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, whole
 
+BARE = 1e-6  # of a metre of link: a joint without a wheel
 QUESTIONS = (
     Question("joints", "How many joints?", "6", whole(1, 98)),
     Question("edges", "Edge lengths in metres, tail to head (empty: equal links)", "", numbers),
     Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000)),
+    Question(
+        "wheels",
+        "Where do wheels (feet, scales) meet the floor: at the joints, or in the middles of links?",
+        "joints",
+        one_of("joints", "middles"),
+    ),
     Question("mass", "Mass in kilograms", "0.9", number(0, 1e4)),
     Question("joint-limit", "How far may a joint bend, in degrees?", "60", number(0, 180)),
     Question("cycle-duration", "Seconds per cycle", "5", number(0, 600)),
@@ -37,9 +49,6 @@ def write(path: Path, answers: Answers) -> str:
 
 
 def _text(hint: str, name: str, answers: Answers, edges: list[float]) -> str:
-    listed = ", ".join(f"{edge:.6g}" for edge in edges)
-    halves = zip([0.0, *edges], [*edges, 0.0], strict=True)
-    weights = ", ".join(f"{(before + after) / 2:.6g}" for before, after in halves)
     return f"""{hint}
 # {name}: a chain of {answers["joints"]} joints. `serpenoid schema problem` lists every key.
 #   serpenoid simulate {name}.toml             the gait below
@@ -50,10 +59,8 @@ def _text(hint: str, name: str, answers: Answers, edges: list[float]) -> str:
 question = "Which gait carries {name} farthest per cycle, at a given price of dissipation?"
 
 [body]
-vertices = {answers["joints"] + 2}             # tail marker, joints, head marker
+{_chain(answers, edges)}
 # kind = "wheeled robot"     # or swimmer, crawler: which effects `diagnose` tries; all, where it is left out
-edge_lengths = [{listed}]   # metres, tail to head
-weights = [{weights}]   # what each vertex carries, on any scale: half of each of its links, or weigh them
 mass_kg = {answers["mass"]:g}
 joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
 joint_speed_limit_rpm = 57.0  # XL430-W250-T at 11.1 V
@@ -79,6 +86,25 @@ y_c = [-6.0, 6.0]
 a = [0.0, 15.0]
 xi = [0.5, 2.5]
 """
+
+
+def _chain(answers: Answers, edges: list[float]) -> str:
+    """Vertices, edges and weights of `edges` [m] from tail to head."""
+    if answers["wheels"] == "middles":
+        split = [edge / 2 for edge in edges for _ in range(2)]
+        weights = [weight for edge in edges for weight in (BARE, edge)] + [BARE]
+        return f"""vertices = {len(split) + 1}             # tail marker, wheel, joint, wheel, ..., wheel, head marker
+joints = [{", ".join(map(str, range(2, len(split), 2)))}]   # the others are rigid
+edge_lengths = {_listed(split)}   # metres, tail to head
+weights = {_listed(weights)}   # what each carries, on any scale: a wheel its link, a joint next to nothing"""
+    weights = [(before + after) / 2 for before, after in pairwise([0.0, *edges, 0.0])]
+    return f"""vertices = {len(edges) + 1}             # tail marker, joints, head marker
+edge_lengths = {_listed(edges)}   # metres, tail to head
+weights = {_listed(weights)}   # what each vertex carries, on any scale: half of each of its links, or weigh them"""
+
+
+def _listed(values: list[float]) -> str:
+    return f"[{', '.join(f'{value:.6g}' for value in values)}]"
 
 
 problem = Template("my-robot.toml", QUESTIONS, write)

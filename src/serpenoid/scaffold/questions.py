@@ -61,6 +61,17 @@ def whole(low: int, high: int) -> Callable[[str], int]:
     return read
 
 
+def one_of(*words: str) -> Callable[[str], str]:
+    """One of some words."""
+
+    def read(text: str) -> str:
+        if text not in words:
+            raise ValueError(f"needs one of {', '.join(words)}")
+        return text
+
+    return read
+
+
 def numbers(text: str) -> tuple[float, ...]:
     """Numbers above 0 with commas between; empty for none."""
     values = tuple(_float(part) for part in text.split(",")) if text else ()

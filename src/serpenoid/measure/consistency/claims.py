@@ -106,11 +106,11 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
     plan = layout(vertices, edges)
     if not len(plan.points):
         return []
-    names = keys.markers or [f"vertex {k}" for k in range(body.vertices)]
+    names = keys.labels(body.vertices)
 
     def other(floor: Floats) -> Floats:
         changed = Tracks(tracks.time_s, tracks.names, floor, tracks.source, tracks.unlabelled, tracks.scale_known)
-        return label_markers(changed, keys, edges, body.vertices).vertices
+        return label_markers(changed, keys, edges, body).vertices
 
     up = keys.up_axis or UP.get(keys.format or "", "z")
     found = marker_faults(plan, names, None if tracks.space is None else Plane(tracks.space, up, other))
