@@ -10,7 +10,7 @@ import pytest
 
 from serpenoid.diagnose.diagnose import beside_changes
 from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.left_open import believed
+from serpenoid.diagnose.inference.left_open import believed, known
 from serpenoid.diagnose.inference.medium import Fit, predicted_bare
 from serpenoid.diagnose.report.words import ratio_change, undetected
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -40,6 +40,25 @@ def test_a_name_that_explanations_of_the_law_leave_open_is_refused(diagnosed: tu
     assert bare.best.effects == () == bare.bases
     assert bare.refused[0].effect.key == name.key
     assert bare.best.chi2 == pytest.approx(found.null.chi2)
+
+
+def test_a_value_that_data_push_beyond_its_bound_is_no_finding(
+    diagnosed: tuple[Any, dict[str, Any], Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = diagnosed[0].motion.selection
+    (name,) = found.best.effects
+    (value,) = name.coordinates[:-1]
+    monkeypatch.setattr(type(name.effect), "coordinate_bounds", lambda *_: [(0.0, value)])
+    gained, beyond = known(found, ((found.motion, found.settled, 1.0),))
+    assert gained[0] > 1 > beyond[0]
+    bare = predicted_bare(found.motion, found.settled)
+    trios = zip(found.motion.tracks, found.settled.predictions, bare, strict=True)
+    tracks = tuple(replace(t, offset=t.offset - (p.displacement - q.displacement)) for t, p, q in trios)
+    twice = replace(found, motion=replace(found.motion, tracks=tracks))  # shows the effect twice as large
+    refused = believed(twice, lambda f: ((f.motion, f.settled, 1.0),)).refused[0]
+    assert (refused.effect.key, refused.beyond) == (name.key, True)
+    monkeypatch.undo()
+    assert believed(twice, lambda f: ((f.motion, f.settled, 1.0),)) is twice
 
 
 @dataclass(frozen=True)

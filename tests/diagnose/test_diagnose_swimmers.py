@@ -73,8 +73,7 @@ def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, film_
     swimmer = Swimmer(Ground(0.6, external=(OUTSIDE[kind](rng),)), 51, film_s)
     found = diagnosed(write(swimmer, tmp_path / "swim"), tmp_path / "out", "--no-figures")
     assert found["verdict"] in ("unexplained", "partly explained")
-    # known to fall short: rowing fins are taken for a memory, at its bound, and said to be perhaps a stand-in
-    assert not names(found) & {"added_mass", "inertia"} or kind == "fins"
+    assert not names(found) & {"added_mass", "inertia"}
     assert all(e["stand_in"] for e in found["effects"])
     assert found["residual_pattern"]
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
@@ -14,14 +16,28 @@ AT_BOUND = 1e-6  # of a typical value
 
 def held_at_bounds(model: Model, effects: Sequence[ActiveEffect], evidence: Evidence) -> Evidence:
     """Evidence (eps, then the effects' coordinates) without what sits at a bound and is pushed outwards by the data."""
+    for column in _outwards(model, effects, evidence):
+        evidence = evidence.without(column)
+    return evidence
+
+
+def gained_beyond(model: Model, effects: Sequence[ActiveEffect], evidence: Evidence) -> list[float]:
+    """Chi squared that each effect would gain, to first order, if the data could push it beyond its bounds, what else
+    is pushed beyond one being held; 0 of what is within. evidence: with nothing held."""
+    held = _outwards(model, effects, evidence)
+    free = [i for i in range(evidence.matrix.shape[1]) if i not in held]
+    gains = {i: evidence.chi2(free) - evidence.chi2([*free, i]) for i in held}
+    ends = np.cumsum([1, *(len(e.effect.parameters) for e in effects)])
+    return [max(gains.get(i, 0.0) for i in range(a, b)) for a, b in zip(ends, ends[1:], strict=False)]
+
+
+def _outwards(model: Model, effects: Sequence[ActiveEffect], evidence: Evidence) -> list[int]:
+    """Columns that sit at a bound and are pushed outwards."""
     push = evidence.vector.sum(axis=0)
     low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
     eps = model.medium.anisotropy_ratio
     sides = [(eps <= low, eps >= high), *(side for e in effects for side in _sides(model, e))]
-    for column, (below, above) in enumerate(sides):
-        if (below and push[column] < 0) or (above and push[column] > 0):
-            evidence = evidence.without(column)
-    return evidence
+    return [i for i, (below, above) in enumerate(sides) if (below and push[i] < 0) or (above and push[i] > 0)]
 
 
 def ratio_at_bound(model: Model) -> bool:

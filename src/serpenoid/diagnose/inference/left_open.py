@@ -3,7 +3,8 @@ open about a name, too.
 
 What an effect takes away counts by how much less the value is known with the law's error than without (law_doubt.py):
 the likelihood ratio over that is held against chi squared at 5 %. Of several parameters each counts by what it tells. A
-law that saturates is known to act where nobody can say how much.
+law that saturates is known to act where nobody can say how much. What data push beyond a bound, for more than the law's
+error leaves open, is no value of its law.
 """
 
 from __future__ import annotations
@@ -14,8 +15,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtri, ndtr
 
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.inference.bounds import gained_beyond
+from serpenoid.diagnose.inference.evidence import SILENT
 from serpenoid.diagnose.inference.law_doubt import doubted
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit_guided, fit_without, linearised
 from serpenoid.diagnose.inference.names import Refused, bases_of
@@ -29,36 +33,41 @@ def believed(found: Selection, explained: Callable[[Selection], Explained]) -> S
     """Without names that the law's own error leaves open, the most doubtful first; explained: what is settled on beside
     every explanation of what the law misses, each with its weight; none where the law is not known to be wrong."""
     while found.best.effects and (several := explained(found)):
-        shares = known(found, several)
-        doubtful = int(np.argmin(shares))
-        if shares[doubtful] > 1:
+        gained, beyond = known(found, several)
+        doubts = np.maximum(beyond, 1 / np.maximum(gained, SILENT))
+        doubtful = int(np.argmax(doubts))
+        if doubts[doubtful] < 1:
             break
-        found = without(found, doubtful)
+        found = without(found, doubtful, beyond=bool(beyond[doubtful] >= 1))
     return found
 
 
-def known(found: Selection, explained: Explained) -> list[float]:
-    """What each name takes away under the law's error, over what leaves nothing out of 95 %."""
+def known(found: Selection, explained: Explained) -> tuple[Floats, Floats]:
+    """What each name takes away under the law's error, and what it would take away beyond its bounds, both over what
+    leaves nothing out of 95 %."""
     doubt, settled = doubted(explained, hold=False), found.settled
     evidence, _ = linearised(found.motion, settled.model, settled.effects, near=settled.predictions, hold=False)
     usual = evidence.solve(range(len(settled.coordinates)))[1]
-    at, shares = 1, {}
-    for e in settled.effects:
+    outside = gained_beyond(settled.model, settled.effects, evidence)
+    at, shares, beyond = 1, {}, {}
+    for e, more in zip(settled.effects, outside, strict=True):
         moves = [i for i, p in enumerate(e.effect.parameters) if p.neutral is not None]
         away = np.array([(e.coordinates[i] - e.effect.parameters[i].resting) ** 2 for i in moves])
         wide = np.array([doubt[e.name, e.place, i].deviation ** 2 for i in moves])
         narrow = np.array([usual[at + i, at + i] for i in moves])
         least = chdtri(len(moves), 2 * ndtr(-NORMAL))
         shares[e.key] = float((away / np.maximum(wide, narrow)).sum() / (away / narrow).sum() / least)
+        beyond[e.key] = more * shares[e.key]
         at += len(e.effect.parameters)
-    gains = [base.chi2 - found.best.chi2 for base in found.bases]
-    return [gain * shares[e.key] for e, gain in zip(found.best.effects, gains, strict=True)]
+    best = found.best
+    gained = [(base.chi2 - best.chi2) * shares[e.key] for e, base in zip(best.effects, found.bases, strict=True)]
+    return np.array(gained), np.array([beyond[e.key] for e in best.effects])
 
 
-def without(found: Selection, index: int) -> Selection:
-    """The same without one of its names, which is refused."""
+def without(found: Selection, index: int, beyond: bool = False) -> Selection:
+    """The same without one of its names, which is refused; beyond: because the data push it beyond a bound."""
     effect, base = found.best.effects[index], found.bases[index]
-    refused = Refused(effect, (base.chi2 - found.best.chi2) / base.chi2, found.best)
+    refused = Refused(effect, (base.chi2 - found.best.chi2) / base.chi2, found.best, beyond)
     best = fit_guided(found.motion, base, TO_THE_END)
     return replace(
         found,

@@ -59,11 +59,13 @@ class Weak(Try):
 
 @dataclass(frozen=True)
 class Refused:
-    """An effect of the search that is no cause, the share of chi squared that it would take away, the fit with it."""
+    """An effect of the search that is no cause, the share of chi squared that it would take away, the fit with it;
+    beyond: at a bound of its own, beyond which the data push it."""
 
     effect: ActiveEffect
     share: float
     fit: Fit
+    beyond: bool = False
 
 
 @dataclass(frozen=True)

@@ -152,7 +152,8 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
 def _refusal(refused: Refused) -> str:
     """Why an effect that the search tried is not named."""
     gain = f"would take away {refused.share:.0%} of what is left"
-    return f"{refused.effect.called} {gain}, not more than a wrong effect would: not named"
+    why = "but is pushed beyond its bound" if refused.beyond else "not more than a wrong effect would"
+    return f"{refused.effect.called} {gain}, {why}: not named"
 
 
 def undetected_of(t: Weak, noise_level_m: float) -> Named:
