@@ -25,6 +25,7 @@ from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.names import Refused, Weak, trace
+from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -108,6 +109,7 @@ def finding(
     wrong = explained(found, inadequate, beside)
     doubt = doubted(wrong)
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
+    named = [in_its_range(motion, found.settled, n, wrong) for n in named]
     swaps = groups(found)
     jumps = find_jumps(motion, best.predictions, noise_level, missed_m, len(candidates_of(best)))
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
