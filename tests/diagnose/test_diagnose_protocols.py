@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -95,6 +96,20 @@ def test_a_log_of_another_motion_is_refused_with_its_remedy(tmp_path: Path) -> N
     log.write_text("\n".join([first, *mixed]) + "\n")
     with pytest.raises(InputError, match=r"gait02-a-1.*no motion beyond their noise.*rows in disorder"):
         read_recordings(tmp_path)
+
+
+def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path: Path) -> None:
+    campaign = make(SEED, 0, protocol=protocol())
+    (whole, *_) = recorded(campaign, tmp_path)
+    assert whole.remarks == ()
+    file = tmp_path / "campaign.toml"
+    file.write_text(re.sub("^cycles = .*", "cycles = 100000", file.read_text(), flags=re.MULTILINE))
+    recordings = read_recordings(tmp_path)[1]
+    r = recordings[0]
+    assert r.promised_s == 100_000 * r.schedule.period_s
+    assert r.schedule.cycles <= 1 + np.ceil(max(r.time[-1], r.log_time[-1]) / r.schedule.period_s)
+    assert r.remarks == (f"cycles {r.schedule.cycles} to 100000 are not in the recording: left out",)
+    assert sum(len(mesh) for mesh in plays(recordings).meshes) < 10**5
 
 
 @pytest.mark.parametrize("held", [True, False])

@@ -44,6 +44,11 @@ class Schedule:
         """From the first command to the last: without the pause after the last cycle."""
         return self.cycles * self.cycle_duration_s + (self.cycles - 1) * self.pause_s
 
+    def until(self, end_s: float) -> Schedule:
+        """No more cycles than begin so many seconds after the first, and one: its first row is where pauses rest."""
+        begun = int(np.ceil(max(end_s, 0.0) / self.period_s))
+        return replace(self, cycles=min(self.cycles, begun + 1))
+
     def seen_in(self, seconds: float) -> Schedule:
         """No more cycles than so long a recording can show, with one before and one after."""
         return replace(self, cycles=int(min(self.cycles, np.ceil(seconds / self.period_s) + 2)))

@@ -43,6 +43,7 @@ class Recording:
     remarks: of the campaign's check against itself.
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
     as each reading was taken, where the log says it.
+    schedule: no more cycles than the recording may show; promised_cycles: those of the campaign, if they are more.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Recording:
     remarks: tuple[str, ...] = ()
     carrier: Course | None = None
     commands: Floats | None = None
+    promised_cycles: int = 0
 
     @property
     def length_unit(self) -> str:
@@ -77,8 +79,8 @@ class Recording:
 
     @property
     def promised_s(self) -> float:
-        """Seconds that the schedule promises."""
-        return self.schedule.cycles * self.schedule.period_s
+        """Seconds that the campaign promises."""
+        return max(self.schedule.cycles, self.promised_cycles) * self.schedule.period_s
 
     @property
     def start_said(self) -> bool:
@@ -212,9 +214,15 @@ def _aligned(
         own = files[entry.name]
         found = remember(lambda: read_recording(file, own), "recording", file, own)
         _refuse_short(found)
-        return replace(found, remarks=said.get(entry.name, ()))
+        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found)))
 
     return with_one_rate(of_every_trial(file.trial, kept, progress))
+
+
+def _missing(r: Recording) -> list[str]:
+    """Cycles that were promised and not even begun while anything was recorded."""
+    first, last = r.schedule.cycles, r.promised_cycles
+    return [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
 
 
 def _refuse_short(r: Recording) -> None:
@@ -256,10 +264,10 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     clock = align(file.body, tracks.time_s, markers, log)
     start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
+    time, log_time = tracks.time_s - t0, log.time_s - start[0]
     return Recording(
-        entry.name, entry.gait or entry.name, file.body, schedule, tracks.time_s - t0, markers, log.time_s - start[0],
-        log.position, clock, start[1],
-        commands=log.command,
+        entry.name, entry.gait or entry.name, file.body, schedule.until(max(time[-1], log_time[-1])), time, markers,
+        log_time, log.position, clock, start[1], commands=log.command, promised_cycles=schedule.cycles,
     )  # fmt: skip
 
 
@@ -269,8 +277,8 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
     known, shown = angles_shown(file.body, markers)
     t0, spread = _start_by_shape(schedule, time[known], shown)
     return Recording(
-        entry.name, entry.gait or entry.name, file.body, schedule, time - t0, markers, time[known] - t0, shown,
-        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False,
+        entry.name, entry.gait or entry.name, file.body, schedule.until(time[-1] - t0), time - t0, markers,
+        time[known] - t0, shown, Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, promised_cycles=schedule.cycles,
     )  # fmt: skip
 
 
