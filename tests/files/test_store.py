@@ -100,6 +100,13 @@ def test_the_folder_stays_bounded_and_the_longest_unused_leaves(cache, monkeypat
     assert left == {store.key(k) for k in (3, 4, 5)}
 
 
+def test_what_is_larger_than_the_folder_may_be_drives_nothing_out(cache, monkeypatch):
+    monkeypatch.setattr(store, "MOST_BYTES", 30_000)
+    store.remember(lambda: np.zeros(1000), "small")
+    assert len(store.remember(lambda: np.zeros(10_000), "large")) == 10_000
+    assert [path.stem for path in cache.iterdir()] == [store.key("small")]
+
+
 def test_a_cache_that_cannot_be_written_loses_nothing(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("not a folder")
     monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path / "file"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -96,6 +97,25 @@ def test_a_hidden_vertex_is_found_by_its_links_and_a_hidden_head_is_not():
     servo = estimate_chain(body, vertices, angles, 0.002, SD)
     assert servo.determined[50]  # the servo knows where the head link points
     np.testing.assert_allclose(servo.joint_angles[50], angles[50], atol=1e-6)
+
+
+def test_a_long_recording_takes_little_more_room_than_what_is_known_of_it():
+    """No matrix of all frames but the covariance: a frame's Jacobian is twice as large."""
+    body, _, _, true = _motion(8192)
+    seen = true + SD * np.random.default_rng(5).standard_normal(true.shape)
+    tracemalloc.start()
+    try:
+        found = estimate_chain(body, seen, marker_sd=SD)
+        fitted = tracemalloc.get_traced_memory()[1]
+        tracemalloc.reset_peak()
+        smooth_states(np.arange(8192) / 60, found.poses, found.joint_angles, found.covariance)
+        smoothed = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert fitted < 5 * found.covariance.nbytes  # all at once: 9 times
+    assert smoothed < 4.5 * found.covariance.nbytes  # all at once: 5.6 times
+    part = estimate_chain(body, seen[2000:2100], marker_sd=SD)  # across the end of a block
+    np.testing.assert_allclose(part.joint_angles, found.joint_angles[2000:2100], atol=1e-12)
 
 
 def test_smooth_path_is_nearer_to_the_truth_than_the_measurements():

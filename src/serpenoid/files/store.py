@@ -118,7 +118,7 @@ def _read(path: Path) -> tuple[Any] | None:
         data = path.read_bytes()
     except OSError:
         return None
-    body = data[DIGEST:]
+    body = memoryview(data)[DIGEST:]
     if hashlib.sha256(body).digest() != data[:DIGEST]:
         return None
     with np.load(io.BytesIO(body), allow_pickle=False) as file:
@@ -130,14 +130,18 @@ def _read(path: Path) -> tuple[Any] | None:
 
 
 def _write(path: Path, tree: bytes, arrays: list[Array]) -> None:
-    """A full disk or a folder that may not be written is no reason to lose the value."""
+    """A full disk or a folder that may not be written is no reason to lose the value; what is larger than all that is
+    kept would be the only entry, and leave next."""
+    if sum(array.nbytes for array in arrays) > MOST_BYTES:
+        return
     stream = io.BytesIO()
     named: dict[str, Any] = {f"a{i}": np.asarray(array, order="C") for i, array in enumerate(arrays)}
     np.savez(stream, tree=np.frombuffer(tree, np.uint8), **named)
-    body = stream.getvalue()
+    body = stream.getbuffer()
     with suppress(OSError):
-        with atomic(path) as temporary:
-            temporary.write_bytes(hashlib.sha256(body).digest() + body)
+        with atomic(path) as temporary, temporary.open("wb") as file:
+            file.write(hashlib.sha256(body).digest())
+            file.write(body)
         _bound(path.parent, len(body))
 
 

@@ -2,7 +2,7 @@
 
 Unknowns of a frame: the weighted centroid c and the direction psi_l of every rigid link; vertices
 p_k = c + sum_j (e_j' u(psi_l(j))). Markers measure p_k with SD s_m, servos measure psi_{l+1} - psi_l with SD s_a.
-Weighted least squares, all frames at once.
+Weighted least squares, many frames at once.
 
 Legend: F frames, N vertices, L = m + 1 links, m joints.
 """
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.special import gammainc, gammaincinv
 
 from serpenoid.body import Body
+from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.links import corners, laid_over, link_directions, link_of_edge, vertices_by_links
 
@@ -90,11 +91,13 @@ def estimate_about(
     are hidden the covariance is large instead of the frame missing: the time grid stays whole.
     """
     weight = None if servo is None or servo_sd is None else (marker_sd / servo_sd) ** 2
-    unknowns = link_directions(body, poses, joint_angles)
-    _, information, gradient, _ = _normal(body, vertices, servo, weight, unknowns)
-    information = information + (marker_sd / VAGUE_SD) ** 2 * np.eye(unknowns.shape[1])
-    moved = unknowns + np.linalg.solve(information, gradient[..., None])[..., 0]
-    residual = _normal(body, vertices, None, None, moved)[3]
+    moved = link_directions(body, poses, joint_angles)
+    information, residual = _room(moved, vertices)
+    for b in blocks(len(moved)):
+        _, own, gradient, _ = _normal(body, vertices[b], _of(servo, b), weight, moved[b])
+        information[b] = own + (marker_sd / VAGUE_SD) ** 2 * np.eye(moved.shape[1])
+        moved[b] += np.linalg.solve(information[b], gradient[..., None])[..., 0]
+        residual[b] = _normal(body, vertices[b], None, None, moved[b])[3]
     return _assemble(body, moved, information, residual, np.ones(len(poses), dtype=bool), marker_sd)
 
 
@@ -104,6 +107,26 @@ def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | Non
     Levenberg-Marquardt, every frame with its own damping: a hidden vertex in a straight stretch is nearly singular.
     """
     unknowns = _start(body, vertices, servo)
+    information, residual = _room(unknowns, vertices)
+    for b in blocks(len(vertices)):
+        information[b], residual[b] = _descended(body, vertices[b], _of(servo, b), weight, unknowns[b])
+    unknowns[:, 2:] = _within_half_a_turn(unknowns[:, 2:])
+    return unknowns, information, residual
+
+
+def _room(unknowns: Floats, vertices: Floats) -> tuple[Floats, Floats]:
+    """For information and residuals of every frame."""
+    return np.empty((*unknowns.shape, unknowns.shape[1])), np.empty_like(vertices)
+
+
+def _of(servo: Floats | None, block: slice) -> Floats | None:
+    return None if servo is None else servo[block]
+
+
+def _descended(
+    body: Body, vertices: Floats, servo: Floats | None, weight: float | None, unknowns: Floats
+) -> tuple[Floats, Floats]:
+    """Moves `unknowns`, in place, to where the cost is least; information and residuals there."""
     damping = np.full(len(vertices), 1e-6)
     kept = list(_normal(body, vertices, servo, weight, unknowns))
     live = np.arange(len(vertices))
@@ -120,8 +143,7 @@ def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | Non
         live = live[np.abs(step).max(axis=1) > CONVERGED]
         if not len(live):
             break
-    unknowns[:, 2:] = _within_half_a_turn(unknowns[:, 2:])
-    return unknowns, kept[1], kept[3]
+    return kept[1], kept[3]
 
 
 def _normal(
@@ -211,7 +233,10 @@ def _determined(information: Floats) -> Flags:
     if not regular.any():
         return regular
     worst = np.full(len(information), np.inf)
-    worst[regular] = np.sqrt(np.diagonal(np.linalg.inv(information[regular]), axis1=1, axis2=2)[:, 2:].max(axis=1))
+    rows = np.flatnonzero(regular)
+    for b in blocks(len(rows)):
+        variance = np.diagonal(np.linalg.inv(information[rows[b]]), axis1=1, axis2=2)
+        worst[rows[b]] = np.sqrt(variance[:, 2:].max(axis=1))
     return np.asarray(worst <= UNCERTAIN * np.median(worst[regular]))
 
 
@@ -237,6 +262,7 @@ def _trimming_bias(freedom: float) -> float:
 def _assemble(
     body: Body, unknowns: Floats, information: Floats, residual: Floats, determined: Flags, sd: float
 ) -> ChainEstimate:
+    """The covariance takes the place of the information, which is as large as all else together."""
     share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
     m = body.joint_count
     to_state = np.zeros((3 + m, 3 + m))
@@ -244,11 +270,13 @@ def _assemble(
     to_state[2, 2:] = share
     to_state[3:, 2:] = np.eye(m + 1)[1:] - np.eye(m + 1)[:-1]
     state = unknowns @ to_state.T
-    safe = np.where(determined[:, None, None], information, np.eye(3 + m))
-    covariance = sd**2 * to_state @ np.linalg.inv(safe) @ to_state.T
+    covariance, points = information, np.empty_like(residual)
+    for b in blocks(len(state)):
+        safe = np.where(determined[b, None, None], information[b], np.eye(3 + m))
+        covariance[b] = sd**2 * to_state @ np.linalg.inv(safe) @ to_state.T
+        points[b] = vertices_by_links(body, unknowns[b])[0]
     poses, angles = state[:, :3].copy(), state[:, 3:].copy()
     poses[determined, 2] = np.unwrap(poses[determined, 2])
-    points, _ = vertices_by_links(body, unknowns)
     for values in (poses, angles, covariance, points):
         values[~determined] = np.nan
     hidden = np.where(residual == 0.0, np.nan, residual)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 
 WINDOWS = (1, 5, 7, 9, 13, 17, 25, 35, 49)
@@ -24,16 +25,22 @@ def smoother(time_s: Floats, window: int) -> tuple[Floats, np.ndarray]:
     rows = first[:, None] + np.arange(k)
     if k <= DEGREE:
         return (rows == np.arange(count)[:, None]).astype(float), rows
-    u = time_s[rows] - time_s[:, None]
-    u = u / np.abs(u).max(axis=1, keepdims=True)
-    powers = u[..., None] ** np.arange(DEGREE + 1)
-    gram = np.swapaxes(powers, 1, 2) @ powers
-    return (powers @ np.linalg.inv(gram)[:, :, :1])[..., 0], rows
+    weights = np.empty(rows.shape)
+    for b in blocks(count):
+        u = time_s[rows[b]] - time_s[b, None]
+        u = u / np.abs(u).max(axis=1, keepdims=True)
+        powers = u[..., None] ** np.arange(DEGREE + 1)
+        gram = np.swapaxes(powers, 1, 2) @ powers
+        weights[b] = (powers @ np.linalg.inv(gram)[:, :, :1])[..., 0]
+    return weights, rows
 
 
 def smooth(values: Floats, weights: Floats, rows: np.ndarray) -> Floats:
     """Apply `smoother` to columns (R, c)."""
-    return np.asarray(np.einsum("rk,rkc->rc", weights, values[rows]))
+    found = np.empty((len(rows), values.shape[1]))
+    for b in blocks(len(rows)):
+        found[b] = np.einsum("rk,rkc->rc", weights[b], values[rows[b]])
+    return found
 
 
 def best_windows(time_s: Floats, columns: Sequence[tuple[Floats, Floats]]) -> list[int]:
