@@ -18,8 +18,9 @@ from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions
 from serpenoid.measure.consistency.geometry import layout, marker_faults
+from serpenoid.measure.consistency.match import course_of, match, match_at
 from serpenoid.measure.consistency.rivals import ODDS
-from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.consistency.signals import Signal, sample
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.schedule import Schedule
@@ -313,6 +314,21 @@ def test_two_repeats_of_a_gait_do_not_accuse_one_another_of_the_wrong_log(rate):
     verdict = check(claims, {"gait-1": serpenoid_table(40)})
     assert verdict.contradictions == ()
     assert not [r for r in verdict.rivals if r.kind == "log"]
+
+
+@pytest.mark.parametrize("joints", [3, 30, 90])
+def test_rates_of_a_clock_are_tried_whatever_the_number_of_joints(joints):
+    """All at once, some at once, one by one: each is laid as it is alone."""
+    rows = np.arange(40)[:, None] / 40 + np.arange(joints) / joints
+    played = Schedule(0.4 * np.sin(2 * np.pi * rows), 2.0, 8, 0.0)
+    time = np.arange(-1.0, 17.0, 1 / 60)
+    noise = 0.005 * np.random.default_rng(6).standard_normal((len(time), joints))
+    grid = sample(Signal(time, played.commanded(time / 1.01) + noise), 0.05)
+    found = match(grid, course_of(played))
+    assert found.rate == pytest.approx(1.01, abs=2e-3)
+    alone = match_at(grid, course_of(played), found.rate)
+    assert found.evidence == pytest.approx(alone.evidence, abs=1e-6)
+    assert found.start_s == alone.start_s
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])

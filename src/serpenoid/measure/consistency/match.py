@@ -119,7 +119,7 @@ def match_at(signal: Sampled, course: Course, rate: float, prior: Prior = PHYSIC
 
 def _at_rates(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[Match]:
     """The best start at each of Q rates; some rates at once, or most of the time goes into calling NumPy."""
-    parts = -(-len(rates) * signal.values.size // AT_ONCE)
+    parts = min(len(rates), -(-len(rates) * signal.values.size // AT_ONCE))
     return [found for some in np.array_split(rates, parts) for found in _laid(signal, course, some, prior)]
 
 
