@@ -10,6 +10,9 @@ import time
 import pytest
 
 from serpenoid import interrupts
+from serpenoid.cli.campaigns import KEPT
+from serpenoid.cli.main import main
+from serpenoid.errors import InputError
 from serpenoid.parallel.local import interrupts_held
 
 
@@ -79,3 +82,20 @@ def test_what_another_thread_is_sent_amid_a_fork_waits_for_its_end(number: signa
     assert reached == ["the end"]
     assert not noted
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize("turned_into", [SystemError, RuntimeError, InputError, OSError])
+def test_whatever_a_library_makes_of_ctrl_c_the_command_is_stopped_without_a_traceback(
+    turned_into: type[Exception], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def lose(_args: object) -> int:
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(1)
+        except KeyboardInterrupt as interrupt:
+            raise turned_into("returned a result with an exception set") from interrupt
+        return 0
+
+    monkeypatch.setattr("serpenoid.cli.fit.run", lose)
+    assert main(["fit", "somewhere"]) == 130
+    assert capsys.readouterr().err == f"serpenoid: stopped. {KEPT}\n"

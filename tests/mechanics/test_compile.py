@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
+from serpenoid.files import store
 from serpenoid.mechanics import compile as compilation
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled, find_compiler, generate_c
@@ -26,6 +27,7 @@ from specimens import forget_functions, nlp_of, phases_of_rows, problem, referen
 SAME = 1e-12  # the project's bound between compiled and interpreted evaluation
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
 SMALL = Structure(4, (1, 2), "vertex")
+LARGER = Structure(5, (1, 2, 3), "vertex")
 
 
 @pytest.fixture
@@ -186,7 +188,11 @@ def test_a_cache_that_cannot_be_written_is_a_warning_and_the_virtual_machine(
     function = functions.shape(SMALL)
     with caplog.at_level(logging.WARNING):
         assert compiled([function])[0] is function
-    assert "virtual machine" in caplog.text
+        assert compiled([functions.shape(LARGER)])[0].class_name() != "External"
+        assert store.remember(lambda: 1.0, "not kept") == 1.0
+    (warning,) = caplog.messages  # said once, whatever cannot be kept
+    assert f"SERPENOID_CACHE = {tmp_path / 'file'} cannot be written to" in warning
+    assert "virtual machine" in warning
 
 
 CHILD = """

@@ -66,7 +66,9 @@ def test_what_was_solved_is_taken_from_the_folder_to_the_last_bit(
         raise AssertionError("solved again")
 
     monkeypatch.setattr(GaitSolver, "solve", refuse)
-    assert bits(solve(problem("purcell"), STARTS, folder=kept)) == bits(alone)
+    again = solve(problem("purcell"), STARTS, folder=kept)
+    assert bits(again) == bits(alone)
+    assert (alone.kept, again.kept) == (0, sum(s.status.ok for s in alone.solutions))
 
 
 def test_the_table_of_starts_has_a_line_a_start(alone: MultiStart, tmp_path: Path) -> None:
@@ -85,5 +87,7 @@ def test_an_interrupted_run_leaves_a_better_answer_where_it_is(
     stopped = replace(alone.best, status=Status.STOPPED, table=0 * alone.best.table, cost=alone.best.cost - 1)
     monkeypatch.setattr(front_door, "solve", lambda *_a, **_o: MultiStart((stopped,), ()))
     assert main(asked) == 130
-    assert "keeps the answer of an earlier run, which is better" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "keeps the answer of an earlier run, which is better" in said
+    assert "goes on from there" in said
     assert (tmp_path / "run" / "joint_table.csv").read_bytes() == before

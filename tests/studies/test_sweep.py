@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from serpenoid.optimise.chain_store import ChainStore
 from serpenoid.optimise.solve import solve
-from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.performance import pareto_front
 from serpenoid.studies.sweep import Sweep, sweep
 from specimens import problem
@@ -75,6 +76,20 @@ def test_a_stored_point_that_was_cut_short_is_solved_anew(tmp_path: Path) -> Non
     for rubbish in (b"PK\x03\x04 half a file", b""):
         (tmp_path / "up-0.5.npz").write_bytes(rubbish)
         assert store.load(0.5, solver) is None
+
+
+def test_a_point_that_ctrl_c_comes_amid_is_not_reached_and_none_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve_point, solved = GaitSolver.solve, []
+
+    def interrupted(self: GaitSolver, *args: Any, **options: Any) -> Answer:
+        solved.append(1)
+        options["flag"].stopped = len(solved) > 2  # amid the third: IPOPT ends at its next iteration
+        return solve_point(self, *args, **options)
+
+    monkeypatch.setattr(GaitSolver, "solve", interrupted)
+    result = sweep(problem("reference-optimum"), VALUES, starts=1, seed=0)
+    assert not result.complete
+    assert [(p.reached, p.solution is not None) for p in result.points] == [(True, True)] * 2 + [(False, False)] * 2
 
 
 def test_a_value_of_c_that_cannot_be_solved_is_recorded_and_the_others_go_on() -> None:

@@ -13,8 +13,12 @@ if TYPE_CHECKING:
     from serpenoid.measure.load import Campaign
 
 
+KEPT = "What was read and computed is kept: the same command goes on from there."
+
+
 def add_campaign(parser: argparse.ArgumentParser) -> None:
     """CAMPAIGN."""
+    parser.set_defaults(kept_if_stopped=KEPT)
     help_line = "folder with campaign.toml, or the TOML file itself (docs/campaign-format.md)"
     parser.add_argument("campaign", metavar="CAMPAIGN", help=help_line)
 

@@ -29,11 +29,12 @@ from __future__ import annotations
 import argparse
 import os
 
-from serpenoid.cli import options
+from serpenoid.cli import campaigns, options
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `diagnose`."""
+    parser.set_defaults(kept_if_stopped=campaigns.KEPT)
     help_line = "folder with campaign.toml, or the file itself; of several, a table of all answers"
     parser.add_argument("campaign", nargs="+", metavar="CAMPAIGN", help=help_line)
     parser.add_argument(

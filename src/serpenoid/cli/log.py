@@ -54,6 +54,11 @@ def ended(code: int) -> int:
     return code
 
 
+def stopped() -> None:
+    """Note what became of Ctrl-C in a library: for the log file, no news on the screen."""
+    log.debug("stopped in %s", sys.exc_info()[0], exc_info=True)
+
+
 def failed() -> None:
     """Note the exception that is being handled, with its traceback."""
     log.error("ended by %s", sys.exc_info()[0], exc_info=True)

@@ -92,20 +92,29 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         code = args.run(args)
         sys.stdout.flush()
         return code
-    except InputError as error:
-        return _complain(_located(str(error), args), 2)
     except (KeyboardInterrupt, StopRequested) as error:
-        return stopped(error)
+        return stopped(str(error) or getattr(args, "kept_if_stopped", ""))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
-        return 1
-    except OSError as error:
-        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}.", 1)
-    except Exception:
-        log.failed()
-        if not interrupted:
+        return 130 if interrupted else 1
+    except Exception as error:
+        if interrupted:  # whatever a library made of it
+            log.stopped()
+            return stopped(getattr(args, "kept_if_stopped", ""))
+        code = _refused(error, args)
+        if code is None:
+            log.failed()
             raise
-        return stopped()
+        return code
+
+
+def _refused(error: Exception, args: argparse.Namespace) -> int | None:
+    """Misuse, and what the system refuses, in one sentence; None: a fault of ours."""
+    if isinstance(error, InputError):
+        return _complain(_located(str(error), args), 2)
+    if isinstance(error, OSError):
+        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}.", 1)
+    return None
 
 
 def _located(message: str, args: argparse.Namespace) -> str:

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from serpenoid.problem import Problem
 
 
+KEPT = "Solved starts are kept: the same command goes on from there."
 FAR_TURN_RAD = 0.5  # in one cycle; what the paper's robot does by a strong offset
 
 
@@ -85,7 +86,8 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
     better = kept_better(folder, result.best) if stopped else None
     if better is not None:
-        options.complain(f"stopped; {folder} keeps the answer of an earlier run, which is better (cost {better:.6f})")
+        earlier = f"keeps the answer of an earlier run, which is better (cost {better:.6f})"
+        options.complain(f"stopped; {folder} {earlier}. {KEPT}")
         return 130
     if stopped and not args.quiet:
         options.complain("stopping: the best so far is written, with its pictures")
@@ -107,7 +109,8 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     lines += [f"written to        {folder}"]
     options.report(args, record, lines, folder)
     if stopped:
-        options.complain(f"stopped after {len(result.solutions)} of {args.starts} starts; the best is in {folder}")
+        done = sum(s.status is not Status.STOPPED for s in result.solutions)
+        options.complain(f"stopped after {done} of {args.starts} starts; the best is in {folder}. {KEPT}")
         return 130
     if not best.status.ok:
         options.complain(_why(problem) or best.status.value)
@@ -167,7 +170,8 @@ def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
     optima = [{"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.document()} for o in result.optima]
     failures = [s.status.name.lower() for s in result.failures]
     costs = [s.cost if s.status.ok else None for s in result.solutions]
-    return {"starts": args.starts, "seed": args.seed, "optima": optima, "failures": failures, "costs": costs}
+    asked = {"starts": args.starts, "seed": args.seed, "kept_from_an_earlier_run": result.kept}
+    return asked | {"optima": optima, "failures": failures, "costs": costs}
 
 
 def _lines(best: Solution, result: MultiStart) -> list[str]:
@@ -178,6 +182,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
+    kept = f", {result.kept} of them kept from an earlier run" * bool(result.kept)
     goals: list[Goal] = [*task.objectives, *task.demands]
     played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
     outcomes = [goal.outcome(played) for goal in goals]
@@ -199,7 +204,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         *([f"from itself       {best.self_clearance.words}"] if best.self_clearance else []),
         f"mesh              {best.mesh.words}",
         f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
-        f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s)",
+        f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
     ]
 
 

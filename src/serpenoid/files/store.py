@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numpy as np
-import platformdirs
 
+from serpenoid.files import cache
 from serpenoid.files.schema import Record
 from serpenoid.files.writing import atomic
 
@@ -40,7 +40,7 @@ P = ParamSpec("P")
 
 def folder() -> Path:
     """Where entries lie."""
-    return Path(os.environ.get("SERPENOID_CACHE") or platformdirs.user_cache_dir(PACKAGE)) / "work"
+    return cache.place() / "work"
 
 
 def remember(work: Callable[[], T], *inputs: Any) -> T:
@@ -138,11 +138,13 @@ def _write(path: Path, tree: bytes, arrays: list[Array]) -> None:
     named: dict[str, Any] = {f"a{i}": np.asarray(array, order="C") for i, array in enumerate(arrays)}
     np.savez(stream, tree=np.frombuffer(tree, np.uint8), **named)
     body = stream.getbuffer()
-    with suppress(OSError):
+    try:
         with atomic(path) as temporary, temporary.open("wb") as file:
             file.write(hashlib.sha256(body).digest())
             file.write(body)
         _bound(path.parent, len(body))
+    except OSError as error:
+        cache.lost(error)
 
 
 _unseen = math.inf  # bytes that this process has written since it last looked at the whole folder

@@ -23,9 +23,9 @@ from typing import TypeVar
 
 import casadi as ca
 import filelock
-import platformdirs
 
 from serpenoid.errors import InputError
+from serpenoid.files import cache
 from serpenoid.files.writing import atomic, write_text
 
 FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
@@ -53,7 +53,8 @@ def loaded(name: str, source: str, load: Callable[[str], T], flags: Sequence[str
     try:
         library = _library(name, source, [compiler, *FLAGS, *flags])
     except (OSError, subprocess.SubprocessError, filelock.Timeout) as error:
-        log.warning("compiling failed, using CasADi's virtual machine: %s", error)
+        if not cache.lost(error):
+            log.warning("compiling failed, using CasADi's virtual machine: %s", error)
         return None
     try:
         return load(str(library))
@@ -79,7 +80,7 @@ def _note_once() -> None:
 
 def cache_folder() -> Path:
     """Where compiled libraries are kept."""
-    return Path(os.environ.get("SERPENOID_CACHE") or platformdirs.user_cache_dir("serpenoid"))
+    return cache.place()
 
 
 def generate_c(functions: Sequence[ca.Function]) -> str:

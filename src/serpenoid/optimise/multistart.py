@@ -35,10 +35,12 @@ class Optimum:
 
 @dataclass(frozen=True, repr=False)
 class MultiStart(Shown):
-    """All solutions in the order of their starts; `optima` distinct and certified, best first."""
+    """All solutions in the order of their starts; `optima` distinct and certified, best first; kept: how many of the
+    solutions an earlier run had found."""
 
     solutions: tuple[Solution, ...]
     optima: tuple[Optimum, ...]
+    kept: int = 0
 
     def summary(self) -> str:
         """How many starts, how many optima, and the best."""
@@ -156,7 +158,7 @@ def summarised(
             optima.append(Optimum(polished, len(group)))
         for index in group:
             solutions[index] = replace(solutions[index], status=polished.status, polishing_gain=polished.polishing_gain)
-    return MultiStart(tuple(solutions), tuple(optima))
+    return MultiStart(tuple(solutions), tuple(optima), sum(answer.kept for _, answer in found))
 
 
 def _groups(solutions: list[Solution]) -> Iterator[list[int]]:

@@ -69,4 +69,4 @@ def _of(solver: GaitSolver, failed: Solution, q: np.ndarray) -> Solution:
 
 
 def _with(found: MultiStart, old: Solution, new: Solution, optima: tuple[Optimum, ...]) -> MultiStart:
-    return MultiStart(tuple(new if s is old else s for s in found.solutions), optima)
+    return replace(found, solutions=tuple(new if s is old else s for s in found.solutions), optima=optima)

@@ -129,6 +129,8 @@ def _chain(
         answer = _met(solver, c, last, known) or (store.load(c, solver) if store is not None else None)
         if answer is None:
             answer = _next(solver, c, None if last is None else last[1], gaits, flag)
+            if flag and (last is None or not answer.outcome.status.ok):
+                return  # Ctrl-C amid this point, or amid the starts that are compared at it: it is not reached
             if store is not None and answer.outcome.status.ok:
                 store.save(c, answer)
         if answer.outcome.status.ok:
