@@ -32,6 +32,7 @@ from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 
 Searched = Callable[[Selection], None]  # hears what the search for effects of the floor found, before all is judged
+SCORES = 20  # the best candidates, in the record
 NO_LOG = "no servo log: shapes are what the points show"
 
 
@@ -173,6 +174,12 @@ def _named(n: Named, length: str) -> dict[str, Any]:
     return said
 
 
+def _scored(scores: Sequence[tuple[str, int | None, float]]) -> list[tuple[str, int | None, float]]:
+    """Of scores, largest first, the first twenty and the first of every effect."""
+    first = {name: i for i, (name, _, _) in reversed(list(enumerate(scores)))}
+    return [score for i, score in enumerate(scores) if i < SCORES or first[score[0]] == i]
+
+
 def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
@@ -208,5 +215,5 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "ladder": [step.record() for step in d.ladder],
         "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,
-        "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in found.scores[:20]],
+        "scores": [{"name": n, "place": p, "held_out_gain": s} for n, p, s in _scored(found.scores)],
     }  # fmt: skip

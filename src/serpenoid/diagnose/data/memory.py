@@ -34,10 +34,14 @@ NEIGHBOURS = 1 + 2 * 0.5**2  # where nothing is known: neighbours correlate by -
 
 @dataclass(frozen=True)
 class Memory:
-    """Times in which pushes are forgotten (M,) [s], and how likely each is (M,). No times: windows are independent."""
+    """Times in which pushes are forgotten (M,) [s], and how likely each is (M,). No times: windows are independent.
+
+    likelihood: ln of the differences' own, but for a constant, the mean over all times.
+    """
 
     times: tuple[float, ...] = ()
     weights: tuple[float, ...] = ()
+    likelihood: float = 0.0
 
     @classmethod
     def told(
@@ -57,7 +61,8 @@ class Memory:
                 of = partial(covariance, track, chance[repeat.one])
                 logs += [_likelihood(d[use], roots(partial(of, time), here)) for time in times]
         weights = np.exp(logs - logs.max())
-        return cls(tuple(times), tuple(weights / weights.sum()))
+        likelihood = float(logs.max() + np.log(weights.mean()))
+        return cls(tuple(times), tuple(weights / weights.sum()), likelihood)
 
     @property
     def lasts(self) -> bool:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
@@ -32,6 +31,7 @@ from serpenoid.diagnose.inference.medium import (
 from serpenoid.diagnose.inference.names import Kept, Key, Try, each_without, kept, trace
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
+from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.effects.active import ActiveEffect
@@ -70,8 +70,7 @@ class Selection(Kept):
 
 def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
     """Noise from repeats about a fit, and the fit with it."""
-    noise, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
-    motion = replace(motion, noise=noise)
+    motion = replace(motion, noise=chance(motion, base))
     return motion, fit_guided(motion, base, TO_THE_END)
 
 

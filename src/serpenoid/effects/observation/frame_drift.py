@@ -1,4 +1,7 @@
-"""A camera frame that creeps: seen position = true position + velocity t."""
+"""A camera frame that creeps: seen position = true position + velocity t.
+
+Water or wind that carries the body steadily shows exactly so, with the velocity of the flow.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +30,10 @@ EFFECT = FrameDrift(
         Parameter("velocity_x", "m/s", -0.1, 0.1, 0.0, 1e-3, "along the floor's x"),
         Parameter("velocity_y", "m/s", -0.1, 0.1, 0.0, 1e-3, "along the floor's y"),
     ),
-    looks_like="everything moves slowly the same way, in pauses too and whatever the body's heading",
-    what_to_do="calibrate again with warm cameras; add fixed markers to the floor",
+    looks_like="everything moves slowly the same way, in pauses too and whatever the body's heading: the cameras' "
+    "frame creeps, or water or wind that moves carries the body",
+    what_to_do="film markers fixed to the floor: if they stay, water or wind moves, by this velocity; if they creep, "
+    "too, calibrate again with warm cameras",
     of_animals=Advice(
         looks_like="everything moves slowly the same way, whatever the body's heading, and while it rests",
         what_to_do="look for flow, a stage that creeps, or a camera that warms up",

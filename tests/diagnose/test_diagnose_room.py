@@ -1,0 +1,74 @@
+"""Where repeats were laid at other headings they differ by the room, too: that is no chance, and is found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind import campaign as blind_campaign
+from blind.campaign import make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.protocol import COMBINATIONS, Protocol, usual
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals, window_noise
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference.medium import Fit, fit_eps
+from serpenoid.diagnose.inference.ranking import score
+from serpenoid.diagnose.inference.room import chance
+from serpenoid.diagnose.inference.select import calibrated
+from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+
+SEED, SETTINGS = 5, 3
+DRIFT = Effect("frame_drift", None, {"velocity_x": 3e-3, "velocity_y": -4e-3})
+SLOPE = Effect("slope", None, {"pull_x": 5e-3, "pull_y": -4e-3})
+
+
+def protocol(turn: float) -> Protocol:
+    """Every setting twice, the second time turned [rad]."""
+    usually = usual(SEED, COMBINATIONS[:SETTINGS])
+    both = [(s, replace(s, heading=s.heading + turn, label=f"{s.label}t")) for s in usually.settings]
+    return replace(usually, settings=tuple(s for pair in both for s in pair), plays=1)
+
+
+def about_eps(folder: Path, turn: float, *hidden: Effect) -> tuple[Motion, Fit]:
+    """Motion and the fit of eps alone, before noise is known."""
+    write(make(SEED, list(hidden), "turned", protocol=protocol(turn)), folder)
+    recordings = read_recordings(folder)[1]
+    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
+    model = Model(body, Medium(anisotropy_ratio=0.2))
+    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    return motion, fit_eps(motion, model)
+
+
+@pytest.mark.parametrize("hidden", [DRIFT, SLOPE], ids=lambda e: e.name)
+def test_what_the_room_does_to_repeats_at_other_headings_is_no_chance(hidden: Effect, tmp_path: Path) -> None:
+    """Taken for chance it hides itself: its noise is several times as large, and lasts."""
+    motion, base = about_eps(tmp_path / "hidden", 2.0, hidden)
+    still, nothing = about_eps(tmp_path / "nothing", 2.0)
+    alone = window_noise(still.tracks, residuals(still.tracks, nothing.predictions))[0]
+    as_chance = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))[0]
+    motion, fitted = calibrated(motion, base)
+    assert (as_chance.playing[:2] > 2 * alone.playing[:2]).all()
+    np.testing.assert_allclose(motion.noise.playing, alone.playing, rtol=0.15)  # of 144 numbers: 6 % is one SD
+    assert score(motion, fitted)[0][0].name == hidden.name
+
+
+@pytest.mark.parametrize(("turn", "block_s"), [(0.0, 0.1), (2.0, 0.1), (2.0, 1.0)])
+def test_where_nothing_is_of_the_room_noise_is_that_of_the_differences(
+    turn: float, block_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Laid alike or turned, with pushes that are forgotten at once or last for a second."""
+    monkeypatch.setattr(blind_campaign, "SLIP_BLOCK_S", block_s)
+    motion, base = about_eps(tmp_path, turn)
+    plain, _ = window_noise(motion.tracks, residuals(motion.tracks, base.predictions))
+    found = chance(motion, base)
+    assert np.array_equal(found.playing, plain.playing)
+    assert found.memory == plain.memory
