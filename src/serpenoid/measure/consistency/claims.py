@@ -91,9 +91,15 @@ def _likeliest(file: CampaignFile, body: Body, files: Files, lost: Contradiction
 
 
 def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradiction], Claim | None]:
-    """What is wrong with a trial's markers; else what it claims."""
+    """What is wrong with a trial's markers; else what it claims, its witnesses' periods known."""
     faults = _markers(file, body, files)
-    return faults, None if faults else _claim(body, files)
+    if faults:
+        return faults, None
+    claim = _claim(body, files)
+    for signal in (claim.servos, claim.cameras):
+        if signal is not None and signal.enough:
+            _ = signal.period_s  # goes with it
+    return [], claim
 
 
 def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -> list[Contradiction]:
