@@ -17,7 +17,7 @@ from serpenoid.diagnose.data.used import in_lengths, length_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage
-from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out
+from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out, left_open
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
@@ -202,6 +202,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
+        "left_open_m": left_open(found.motion, d.extension),
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),
         "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),

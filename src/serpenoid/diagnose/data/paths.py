@@ -88,6 +88,15 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
     return found
 
 
+def strays(track: Track, displacement: Floats, changes: Floats) -> float:
+    """Mean square distance [m^2] of the path that displacements (B - 1, 3) add up to from those with each of several
+    changes (B - 1, 3, K), all of one start, summed over K."""
+    steps = np.nan_to_num(displacement)
+    path = accumulate(steps, np.zeros(3))[:, :2]
+    others = [accumulate(steps + np.nan_to_num(x), np.zeros(3))[:, :2] for x in np.moveaxis(changes, 2, 0)]
+    return sum(_mean_in_time(track, ((other - path) ** 2).sum(axis=1)) for other in others)
+
+
 def total(values: Sequence[float] | Floats) -> float:
     """RMS over trials."""
     return float(np.sqrt(np.mean(np.square(values))))

@@ -9,12 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.windows import Prediction
-from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.data.paths import strays
+from serpenoid.diagnose.data.windows import Prediction, columns_of
+from serpenoid.diagnose.inference.bounds import at_values
+from serpenoid.diagnose.inference.evidence import SILENT, Evidence
 from serpenoid.diagnose.inference.medium import Fit, fit, linearised, with_values
 from serpenoid.parallel import in_processes
+from serpenoid.simulation.sensitivity import EPS
 
 LeaveOut = Callable[[Motion, Fit, int], Floats]
 
@@ -61,6 +67,23 @@ def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unse
     near = [found.predictions[i] for i in index]
     evidence, predictions = linearised(part(motion, index), model, effects, near=near)
     return Unseen(index, evidence, predictions)
+
+
+def left_open(motion: Motion, found: Fit) -> float:
+    """Path RMS [m] by which fits without a gait are expected to be off in it, to first order, on top of the noise
+    level: what the other gaits leave open of eps and the effects."""
+    labels, evidence = sorted(set(motion.labels)), found.evidence
+    if len(labels) == 1:
+        return 0.0
+    told = [i for i in range(len(found.coordinates)) if evidence.matrix[:, i, i].sum() > SILENT]
+    columns = [EPS, *columns_of(at_values(found.model, found.effects))]
+    spread = SYSTEMATIC * max(1.0, np.sqrt(found.chi2 / evidence.count.sum()))
+    squares = []
+    for track, label, p in zip(motion.tracks, motion.labels, found.predictions, strict=True):
+        covariance = evidence.solve(told, without=labels.index(label))[1]
+        by = p.jacobian[..., [p.columns.index(columns[i]) for i in told]]
+        squares.append(strays(track, p.displacement, by @ np.linalg.cholesky(covariance) * spread))
+    return float(np.sqrt(np.mean(squares)))
 
 
 def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:

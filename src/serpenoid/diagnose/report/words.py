@@ -193,7 +193,7 @@ def lines(record: Record) -> list[str]:
     found += [f"note              {text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
     before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
-    found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}")
+    found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}{left_open(record)}")
     found.append(f"anisotropy ratio  {ratio(record)}")
     found += [f"since then        {text}" for text in ratio_change(record)]
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
@@ -203,6 +203,14 @@ def lines(record: Record) -> list[str]:
         start = f"from x {pose['x_m']:.2f} m, y {pose['y_m']:.2f} m, heading {pose['heading_rad']:.2f} rad"
         found.append(f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.2f} s per cycle, {start}")
     return found + [f"left              {text}" for text in record["residual_pattern"]]
+
+
+def left_open(record: Record) -> str:
+    """How far held-out paths are expected to stray for want of other gaits that tell, where that is more than noise."""
+    if record["left_open_m"] <= record["noise_level_m"]:
+        return ""
+    open_m = shown(record["left_open_m"], record["length_unit"])
+    return f" ({open_m} expected: what the other {unseen(record)} leave open)"
 
 
 def unseen(record: Record) -> str:
