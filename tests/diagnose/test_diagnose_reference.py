@@ -100,7 +100,7 @@ def _changed(recordings: Sequence[Recording], times: float) -> tuple[Reference, 
     """What is said of servos that have come to miss it so many times as much as in the reference."""
     model, unknown = Model(recordings[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)
     then = plays(_soft(recordings, 1.0))
-    reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, then, (), 0.0)
+    reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, then, 0.0)
     return reference, choose_actuation(reference.plays(_soft(recordings, times)))
 
 

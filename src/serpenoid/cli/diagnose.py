@@ -40,8 +40,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model",
         metavar="FILE",
-        help="problem or model file: baseline medium (default: the campaign's) and effects that are known; "
-        "eps is calibrated",
+        help="problem or model file: baseline medium (default: the campaign's) and effects that are known, "
+        "of servos, cameras and medium: they are no news (an earlier extended-model.toml); eps is calibrated",
     )
     parser.add_argument("--reference", metavar="CAMPAIGN", help="an earlier campaign: say what changed since then")
     parser.add_argument(

@@ -11,7 +11,7 @@ from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, Searched, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.start import baseline, check_body
+from serpenoid.diagnose.start import baseline, check_body, taken_for_granted
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import load_campaign
@@ -48,11 +48,11 @@ def diagnose_campaign(
             if recording.shortened:
                 notice(f"{recording.name}: {recording.shortened}")
         begun = baseline(model, file, tracked[0].body)
-        found = diagnose_tracked(tracked, Baseline(begun, without=without), say, searched)
+        found = diagnose_tracked(tracked, taken_for_granted(begun, without, notice), say, searched)
         plain = Model(read.body, begun.medium)
         ratio = drag_ratio(anisotropy(read, plain), plain)
         return file, replace(found, drag_ratio=ratio)
     check_body(model, file)
-    known = earlier or Baseline(baseline(model, file, file.body), without=without)
+    known = earlier or taken_for_granted(baseline(model, file, file.body), without, notice)
     known.check(file.body)
     return file, diagnose(read_recordings(campaign, reading, files)[1], known, say, searched)

@@ -92,9 +92,9 @@ def diagnose(
     recordings, servos, actuation = of_servos(recordings, baseline)
     recordings = carried(recordings, servos, [n.effect for n in (*actuation.named, *actuation.undetected)])
     say("shape against markers")
-    observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), baseline.observation()
+    observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), Observation.neutral(baseline.model.body)
     if all(r.by_servos for r in recordings):
-        observation, seen = choose_observation(recordings, seen, baseline.without)
+        observation, seen = choose_observation(recordings, baseline.observation(), baseline.without)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say)
     searched(motion.selection)

@@ -27,10 +27,8 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.stages.actuation import plays
-from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
 from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import ActuationEffect
 from serpenoid.model import Model
 
 UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
@@ -73,8 +71,7 @@ class Explanation:
 @dataclass(frozen=True)
 class Reference(Baseline):
     """seen: the earlier observation model; explained: the earlier motion, by the baseline's model and then by rivals;
-    servos: the earlier readings and what explains them; others: effects that were there before, beside the motion's.
-
+    servos: the earlier readings and what explains them. others: effects that were there before, beside the motion's.
     missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
     usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
@@ -84,13 +81,7 @@ class Reference(Baseline):
     usual: Floats
     largest: Floats
     servos: Plays
-    others: tuple[ActiveEffect, ...]
     missed_m: float
-
-    @property
-    def known(self) -> tuple[ActiveEffect, ...]:
-        """All effects that were there before."""
-        return (*self.model.effects, *self.others)
 
     @property
     def unlike(self) -> Floats:
@@ -172,15 +163,15 @@ def reference_of(d: Diagnosis) -> Reference:
     errors = _left(motion, model)
     playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
     others = tuple(n.effect for n in d.named if n.effect not in model.effects)
-    shown = tuple(e for e in others if isinstance(e.effect, ActuationEffect) and e.effect.shown)
-    servos = replace(plays([t.recording for t in motion.tracks if isinstance(t.recording, Recording)]), known=shown)
+    read = [t.recording for t in motion.tracks if isinstance(t.recording, Recording)]
+    servos = replace(plays(read), known=read_by_servos(others))
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
     rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused))]
     explained = [_explanation(motion, m) for m in dict.fromkeys([model, *rivals])]
     return Reference(
-        model, d.seen, tuple(explained), usual, largest, servos, others, d.motion.stage.discrepancy_m,
-        without=d.baseline.without,
+        model, d.seen, tuple(explained), usual, largest, servos, d.motion.stage.discrepancy_m,
+        others=others, without=d.baseline.without,
     )  # fmt: skip
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from serpenoid.body import Body
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import MediumEffect
 from serpenoid.errors import InputError
 from serpenoid.files import schema
 from serpenoid.files.schema import Record
@@ -15,6 +17,7 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 
 FIRST_GUESS = 0.2
+ANEW = ("rate", "jumps")  # marks of what differs between recordings
 
 
 class _Known(Record):
@@ -22,28 +25,31 @@ class _Known(Record):
 
 
 def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
-    """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess).
-
-    Effects of the medium in a model file are known, and no news.
-    """
+    """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess), with the
+    effects that a model file says are known."""
     medium, known = file.medium or Medium(anisotropy_ratio=FIRST_GUESS), tuple[ActiveEffect, ...]()
     if path is not None:
         data = schema.read_toml(path, "model")
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
         known = schema.validate(_Known, {"effects": data.get("effects", [])}, str(path)).effects
-    for effect in known:
-        if not isinstance(effect.effect, MediumEffect):
-            raise InputError(
-                f"{path}: `{effect.name}` is no effect of the medium. What servos and cameras are known to do is taken "
-                "from an earlier campaign: --reference CAMPAIGN."
-            )
     if medium.dissipation != "vertex":
         where = path or f"campaign `{file.name}`"
         raise InputError(
             f'{where}: a diagnosis needs [medium] dissipation = "vertex", where effects have their places.'
         )
     return Model(body, medium, known)
+
+
+def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[str], None]) -> Baseline:
+    """The effects of a model, each at its stage. What every recording has anew, steps across gaps and the rate of two
+    clocks, is looked for all the same: `notice` hears so."""
+    moving = tuple(e for e in model.effects if e.effect.moves)
+    anew = tuple(e for e in model.effects if e.effect.marks in ANEW)
+    for effect in anew:
+        notice(f"`{effect.name}` of the model file is not taken for granted: every recording has its own.")
+    others = tuple(e for e in model.effects if e not in moving and e not in anew)
+    return Baseline(replace(model, effects=moving), others=others, without=without)
 
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:

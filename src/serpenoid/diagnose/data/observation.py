@@ -13,6 +13,7 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data import views
 from serpenoid.diagnose.data.geometry import shapes
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import Marks
 from serpenoid.effects.catalogue import catalogue, find, places, view_effects
 from serpenoid.measure.links import link_of_edge
@@ -36,6 +37,17 @@ class Observation:
     def neutral(cls, body: Body) -> Observation:
         joints, markers = body.joint_count, np.zeros((body.vertices, 2))
         return cls(np.zeros(joints), markers, np.zeros(joints), views=views.resting(body))
+
+    @classmethod
+    def of(cls, body: Body, effects: Sequence[ActiveEffect]) -> Observation:
+        """What these effects do; those that leave no mark here change nothing."""
+        now, known = cls.neutral(body), all_keys(body)
+        for effect in (e for e in effects if e.key in known):
+            columns, was = columns_of(body, *effect.key), values_of(body, now, *effect.key)
+            numbers = effect.coordinates if effect.effect.marks is None else list(effect.parameters.values())
+            for column, number, before in zip(columns, numbers, was, strict=False):
+                now = now.with_column(column, number - before)
+        return now
 
     @property
     def corrects(self) -> bool:

@@ -15,6 +15,7 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.errors import InputError
 from serpenoid.model import Model
 
@@ -23,18 +24,19 @@ ALIKE = 0.01
 
 @dataclass(frozen=True)
 class Baseline:
-    """model: where the calibration of eps begins; its effects are held. Nothing else is known beforehand.
+    """model: where the calibration of eps begins; its effects are held.
 
-    without: effects that the catalogue shall not have.
+    others: what servos and cameras are known to do. without: effects that the catalogue shall not have.
     """
 
     model: Model
+    others: tuple[ActiveEffect, ...] = field(default=(), kw_only=True)
     without: frozenset[str] = field(default=frozenset(), kw_only=True)
 
     @property
     def known(self) -> tuple[ActiveEffect, ...]:
         """Effects that are no news."""
-        return self.model.effects
+        return (*self.model.effects, *self.others)
 
     @property
     def unlike(self) -> Floats | float:
@@ -66,12 +68,17 @@ class Baseline:
 
     def observation(self) -> Observation:
         """What is known to lie between chain and markers."""
-        return Observation.neutral(self.model.body)
+        return Observation.of(self.model.body, self.others)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """The servos' readings, beside what is expected of them."""
-        return replace(plays(recordings), without=self.without)
+        return replace(plays(recordings), without=self.without, known=read_by_servos(self.others))
 
     def corrected(self, tracks: Sequence[Track]) -> tuple[Track, ...]:
         """Tracks without what the model is known to get wrong."""
         return tuple(tracks)
+
+
+def read_by_servos(effects: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
+    """Those that servos' own readings show."""
+    return tuple(e for e in effects if isinstance(e.effect, ActuationEffect) and e.effect.shown)

@@ -1,0 +1,54 @@
+"""What a model file says is known is no news, at whatever stage: an extended model goes back in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.diagnose.campaign import diagnose_campaign
+from serpenoid.diagnose.data.observation import values_of
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.start import taken_for_granted
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from specimens import problem
+
+
+def test_the_extended_model_of_a_diagnosis_explains_its_campaign(
+    campaign: Path, diagnosed: tuple[Diagnosis, dict[str, Any], Path]
+) -> None:
+    first, _, out = diagnosed
+    assert {n.effect.name for n in first.named} == {"gain_loss", "load"}
+    _, again = diagnose_campaign(campaign, out / "extended-model.toml")
+    assert again.verdict == "nothing"
+    assert {e.key for e in again.model.effects} >= {n.effect.key for n in first.named}
+
+
+def test_known_effects_are_taken_for_granted_at_their_own_stages() -> None:
+    body, heard = problem("snake10").body, []
+    zero = ActiveEffect(name="zero_offset", place=3, offset=0.1)
+    play = ActiveEffect(name="loose_joint", place=2, width=0.03)
+    marker = ActiveEffect(name="marker_offset", place=4, along=4e-3, left=-5e-3)
+    scale = ActiveEffect(name="length_scale", error=0.01)
+    read = ActiveEffect(name="servo_lag", lag=0.05)
+    drift, slope = ActiveEffect.typical("frame_drift"), ActiveEffect.typical("slope")
+    clock = ActiveEffect.typical("clock_offset")
+    model = Model(body, Medium(anisotropy_ratio=0.2), (zero, play, marker, scale, read, drift, slope, clock))
+    known = taken_for_granted(model, frozenset(), heard.append)
+    assert {e.name for e in known.model.effects} == {"frame_drift", "slope"}
+    assert {e.name for e in known.others} == {
+        "zero_offset",
+        "loose_joint",
+        "marker_offset",
+        "length_scale",
+        "servo_lag",
+    }
+    assert len(heard) == 1
+    assert "`clock_offset`" in heard[0]
+    seen = known.observation()
+    for effect in (zero, play, marker, scale):
+        np.testing.assert_allclose(values_of(body, seen, *effect.key), list(effect.parameters.values()))
+    assert np.count_nonzero(seen.zeros) == np.count_nonzero(seen.gaps) == 1
