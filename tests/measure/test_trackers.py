@@ -270,3 +270,12 @@ def test_points_too_few_for_the_waves_of_a_body_are_said_before_any_fit(tmp_path
 def test_a_recording_too_short_says_so(tmp_path):
     notes = load_campaign(tidy(tmp_path, 1.6)).trials[0].notes
     assert any("too short: 1.56 s are 1.6 periods" in note or "nothing repeats" in note for note in notes)
+
+
+def test_pixels_with_a_scale_are_metres_and_a_length_takes_no_scale(tmp_path):
+    tidy(tmp_path, 4.0)
+    keys = 'format = "tidy"\nlength_unit = "px"\nmetres_per_pixel = 2e-5'
+    trial = load_campaign(campaign(tmp_path, keys)).trials[0]
+    assert trial.metres == pytest.approx(5 * 2e-5, rel=1e-3)  # five edges of 1 px
+    with pytest.raises(InputError, match=r"`metres_per_pixel` is given, and these points are in a length already"):
+        load_campaign(campaign(tmp_path, keys.replace("px", "mm")))

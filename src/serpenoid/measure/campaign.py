@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal, Self
 
@@ -28,6 +29,9 @@ class MotionKeys(Record):
     format: MotionFormat | None = Field(default=None, description=FORMATS)
     length_unit: LengthUnit | None = Field(
         default=None, description="m | cm | mm | um | px | bl, where the file does not say"
+    )
+    metres_per_pixel: Positive | None = Field(
+        default=None, description="what a pixel is on the floor, where points are in pixels: lengths are then in metres"
     )
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
     markers: tuple[Line, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
@@ -166,10 +170,22 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
     keys, path = file.motion_of(trial), folder / trial.motion
     if keys.format is None:
         raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
-    tracks = READERS[keys.format](path, keys)
+    tracks = in_metres(READERS[keys.format](path, keys), keys.metres_per_pixel)
     if trial.from_s is not None or trial.to_s is not None:
         tracks = tracks.between(trial.from_s, trial.to_s)
     return tracks
+
+
+def in_metres(tracks: Tracks, metres_per_pixel: float | None) -> Tracks:
+    """Pixels with their scale; raises InputError where points are in a length already."""
+    if metres_per_pixel is None:
+        return tracks
+    if tracks.scale_known:
+        raise InputError(
+            f"{tracks.source}: `metres_per_pixel` is given, and these points are in a length already. Leave it out, or "
+            'say `length_unit = "px"` where they are pixels.'
+        )
+    return replace(tracks, floor=tracks.floor * metres_per_pixel, scale_known=True)
 
 
 def read_table(trial: TrialEntry, body: Body, folder: Path) -> Floats | None:
