@@ -88,15 +88,6 @@ def test_a_baseline_that_dissipates_at_edges_is_refused(
     assert 'needs [medium] dissipation = "vertex"' in capsys.readouterr().err
 
 
-def test_known_effects_of_servos_are_taken_from_a_campaign_only(
-    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    model = tmp_path / "known.toml"
-    model.write_text('[medium]\nanisotropy_ratio = 0.2\n[[effects]]\nname = "servo_lag"\nlag = 0.05\n')
-    assert main(["diagnose", str(campaign), "--model", str(model), "--out", str(tmp_path / "out")]) == 2
-    assert "--reference" in capsys.readouterr().err
-
-
 def test_help_teaches(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["diagnose", "--help"])
