@@ -7,11 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_diagnose_memory import PHASES, WINDOW_S, campaign
+from test_diagnose_memory import LEAST, PHASES, WINDOW_S, campaign
 
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.memory import BLOCK, Memory, roots
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.white import White
 from serpenoid.diagnose.inference.medium import of_windows
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
@@ -109,3 +110,22 @@ def test_of_chance_that_lasts_no_names_are_made_and_intervals_hold() -> None:
         0.95, abs=0.06
     )  # of 40: 92 %, before that 81 %; how long it lasts is uncertain, too
     assert alone < covered - 0.05
+
+
+@pytest.mark.parametrize("size", [0.0, 10.0])
+def test_an_error_of_the_law_counts_for_no_more_because_chance_lasts(size: float) -> None:
+    """Windows are white by what they leave: where that is the law's error, they are as good as independent."""
+    rng = np.random.default_rng(3)
+    motion, predictions = campaign(3, 4.0)
+    wrong = [size * LEAST * np.tile(rng.normal(size=(PHASES, 3)), (6, 1)) for _ in motion.tracks[::2] for _ in "ab"]
+    wrong = [wrong[i - i % 2] for i in range(len(wrong))]  # of a gait, in both its trials
+    left = [t.displacement - p.displacement + w for t, p, w in zip(motion.tracks, predictions, wrong, strict=True)]
+    noise = window_noise(motion.tracks, left)[0]
+    assert noise.memory.lasts
+    motion = replace(motion, noise=noise)
+    known = np.ones(len(left[0]), dtype=bool)
+    squares = [
+        np.mean([np.mean(w.of(x, known) ** 2) for w, x in zip(m.white, left, strict=True)])
+        for m in (motion, independent(motion))
+    ]
+    assert squares[0] == pytest.approx(squares[1], rel=0.15)  # by chance's covariance alone: 1.7 times, at ten times

@@ -36,12 +36,14 @@ NEIGHBOURS = 1 + 2 * 0.5**2  # where nothing is known: neighbours correlate by -
 class Memory:
     """Times in which pushes are forgotten (M,) [s], and how likely each is (M,). No times: windows are independent.
 
-    likelihood: ln of the differences' own, but for a constant, the mean over all times.
+    likelihood: ln of the differences' own, but for a constant, the mean over all times. shared (3,): variance of what
+    repeats share over that of chance, by direction.
     """
 
     times: tuple[float, ...] = ()
     weights: tuple[float, ...] = ()
     likelihood: float = 0.0
+    shared: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @classmethod
     def told(
@@ -51,18 +53,21 @@ class Memory:
         shortest = min(float(t.duration[t.playing].min()) for t in tracks if t.playing.any())
         longest = max(float(t.duration.sum()) for t in tracks)
         times = [0.0, *np.geomspace(shortest / FINER, longest, 2 + int(np.log2(FINER * longest / shortest)))]
-        logs = np.zeros(len(times))
+        logs, own, both = np.zeros(len(times)), np.zeros(3), np.zeros(3)
         for repeat in again:
             track, (one, other) = tracks[repeat.one], repeat.both(left)
             d = (one - other) / np.sqrt(2)
             use = track.playing[repeat.here] & np.isfinite(d).all(axis=1)
             if use.any():
                 here = repeat.here[use]
+                own += (d[use] ** 2 / chance[repeat.one][here] ** 2).sum(axis=0)
+                both += ((one * other)[use] / chance[repeat.one][here] ** 2).sum(axis=0)
                 of = partial(covariance, track, chance[repeat.one])
                 logs += [_likelihood(d[use], roots(partial(of, time), here)) for time in times]
         weights = np.exp(logs - logs.max())
         likelihood = float(logs.max() + np.log(weights.mean()))
-        return cls(tuple(times), tuple(weights / weights.sum()), likelihood)
+        shared = np.maximum(both, 0.0) / np.where(own > 0, own, 1.0)
+        return cls(tuple(times), tuple(weights / weights.sum()), likelihood, tuple(shared.tolist()))
 
     @property
     def lasts(self) -> bool:

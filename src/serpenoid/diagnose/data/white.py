@@ -3,7 +3,9 @@
     z = L^-1 x,   L L^T = C                 (C: covariance of a trial's windows, by direction)
 
 Where chance does not last C is diagonal, and z is x over the standard deviations. Where it does (memory.py), each
-window is seen beside what those before it tell.
+window is seen beside what those before it tell. What repeats share is an error of the law, and belongs to its window:
+with r its variance over that of chance (`Memory.shared`) residuals have C + r diag C, whose correlations are those of
+chance over 1 + r; else a law's error would count for the more, the longer chance lasts. Variances stay those of chance.
 
 Legend: W windows of a track, R those that are known.
 """
@@ -58,6 +60,8 @@ class White:
         return self._found[name]
 
     def _covariance(self, windows: np.ndarray) -> Floats:
-        once, doubt = self.repeated[windows].T, self.doubt[windows].T
+        once, doubt, alone = self.repeated[windows].T, self.doubt[windows].T, np.eye(len(windows))
         chance = self.memory.covariance(self.track, self.chance, windows) / (once[:, :, None] * once[:, None])
-        return np.asarray(chance + np.einsum("ki,ij->kij", doubt**2, np.eye(len(windows))))
+        share = 1 / np.sqrt(1 + np.array(self.memory.shared)[:, None] * once**2)
+        together = alone + (1 - alone) * share[:, :, None] * share[:, None]
+        return np.asarray(chance * together + np.einsum("ki,ij->kij", doubt**2, alone))
