@@ -77,13 +77,28 @@ def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_f
         "effects": [load],
         "residual_pattern": ["motion: a"],
     }
-    said = reference({"reference": earlier | {"law": {"name": "viscous", "rival": "dry friction misses less"}}})
+    law = {"law": {"name": "viscous", "rival": "dry friction misses less"}}
+    said = reference({"reference": earlier | law, "effects": []})
     assert said[0].startswith(
         "the earlier campaign (healthy) was partly explained: load at vertex 3, perhaps a stand-in"
     )
     assert said[1] == "of it: dry friction misses less"
     assert 'law = "coulomb"' in said[2]
     assert said[3] == "it already showed: motion: a"
+
+
+def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_it() -> None:
+    drift = {
+        "name": "frame_drift", "place": None, "stand_in": False,
+        "parameters": {"velocity_x": {"value": 0.0153, "interval": [0.0138, 0.0161], "unit": "m/s"}},
+    }  # fmt: skip
+    toe = {"name": "toe", "place": None, "stand_in": False, "parameters": {}}
+    earlier = {"campaign": "calm", "verdict": "explained", "effects": [drift, toe], "residual_pattern": []}
+    said = reference({"reference": earlier | {"law": {"name": "viscous", "rival": ""}}, "effects": [drift]})
+    assert said[1:] == [
+        "frame_drift was there already: velocity_x 15.3 mm/s (95 %: 13.8 mm/s .. 16.1 mm/s); the value named now is "
+        "all of it, not the change"
+    ]
 
 
 def test_the_calibration_is_told_of_beside_the_reference() -> None:

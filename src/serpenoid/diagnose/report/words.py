@@ -134,7 +134,19 @@ def reference(record: Record) -> list[str]:
     found = "; ".join(f"{title(e)}{STAND_IN if e['stand_in'] else ''}" for e in earlier["effects"])
     said = [f"the earlier campaign ({name}) was {earlier['verdict']}" + (f": {found}" if found else "")]
     said += [f"of it: {text}" for text in rival_law(earlier)]
+    said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
     return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
+
+
+def _key(effect: Record) -> tuple[str, int | None]:
+    return effect["name"], effect.get("place")
+
+
+def _there_already(effect: Record) -> str:
+    """An effect of the reference that is named again: of the motion, its value is all of it, as then."""
+    values = ", ".join(f"{name} {parameter(p)}" for name, p in effect["parameters"].items())
+    now = "; the value named now is all of it, not the change" if find(effect["name"]).moves else ""
+    return f"{title(effect)} was there already: {values}{now}"
 
 
 def ratio(record: Record) -> str:
