@@ -43,7 +43,7 @@ class Recording:
     remarks: of the campaign's check against itself.
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
     as each reading was taken, where the log says it.
-    schedule: no more cycles than the recording may show; promised_cycles: those of the campaign, if they are more.
+    schedule: no more cycles than the recording may show; missing_cycles: how many more the campaign promises.
     """
 
     name: str
@@ -60,7 +60,7 @@ class Recording:
     remarks: tuple[str, ...] = ()
     carrier: Course | None = None
     commands: Floats | None = None
-    promised_cycles: int = 0
+    missing_cycles: int = 0
 
     @property
     def length_unit(self) -> str:
@@ -80,7 +80,7 @@ class Recording:
     @property
     def promised_s(self) -> float:
         """Seconds that the campaign promises."""
-        return max(self.schedule.cycles, self.promised_cycles) * self.schedule.period_s
+        return (self.schedule.cycles + self.missing_cycles) * self.schedule.period_s
 
     @property
     def start_said(self) -> bool:
@@ -221,7 +221,7 @@ def _aligned(
 
 def _missing(r: Recording) -> list[str]:
     """Cycles that were promised and not even begun while anything was recorded."""
-    first, last = r.schedule.cycles, r.promised_cycles
+    first, last = r.schedule.cycles, r.schedule.cycles + r.missing_cycles
     return [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
 
 
@@ -265,9 +265,10 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     time, log_time = tracks.time_s - t0, log.time_s - start[0]
+    shown = schedule.until(max(time[-1], log_time[-1]))
     return Recording(
-        entry.name, entry.gait or entry.name, file.body, schedule.until(max(time[-1], log_time[-1])), time, markers,
-        log_time, log.position, clock, start[1], commands=log.command, promised_cycles=schedule.cycles,
+        entry.name, entry.gait or entry.name, file.body, shown, time, markers, log_time, log.position, clock, start[1],
+        commands=log.command, missing_cycles=schedule.cycles - shown.cycles,
     )  # fmt: skip
 
 
@@ -276,9 +277,10 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
     refuse_still(time, markers)
     known, shown = angles_shown(file.body, markers)
     t0, spread = _start_by_shape(schedule, time[known], shown)
+    filmed = schedule.until(time[-1] - t0)
     return Recording(
-        entry.name, entry.gait or entry.name, file.body, schedule.until(time[-1] - t0), time - t0, markers,
-        time[known] - t0, shown, Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, promised_cycles=schedule.cycles,
+        entry.name, entry.gait or entry.name, file.body, filmed, time - t0, markers, time[known] - t0, shown,
+        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, missing_cycles=schedule.cycles - filmed.cycles,
     )  # fmt: skip
 
 
