@@ -18,6 +18,7 @@ Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
 Length = Annotated[float, Field(ge=1e-9, le=1e6)]  # metres, or any unit: sums and ratios stay finite
 Weight = Annotated[float, Field(ge=1e-9, le=1e9)]
+BARE = 1e-6  # of the body's weight: a vertex that meets nothing, as a joint between two wheels
 ANIMALS = ("swimmer", "crawler")
 # metres; sperm and bacteria to blue whales, nematodes to pythons; who is longer or shorter is asked about the unit
 PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
@@ -121,7 +122,29 @@ class Body(Record):
     def uniform(self) -> Body:
         """The same body with its weight spread evenly along its length, half an edge's at either end of it."""
         ends = np.concatenate([[0.0], self.edges, [0.0]])
-        return self.model_copy(update={"weights": tuple(((ends[1:] + ends[:-1]) / 2).tolist())})
+        return self.changed(weights=tuple(((ends[1:] + ends[:-1]) / 2).tolist()))
+
+    def changed(self, **fields: object) -> Body:
+        """The same body with other fields; a copy would keep what is cached of the old ones."""
+        return Body.model_validate(self.model_dump() | fields)
+
+    def with_middles(self) -> Body:
+        """The same body with a rigid vertex in the middle of every edge: 2 k is vertex k, 2 k + 1 the middle of edge k.
+
+        The middles carry what dissipation at edges weighs, the others next to nothing (`BARE`): drag at these vertices
+        is the drag of this body's edges.
+        """
+        edges = self.edge_weights if self.weights is not None else self.edges
+        weights = np.full(2 * self.vertices - 1, BARE)
+        weights[1::2] = edges / edges.sum()
+        halves = np.repeat(self.edges_m / 2, 2)
+        return self.changed(
+            vertices=len(weights),
+            joints=tuple(2 * j for j in self.joint_vertices),
+            length_m=None,
+            edge_lengths=tuple(halves.tolist()),
+            weights=tuple(weights.tolist()),
+        )
 
     @cached_property
     def joint_vertices(self) -> tuple[int, ...]:

@@ -77,7 +77,7 @@ def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_f
         "effects": [load],
         "residual_pattern": ["motion: a"],
     }
-    law = {"law": {"name": "viscous", "rival": "dry friction misses less"}}
+    law = {"law": {"name": "viscous", "rival": "dry friction misses less", "drag_at": ""}}
     said = reference({"reference": earlier | law, "effects": []})
     assert said[0].startswith(
         "the earlier campaign (healthy) was partly explained: load at vertex 3, perhaps a stand-in"

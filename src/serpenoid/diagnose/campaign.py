@@ -11,7 +11,7 @@ from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, Searched, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.start import baseline, check_body, taken_for_granted
+from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import load_campaign
@@ -53,6 +53,8 @@ def diagnose_campaign(
         ratio = drag_ratio(anisotropy(read, plain), plain)
         return file, replace(found, drag_ratio=ratio)
     check_body(model, file)
-    known = earlier or taken_for_granted(baseline(model, file, file.body), without, notice)
-    known.check(file.body)
-    return file, diagnose(read_recordings(campaign, reading, files)[1], known, say, searched)
+    middles = at_middles(model, file)
+    body = file.body.with_middles() if middles else file.body
+    known = earlier or taken_for_granted(baseline(model, file, body), without, notice)
+    known.check(body)
+    return file, diagnose(read_recordings(campaign, reading, files, middles)[1], known, say, searched)

@@ -198,7 +198,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "before": found.null.model.medium.anisotropy_ratio, "after": found.settled.model.medium.anisotropy_ratio,
             "interval": list(ratio_interval(found, d.motion.stage)), "at_bound": ratio_at_bound(found.settled.model),
         },
-        "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law},
+        "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from serpenoid.body import Body
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -26,19 +27,31 @@ class _Known(Record):
 
 def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     """The recorded body in the medium of a problem or model file (else of the campaign, else a first guess), with the
-    effects that a model file says are known."""
+    effects that a model file says are known.
+
+    Effects have their places at vertices: where drag sits at edges, `body` is the one with vertices in their middles
+    (`at_middles`), or an animal's, whose points are dense.
+    """
     medium, known = file.medium or Medium(anisotropy_ratio=FIRST_GUESS), tuple[ActiveEffect, ...]()
     if path is not None:
         data = schema.read_toml(path, "model")
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
         known = schema.validate(_Known, {"effects": data.get("effects", [])}, str(path)).effects
-    if medium.dissipation != "vertex":
-        where = path or f"campaign `{file.name}`"
-        raise InputError(
-            f'{where}: a diagnosis needs [medium] dissipation = "vertex", where effects have their places.'
-        )
-    return Model(body, medium, known)
+    return Model(body, medium.model_copy(update={"dissipation": "vertex"}), known)
+
+
+def at_middles(path: str | Path | None, file: CampaignFile) -> bool:
+    """Whether drag sits in the middles of the recorded body's edges: [medium] says so, or an extended model's body."""
+    data = schema.read_toml(path, "model") if path is not None else {}
+    stated = data.get("medium") if isinstance(data.get("medium"), dict) else None
+    where = stated.get("dissipation") if stated else file.medium and file.medium.dissipation
+    return where == "edge" or _vertices(data) == file.body.with_middles().vertices
+
+
+def _vertices(data: dict[str, Any]) -> Any:
+    body = data.get("body")
+    return body.get("vertices") if isinstance(body, dict) else None
 
 
 def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[str], None]) -> Baseline:
@@ -54,9 +67,8 @@ def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[s
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:
     """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
-    body = schema.read_toml(path).get("body") if path is not None else None
-    vertices = body.get("vertices") if isinstance(body, dict) else None
-    if vertices not in (None, file.body.vertices):
+    vertices = _vertices(schema.read_toml(path)) if path is not None else None
+    if vertices not in (None, file.body.vertices, file.body.with_middles().vertices):
         raise InputError(
             f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "
             f"{file.body.vertices}. Give the problem file of the robot that was recorded."

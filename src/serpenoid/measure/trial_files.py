@@ -46,6 +46,15 @@ class Files:
             return None
         return Schedule(self.table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
 
+    def with_middles(self, body: Body) -> Files:
+        """The same of a body with vertices in the middles of its edges, which have no markers: see `Body`."""
+        labelled = self.labelled
+        if labelled is not None:
+            vertices = between_markers(labelled.vertices)
+            placed = tuple((name, 2 * vertex) for name, vertex in labelled.relabelled)
+            labelled = replace(labelled, vertices=vertices, relabelled=placed)
+        return replace(self, keys=self.keys.with_middles(body.vertices), labelled=labelled)
+
 
 Reader = Callable[[CampaignFile, Path], tuple[Body, tuple[Files, ...]]]
 
@@ -145,16 +154,26 @@ def _between(marked: Sequence[int], edges: Floats | None, body: Body) -> Floats 
     return np.diff(np.concatenate([[0.0], np.cumsum(edges)])[list(marked)])
 
 
+def between_markers(vertices: Floats) -> Floats:
+    """Markers (F, 2 N - 1, 2) of a body with vertices in the middles of its edges, where none is, of (F, N, 2)."""
+    found = np.full((len(vertices), 2 * vertices.shape[1] - 1, 2), np.nan)
+    found[:, ::2] = vertices
+    return found
+
+
 def neighbour_ratio(vertices: Floats, body: Body) -> float:
     """Measured over stated distance of neighbours, the median; NaN where no two are ever seen together."""
-    distances = np.linalg.norm(np.diff(vertices, axis=1), axis=2)
-    ever = np.isfinite(distances).any(axis=0)  # an end of the others is hidden throughout
-    return float(np.median(np.nanmedian(distances[:, ever], axis=0) / body.edges_m[ever])) if ever.any() else np.nan
+    shown = np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0))
+    rigid = [not any(a < joint < b for joint in body.joint_vertices) for a, b in pairwise(shown)]
+    distances = np.linalg.norm(np.diff(vertices[:, shown], axis=1), axis=2)[:, rigid]
+    stated = np.diff(np.concatenate([[0.0], np.cumsum(body.edges_m)])[shown])[rigid]
+    ever = np.isfinite(distances).any(axis=0)
+    return float(np.median(np.nanmedian(distances[:, ever], axis=0) / stated[ever])) if ever.any() else np.nan
 
 
 def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
     """The body with edge lengths = medians of the distances between neighbouring markers over all recordings."""
-    return file.body.model_copy(update={"edge_lengths": tuple(_medians(_distances(read)).tolist())})
+    return file.body.changed(edge_lengths=tuple(_medians(_distances(read)).tolist()))
 
 
 def other_lengths(read: Sequence[Files], blocks: int) -> Floats:

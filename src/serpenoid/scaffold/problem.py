@@ -6,15 +6,16 @@ next to nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
 
+from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, whole
 
-BARE = 1e-6  # of a metre of link: a joint without a wheel
 QUESTIONS = (
     Question("joints", "How many joints?", "6", whole(1, 98)),
     Question("edges", "Edge lengths in metres, tail to head (empty: equal links)", "", numbers),
@@ -91,19 +92,18 @@ xi = [0.5, 2.5]
 def _chain(answers: Answers, edges: list[float]) -> str:
     """Vertices, edges and weights of `edges` [m] from tail to head."""
     if answers["wheels"] == "middles":
-        split = [edge / 2 for edge in edges for _ in range(2)]
-        weights = [weight for edge in edges for weight in (BARE, edge)] + [BARE]
-        return f"""vertices = {len(split) + 1}             # tail marker, wheel, joint, wheel, ..., wheel, head marker
-joints = [{", ".join(map(str, range(2, len(split), 2)))}]   # the others are rigid
-edge_lengths = {_listed(split)}   # metres, tail to head
-weights = {_listed(weights)}   # what each carries, on any scale: a wheel its link, a joint next to nothing"""
+        body = Body(vertices=len(edges) + 1, edge_lengths=tuple(edges)).with_middles()
+        return f"""vertices = {body.vertices}             # tail marker, wheel, joint, wheel, ..., wheel, head marker
+joints = {list(body.joint_vertices)}   # the others are rigid
+edge_lengths = {_listed(body.edges_m)}   # metres, tail to head
+weights = {_listed(body.vertex_weights)}   # what each carries, on any scale; a joint next to nothing"""
     weights = [(before + after) / 2 for before, after in pairwise([0.0, *edges, 0.0])]
     return f"""vertices = {len(edges) + 1}             # tail marker, joints, head marker
 edge_lengths = {_listed(edges)}   # metres, tail to head
 weights = {_listed(weights)}   # what each vertex carries, on any scale: half of each of its links, or weigh them"""
 
 
-def _listed(values: list[float]) -> str:
+def _listed(values: Iterable[float]) -> str:
     return f"[{', '.join(f'{value:.6g}' for value in values)}]"
 
 

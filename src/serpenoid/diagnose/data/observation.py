@@ -54,6 +54,12 @@ class Observation:
         """Whether shapes are anything else than what servos read, or markers stand elsewhere."""
         return bool(np.any(self.zeros) or np.any(self.markers) or np.any(self.gaps) or self.scale or np.any(self.views))
 
+    def with_middles(self) -> Observation:
+        """The same of a body with vertices in the middles of its edges: see `Body`."""
+        markers = np.zeros((2 * len(self.markers) - 1, 2))
+        markers[::2] = self.markers
+        return replace(self, markers=markers)
+
     def angles(self, readings: Floats) -> Floats:
         """True joint angles of one trial's servo readings (F, m), in order of time."""
         true = readings + self.zeros

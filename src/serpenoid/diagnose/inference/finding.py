@@ -76,7 +76,7 @@ class Stage:
     discrepancy_m: what repeats share and no effect accounts for, RMS of a window [m]; 0 where chance is all.
     left: remaining misfit over the noise level (1 = chance alone); words: its pattern, empty where there is none.
     skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
-    candidates, and why.
+    candidates, and why. law, drag_at: how dry friction, how drag in the middles of edges does, where it does better.
     """
 
     name: str
@@ -89,6 +89,7 @@ class Stage:
     untestable: dict[str, str] = field(default_factory=dict)
     discrepancy_m: float = 0.0
     law: str = ""
+    drag_at: str = ""
 
     @property
     def settled(self) -> bool:

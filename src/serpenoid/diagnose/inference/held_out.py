@@ -35,8 +35,10 @@ def first_order(motion: Motion, found: Fit, label: int) -> Floats:
 
 
 def fitted_again(motion: Motion, found: Fit, label: int) -> Floats:
-    """The same by a fit to the others."""
+    """The same by a fit to the others; where there are none, what is fitted is not held out."""
     others = [i for i, own in enumerate(motion.labels) if own != label]
+    if not others:
+        return found.coordinates
     near = [found.predictions[i] for i in others]
     return fit(part(motion, others), found.model, list(found.effects), found.coordinates, near=near).coordinates
 

@@ -10,6 +10,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
@@ -33,7 +34,7 @@ def dry_friction(found: Selection) -> str:
     if alone is None:
         return ""
     fits = (found.null, found.best, alone, _named(found, dry, alone))
-    drag, drag_named, dry_alone, dry_named = _misses(found.motion, fits)
+    drag, drag_named, dry_alone, dry_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
     if min(dry_alone, dry_named) < drag_named:
         named = "with what is named " if found.best.effects else ""
         by = f"{min(dry_alone, dry_named):.1f} times chance, linear drag by {drag_named:.1f}"
@@ -96,12 +97,11 @@ def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float, st
     return fit(motion, dry, effects, np.array([eps, *resting]), steps)
 
 
-def _misses(motion: Motion, fits: Sequence[Fit]) -> list[float]:
-    """RMS of what each fit leaves of the windows that all predict, by their noise."""
+def misses(motion: Motion, fits: Sequence[tuple[Sequence[Track], Fit]]) -> list[float]:
+    """RMS of what each fit leaves of the windows that all predict, by their noise; each on tracks of its own."""
     left: list[list[Floats]] = [[] for _ in fits]
-    for white, several in zip(
-        motion.white, zip(*[residuals(motion.tracks, f.predictions) for f in fits], strict=True), strict=True
-    ):
+    every = zip(*[residuals(tracks, fit.predictions) for tracks, fit in fits], strict=True)
+    for white, several in zip(motion.white, every, strict=True):
         common = np.asarray(np.isfinite(several).all(axis=(0, 2)))
         for found, x in zip(left, several, strict=True):
             found.append(white.of(x, common))

@@ -63,9 +63,12 @@ def inadequacy(record: Record) -> list[str]:
 
 
 def rival_law(record: Record) -> list[str]:
-    """How another law of the floor does, and how to follow it."""
-    said = record["law"]["rival"]
-    return [said, 'to follow it, diagnose with a --model whose [medium] has law = "coulomb"'] if said else []
+    """How another law of the floor does, or another place of the drag, and how to follow it."""
+    law, follow = record["law"], "to follow it, diagnose with a --model whose [medium] has"
+    found = []
+    for said, key in ((law["rival"], 'law = "coulomb"'), (law["drag_at"], 'dissipation = "edge"')):
+        found += [said, f"{follow} {key}"] if said else []
+    return found
 
 
 def advice(record: Record, effect: Record) -> Advice:

@@ -15,6 +15,10 @@ from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
 from serpenoid.table_file import write_table
 
+PLACES = (
+    "drag sits in the middles of edges, which are vertices here: 2 k is vertex k of the campaign's body, 2 k + 1 the "
+    "middle of edge k"
+)
 PREDICTION = "only to predict: not named as a cause"
 PREDICTS = (
     "\nIt predicts the recorded motion. What is marked as not named is no cause that was found; the anisotropy ratio"
@@ -32,10 +36,13 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     before = d.motion.selection.null.model
     known = {e.key: e for e in (*d.baseline.known, *before.effects)}
     notes = [role(e, data["effects"], known) for e in d.model.effects]
-    comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes)
-    write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, comment=comment, notes=notes)
-    comment = f"what the diagnosis of {file.name} began with, calibrated"
-    write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), comment=comment)
+    middles = d.model.body.vertices > file.body.vertices and not file.tracked_only
+    body, places = (d.model.body, f"\n{PLACES}") if middles else (None, "")
+    data["remarks"] += [PLACES] * middles
+    comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes) + places
+    write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, body, comment, notes)
+    comment = f"what the diagnosis of {file.name} began with, calibrated" + places
+    write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), body, comment)
     data["next_experiment"] = _next_experiment(folder, d)
     write_json(folder / "diagnosis.json", data)
     return data

@@ -24,6 +24,7 @@ from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
+from serpenoid.diagnose.inference.middles import drag_amid_edges
 from serpenoid.diagnose.inference.names import Refused, Weak, trace
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Selection, select
@@ -57,7 +58,10 @@ def choose_motion(
     def track(about: Model) -> tuple[Track, ...]:
         return baseline.corrected(make_tracks(recordings, seen, about))
 
-    return choose_on_tracks(track, held_out_labels(recordings), baseline, say)
+    def amid(about: Model) -> tuple[Track, ...]:
+        return make_tracks([r.with_middles() for r in recordings], seen.with_middles(), about)
+
+    return choose_on_tracks(track, held_out_labels(recordings), baseline, say, amid=amid)
 
 
 def choose_on_tracks(
@@ -66,10 +70,11 @@ def choose_on_tracks(
     baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
+    amid: Callable[[Model], tuple[Track, ...]] | None = None,
 ) -> MotionFinding:
     """The same on what `track` makes about a model; labels: what is held out together.
 
-    untestable: effects that are no candidates, and why.
+    untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
     """
     model = baseline.model
     barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
@@ -78,10 +83,12 @@ def choose_on_tracks(
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
         model = fit_eps(motion, model).model
     chosen = select(motion, model, track, say)
-    law = dry_friction(chosen) if baseline.ratio is None else ""  # with a reference it is known
+    law, drag_at = "", ""
+    if baseline.ratio is None:  # with a reference it is known
+        law, drag_at = dry_friction(chosen), drag_amid_edges(chosen, amid) if amid is not None else ""
     chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
-    return replace(found, stage=replace(found.stage, untestable=barred, law=law))
+    return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at))
 
 
 def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit, float], ...]:

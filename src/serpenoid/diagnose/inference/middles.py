@@ -1,0 +1,37 @@
+"""Where the drag sits: where drag at vertices leaves more than chance, eps is fitted to drag amid the edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.inference.laws import misses
+from serpenoid.diagnose.inference.medium import fit_eps
+from serpenoid.diagnose.inference.select import Selection, unclear
+from serpenoid.model import Model
+
+
+def drag_amid_edges(found: Selection, track: Callable[[Model], tuple[Track, ...]]) -> str:
+    """How drag in the middles of edges does beside drag at vertices, in words; empty where it is no question, or does
+    worse, by eps alone, than what is named makes of drag at vertices.
+
+    track: the recordings' tracks with a body that has vertices there, about a model of it.
+    """
+    model = found.null.model
+    if not unclear(found.best) or model.effects or model.body.joint_count < model.body.vertices - 2:
+        return ""
+    amid = replace(model, body=model.body.with_middles())
+    motion = replace(found.motion, tracks=track(amid))
+    fitted = fit_eps(motion, amid)
+    if fitted.evidence.count.sum() < found.best.evidence.count.sum():
+        return ""
+    ours = found.motion.tracks
+    left, alone, best = misses(found.motion, [(motion.tracks, fitted), (ours, found.null), (ours, found.best)])
+    if round(left, 1) >= round(min(alone, best), 1):  # as it would be said
+        return ""
+    with_named = ", with what is named," if found.best.effects and best < alone else ""
+    return (
+        f"drag in the middles of edges misses windows by {left:.1f} times chance, drag at vertices{with_named} by "
+        f"{min(alone, best):.1f}"
+    )

@@ -1,0 +1,72 @@
+"""Drag of edges sits in their middles: told of where vertices are assumed, followed where the model says so."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from serpenoid.body import Body
+from serpenoid.cli.main import main
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+from serpenoid.problem import load
+from serpenoid.simulation.rollout import simulate_joint_angles
+
+EPS = 0.4
+
+
+def test_drag_at_the_middles_is_drag_of_the_edges() -> None:
+    edges = (0.05, 0.1, 0.08, 0.12, 0.07, 0.06, 0.1)
+    joints = len(edges) - 1
+    body = Body(vertices=len(edges) + 1, edge_lengths=edges, weights=(3.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 4.0))
+    table = np.sin(2 * np.pi * (np.arange(30)[:, None] / 30 - np.arange(joints) / joints))
+    at_edges, at_vertices = (Medium(anisotropy_ratio=EPS, dissipation=where) for where in ("edge", "vertex"))
+    plain = simulate_joint_angles(Model(body, at_edges), table)
+    amid = simulate_joint_angles(Model(body.with_middles(), at_vertices), table)
+    assert amid.displacement == pytest.approx(plain.displacement, rel=1e-4)
+    assert amid.dissipation == pytest.approx(plain.dissipation, rel=1e-4)
+
+
+@pytest.fixture(scope="module")
+def smooth(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A problem file for each place of the drag, and one trial of a body with drag along its edges."""
+    folder = tmp_path_factory.mktemp("smooth")
+    robot = ["--joints", "5", "--length", "0.6", "--anisotropy", str(EPS), "--yes"]
+    assert main(["new", "problem", str(folder / "vertex.toml"), *robot]) == 0
+    text = (folder / "vertex.toml").read_text().replace('dissipation = "vertex"', 'dissipation = "edge"')
+    (folder / "edge.toml").write_text(text)
+    words = ["--problem", str(folder / "edge.toml"), "--yes"]
+    assert main(["new", "campaign", str(folder / "campaign.toml"), *words]) == 0
+    return folder
+
+
+def diagnosed(folder: Path, model: str, out: Path) -> dict[str, Any]:
+    words = ["diagnose", str(folder), "--model", model, "--out", str(out), "--no-figures", "--quiet"]
+    assert main(words) == 0
+    return json.loads((out / "diagnosis.json").read_text())
+
+
+def test_where_vertices_are_assumed_the_middles_are_told_of(smooth: Path, tmp_path: Path) -> None:
+    said = diagnosed(smooth, str(smooth / "vertex.toml"), tmp_path / "out")
+    assert said["law"]["drag_at"].startswith("drag in the middles of edges misses windows by")
+    assert said["verdict"] != "nothing"
+
+
+def test_what_is_diagnosed_with_drag_at_edges_can_be_simulated_and_diagnosed_again(
+    smooth: Path, tmp_path: Path
+) -> None:
+    said = diagnosed(smooth, str(smooth / "edge.toml"), tmp_path / "out")
+    low, high = said["anisotropy_ratio"]["interval"]
+    assert low < EPS < high
+    assert said["verdict"] == "nothing"
+    assert not said["law"]["drag_at"]
+    extended = tmp_path / "out" / "extended-model.toml"
+    assert tomllib.loads(extended.read_text())["body"]["vertices"] == 13
+    one, other = (load(smooth / "edge.toml", model=model) for model in (None, str(extended)))
+    assert other.body.joint_count == one.body.joint_count
+    assert diagnosed(smooth, str(extended), tmp_path / "again")["verdict"] == "nothing"
