@@ -7,5 +7,6 @@ to it set free (servos that are late, slow, weak, stuck or wrongly zeroed). A ri
 
 Read in this order: `signals` (angles over time), `match` (one hypothesis laid over one signal), `servos` (the same as
 late or slow servos play it), `hypotheses` (the rivals), `rivals` (all of them beside the contract), `geometry` (the
-same for markers on rigid links), `check` (a trial, then a campaign), `claims` (a folder).
+same for markers on rigid links), `exchanged` (names that a tracker exchanges for a while), `lengths`
+(one body in all trials), `check` (a trial, then a campaign), `claims` (a folder).
 """

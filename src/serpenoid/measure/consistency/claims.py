@@ -16,7 +16,9 @@ from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
+from serpenoid.measure.consistency.exchanged import exchanges
 from serpenoid.measure.consistency.geometry import Plane, layout, marker_faults
+from serpenoid.measure.consistency.lengths import other_bodies
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.links import marker_angles
@@ -26,7 +28,7 @@ from serpenoid.measure.trial_files import Files, by_words, label_markers, neighb
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
-PARTS = 4  # of a recording, in each of which two markers may be confused
+MOST_TOLD = 3  # parts of one recording in which points are exchanged, the longest
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
 UP = {"motive": "y", "c3d": "z"}
@@ -64,7 +66,7 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
     seen = in_processes([(_seen, (file, body, files)) for files in read])
     markers = [fault for faults, _ in seen for fault in faults]
-    markers += _copies(read)
+    markers += _copies(read) + ([] if file.lengths_given else _lengths(body, read))
     if markers:
         return Verdict(tuple(markers), (), ())
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
@@ -75,24 +77,16 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
 
 def _likeliest(file: CampaignFile, body: Body, files: Files, lost: Contradiction) -> Contradiction:
     """Where nothing explains a motion the contract is not believed any more: what markers make likelier is said,
-    of the whole recording or of a part (a tracker that confuses two of them goes on so)."""
+    of the whole recording or of a part."""
     if files.tracks is None or files.labelled is None:
         return lost
-    found = _markers(file, body, files, 0.0)
-    for part in np.array_split(np.arange(len(files.tracks.time_s)), PARTS):
-        own = files.labelled.vertices[part]
-        partial = replace(
-            files, labelled=replace(files.labelled, vertices=own), tracks=replace(files.tracks, space=None)
-        )
-        begin, end = files.tracks.time_s[part[[0, -1]]] - files.tracks.time_s[0] if len(part) else (0.0, 0.0)
-        when = f" between {begin:.3g} and {end:.3g} s"
-        found = found or [replace(c, words=c.words + when) for c in _markers(file, body, partial, 0.0)]
+    found = _exchanged(body, files, 0.0) or _markers(file, body, files, 0.0)
     return found[0] if found else lost
 
 
 def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradiction], Claim | None]:
     """What is wrong with a trial's markers; else what it claims, its witnesses' periods known."""
-    faults = _markers(file, body, files)
+    faults = _exchanged(body, files) or _markers(file, body, files)
     if faults:
         return faults, None
     claim = _claim(body, files)
@@ -100,6 +94,21 @@ def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradict
         if signal is not None and signal.enough:
             _ = signal.period_s  # goes with it
     return [], claim
+
+
+def _exchanged(body: Body, files: Files, odds: float = ODDS) -> list[Contradiction]:
+    """Points whose names are exchanged for a part of the recording."""
+    if files.tracks is None or files.labelled is None:
+        return []
+    time, labels = files.tracks.time_s, files.keys.labels(body.vertices)
+    found = exchanges(files.labelled.vertices, time, odds)
+    if not found:
+        return []
+    longest = sorted(sorted(found, key=lambda one: one.first - one.last)[:MOST_TOLD], key=lambda one: one.first)
+    more = f", and {len(found) - MOST_TOLD} times more" if len(found) > MOST_TOLD else ""
+    words = f"its markers have {'; '.join(one.said(labels, time) for one in longest)}{more}"
+    cure = "exchange them there in the file, or leave that part out by `from_s` and `to_s`"
+    return [Contradiction(files.entry.name, "markers", words, cure, max(one.gain for one in found))]
 
 
 def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -> list[Contradiction]:
@@ -122,6 +131,17 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
     found = marker_faults(plan, names, None if tracks.space is None else Plane(tracks.space, up, other))
     certain = [fault for fault in found[:1] if fault.gain > odds]
     return [Contradiction(files.entry.name, f.kind, f"its markers {f.words}", f.cure, f.gain) for f in certain]
+
+
+def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
+    """Trials of another body than the others', where lengths are estimated from all of them together."""
+    vertices = {files.entry.name: files.labelled.vertices for files in read if files.labelled is not None}
+    cure = "make a campaign for each animal, or give one length unit and scale to all recordings"
+    words = "its body is {:.3g} times as long as in trial `{}`, and lengths are estimated from all trials together"
+    return [
+        Contradiction(one.trial, "length", words.format(one.factor, one.other), cure, one.gain)
+        for one in other_bodies(vertices, body.edges_m)
+    ]
 
 
 def _copies(read: Sequence[Files]) -> list[Contradiction]:

@@ -1,0 +1,186 @@
+"""Points whose names a tracker exchanges for a part of a recording: a point goes on as it went.
+
+    log evidence of names p at a cut = - 3/2 sum_k log(1 + |ahead_p(k) - behind_k|^2 / s^2)       (Cauchy, plane)
+
+behind, ahead: where the frames before and after the cut, each alone, put a point half-way between. s: what nine
+mismatches in ten stay within, for as long as the point was not seen. Any permutation may begin at any frame: two
+points, three in a ring, head for tail. Names that lead by `ODDS` change there; what they are for most of the recording
+is right. Legend: F frames, N points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.rivals import ODDS
+
+SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
+TAIL = 1.5  # exponent of a Cauchy distribution in the plane
+Names = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """For frames first..last (inclusive) point `k` has the name `names[k]`; `gain`: its lead [nats]."""
+
+    first: int
+    last: int
+    names: Names
+    gain: float
+
+    def said(self, labels: Sequence[str], time_s: Floats) -> str:
+        """Which points, from when to when on the recording's clock."""
+        changed = [k for k, name in enumerate(self.names) if name != k]
+        mirrored = list(self.names) == list(range(len(self.names)))[::-1] and len(changed) > 3
+        which = "all points, head for tail," if mirrored else _listed([f"`{labels[k]}`" for k in changed])
+        return f"{which} exchanged between {time_s[self.first]:.4g} and {time_s[self.last]:.4g} s"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+@dataclass(frozen=True)
+class Change:
+    """Before `frame` point `k` had the name that `names[k]` has from there on; its points are seen before `since_s` and
+    after `until_s`."""
+
+    frame: int
+    names: Names
+    gain: float
+    since_s: float
+    until_s: float
+
+
+def exchanges(points: Floats, time_s: Floats, odds: float = ODDS) -> tuple[Exchange, ...]:
+    """Parts of a recording (F, N, 2) in which points have other names than in most of it; odds: asked of a change."""
+    changes = _certain(_changes(points, time_s), odds) if len(time_s) > 2 else []
+    if not changes:
+        return ()
+    starts = [0, *(change.frame for change in changes), len(points)]
+    held: list[Names] = [tuple(range(points.shape[1]))]
+    for change in changes:
+        held.append(tuple(held[-1][k] for k in change.names))
+    lasted: dict[Names, int] = {}
+    for names, first, end in zip(held, starts[:-1], starts[1:], strict=True):
+        lasted[names] = lasted.get(names, 0) + end - first
+    right = max(lasted, key=lambda names: lasted[names])
+    return tuple(
+        Exchange(first, end - 1, _relative(names, right), max(change.gain for change in changes[max(i - 1, 0) : i + 1]))
+        for i, (names, first, end) in enumerate(zip(held, starts[:-1], starts[1:], strict=True))
+        if names != right
+    )
+
+
+def _certain(changes: list[Change], odds: float) -> list[Change]:
+    """Those that lead by `odds`, and likelier ones next to them that undo them."""
+    own = tuple(range(len(changes[0].names))) if changes else ()
+    kept = []
+    for i, change in enumerate(changes):
+        beside = [*changes[max(i - 1, 0) : i], *changes[i + 1 : i + 2]]
+        undone = [b for b in beside if b.gain > odds and tuple(b.names[k] for k in change.names) == own]
+        if change.gain > odds or undone:
+            kept.append(change)
+    return kept
+
+
+def _relative(names: Names, right: Names) -> Names:
+    """Which point of the right names each one is."""
+    return tuple(right.index(name) for name in names)
+
+
+def _changes(points: Floats, time_s: Floats) -> list[Change]:
+    """Wherever names are likelier to change, in order of time."""
+    cut = _Cuts.of(points, time_s)
+    own = np.linalg.norm(cut.ahead - cut.behind, axis=2) / (cut.first_s - cut.last_s)
+    usual = float(np.nanquantile(own, SHARE)) if np.isfinite(own).any() else 0.0
+    if not usual > 0:
+        return []
+    found: list[Change] = []
+    for frame in _odd(cut):
+        change = _change(cut, int(frame), usual)
+        if change is None:
+            continue
+        if found and change.since_s < found[-1].until_s:  # the same, while its points are hidden
+            change = max(found.pop(), change, key=lambda one: one.gain)
+        found.append(change)
+    return found
+
+
+def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
+    from scipy.optimize import linear_sum_assignment  # as long to import as all the rest
+
+    here = np.flatnonzero(np.isfinite(cut.behind[frame, :, 0]) & np.isfinite(cut.ahead[frame, :, 0]))
+    moved = cut.ahead[frame, here][:, None] - cut.behind[frame, here][None]  # [k, j]: point k after, j before
+    scale = usual * (cut.first_s[frame, here][:, None] - cut.last_s[frame, here][None])
+    cost = TAIL * np.log1p((np.linalg.norm(moved, axis=2) / scale) ** 2)
+    rows, order = linear_sum_assignment(cost)
+    changed = here[rows[order != rows]]
+    pushed = np.diagonal(moved).T  # (K, 2): by a camera that is pushed all move alike
+    away = np.linalg.norm(pushed - np.median(pushed, axis=0), axis=1) / np.diagonal(scale)
+    own = min(float(np.trace(cost)), float(TAIL * np.log1p(away**2).sum()))
+    count = len(cut.behind[0])
+    gain = own - float(cost[rows, order].sum()) - _ways(len(here), len(changed)) - float(np.log(count))
+    if not (len(changed) and gain > 0):
+        return None
+    names = np.arange(count)
+    names[here[rows]] = here[order]
+    since, until = cut.last_s[frame, changed].min(), cut.first_s[frame, changed].max()
+    return Change(frame, tuple(names.tolist()), gain, float(since), float(until))
+
+
+def _ways(points: int, changed: int) -> float:
+    """Log of the number of ways to choose and permute so many of the points."""
+    return float(gammaln(points + 1) - gammaln(points - changed + 1))
+
+
+@dataclass(frozen=True)
+class _Cuts:
+    """Before every frame: points (F, N, 2) there by the frames before, and by those from there on; when (F, N) each was
+    last seen before, and is first seen after. NaN: not."""
+
+    behind: Floats
+    ahead: Floats
+    last_s: Floats
+    first_s: Floats
+
+    @classmethod
+    def of(cls, points: Floats, time_s: Floats) -> _Cuts:
+        """Cuts lie half-way between frames; the first has nothing before it."""
+        cut = np.concatenate([time_s[:1], (time_s[1:] + time_s[:-1]) / 2])[:, None]
+        speed = np.diff(points, axis=0) / np.diff(time_s)[:, None, None]
+        none = np.full((1, *points.shape[1:]), np.nan)
+        after, first_s = _next_seen(points, np.concatenate([speed, none]), time_s)
+        before, last_s = _next_seen(points[::-1], np.concatenate([none, speed])[::-1], time_s[::-1])
+        before, last_s = (np.concatenate([x[:1] * np.nan, x[::-1][:-1]]) for x in (before, last_s))
+        behind, ahead = (
+            x[..., :2] + np.nan_to_num(x[..., 2:]) * (cut - at)[..., None]
+            for x, at in ((before, last_s), (after, first_s))
+        )
+        return cls(behind, ahead, last_s, first_s)
+
+
+def _next_seen(points: Floats, speed: Floats, time_s: Floats) -> tuple[Floats, Floats]:
+    """Position and speed (F, N, 4) where each point is seen next, at that frame or after it, and when (F, N)."""
+    count = len(points)
+    seen = np.isfinite(points[..., 0])
+    at = np.minimum.accumulate(np.where(seen, np.arange(count)[:, None], count)[::-1], axis=0)[::-1]
+    there, row = at < count, np.minimum(at, count - 1)
+    state = np.take_along_axis(np.concatenate([points, speed], axis=2), row[..., None], axis=0)
+    return np.where(there[..., None], state, np.nan), np.where(there, time_s[row], np.nan)
+
+
+def _odd(cut: _Cuts) -> NDArray[np.int64]:
+    """Frames (.,) before which a point goes on from where another was rather than from where it was itself."""
+    odd = np.zeros(len(cut.behind), dtype=bool)
+    with np.errstate(invalid="ignore"):
+        own = np.linalg.norm(cut.ahead - cut.behind, axis=2)
+        for other in range(cut.behind.shape[1]):
+            odd |= (np.linalg.norm(cut.ahead - cut.behind[:, other, None], axis=2) < own).any(axis=1)
+    return np.flatnonzero(odd)

@@ -1,0 +1,86 @@
+"""Points whose names a tracker exchanges for a while: named with the time, and nothing said of others."""
+
+import numpy as np
+import pytest
+
+from serpenoid.errors import InputError
+from serpenoid.measure.consistency.exchanged import exchanges
+from serpenoid.measure.load import load_campaign
+
+LABELS = [f"p{k}" for k in range(7)]
+
+
+def crawling(frames=240, noise=0.001, hidden=0.0, seed=0):
+    """A wave that runs down seven points of a body of one metre, on its way at half a metre a second."""
+    rng = np.random.default_rng(seed)
+    time, place = np.arange(frames) / 30, np.linspace(0, 1, 7)
+    points = np.stack(
+        [0.5 * time[:, None] + place, 0.12 * np.sin(2 * np.pi * (1.3 * place - time[:, None] / 2))], axis=2
+    )
+    points += noise * rng.normal(size=points.shape)
+    points[rng.random(points.shape[:2]) < hidden] = np.nan
+    return time, points
+
+
+@pytest.mark.parametrize("hidden", [0.0, 0.05])
+@pytest.mark.parametrize(
+    "order", [[0, 1, 4, 3, 2, 5, 6], [0, 2, 1, 3, 4, 5, 6], [0, 2, 3, 1, 4, 5, 6], [6, 5, 4, 3, 2, 1, 0]]
+)
+def test_points_exchanged_for_a_while_are_told_with_the_time(order, hidden):
+    time, points = crawling(hidden=hidden)
+    points[100:130] = points[100:130, order]
+    (found,) = exchanges(points, time)
+    assert found.first == pytest.approx(100, abs=2)  # a point may be hidden just there
+    assert found.last == pytest.approx(129, abs=2)
+    assert sorted(k for k, name in enumerate(found.names) if name != k) == [k for k in range(7) if order[k] != k]
+
+
+def test_points_exchanged_to_the_end_are_told_and_most_of_the_recording_is_right():
+    time, points = crawling()
+    points[:60, [1, 4]] = points[:60, [4, 1]]
+    (found,) = exchanges(points, time)
+    assert found.said(LABELS, time) == "`p1` and `p4` exchanged between 0 and 1.967 s"
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_hidden_points_outliers_and_a_pushed_camera_are_no_exchange(seed):
+    time, points = crawling(hidden=0.2, noise=0.005, seed=seed)
+    rng = np.random.default_rng(100 + seed)
+    points[rng.integers(0, 240, 10), rng.integers(0, 7, 10)] += rng.normal(size=(10, 2))
+    points[150:] += [1 / 6, 0.0]  # as far as one point is from the next
+    assert exchanges(points, time) == ()
+
+
+def written(folder, recordings):
+    """A campaign of animals of unknown length."""
+    header = ",".join(["t_s", *(f"{axis}_{k}" for k in range(7) for axis in "xy")])
+    trials = ""
+    for name, (time, points) in recordings.items():
+        rows = np.column_stack([time, points.reshape(len(time), -1)])
+        np.savetxt(folder / f"{name}.csv", rows, delimiter=",", header=header, comments="")
+        trials += f'[[trial]]\nname = "{name}"\nmotion = "{name}.csv"\n'
+    (folder / "campaign.toml").write_text(
+        'format = 1\nname = "a"\n[body]\nkind = "crawler"\nvertices = 7\n[motion]\nformat = "tidy"\n'
+        f'length_unit = "m"\n{trials}'
+    )
+    return folder
+
+
+def test_a_campaign_with_exchanged_points_is_refused_in_words(tmp_path):
+    time, points = crawling()
+    points[100:130, [2, 4]] = points[100:130, [4, 2]]
+    with pytest.raises(InputError, match=r"`one`: its markers have `vertex 2` and `vertex 4` exchanged between 3.333"):
+        load_campaign(written(tmp_path, {"one": (time, points)}))
+
+
+def test_two_animals_in_one_campaign_without_lengths_are_refused(tmp_path):
+    recordings = {name: crawling(seed=seed) for seed, name in enumerate(["a", "b", "c"])}
+    recordings["b"] = recordings["b"][0], 1.3 * recordings["b"][1]
+    with pytest.raises(InputError, match=r"trial `b`: its body is 1\.(29|3) times as long as in trial `[ac]`"):
+        load_campaign(written(tmp_path, recordings))
+
+
+def test_one_animal_whose_camera_is_calibrated_to_a_few_per_cent_is_taken(tmp_path):
+    recordings = {name: crawling(seed=seed) for seed, name in enumerate(["a", "b"])}
+    recordings["b"] = recordings["b"][0], 1.03 * recordings["b"][1]
+    assert len(load_campaign(written(tmp_path, recordings)).trials) == 2
