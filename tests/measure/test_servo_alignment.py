@@ -8,6 +8,7 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.measure.clock import find_offset
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
@@ -57,3 +58,15 @@ def test_without_a_log_a_vertex_that_is_never_seen_is_named(never: list[int]) ->
     words = f"never seen: vertices {', '.join(map(str, never))}, counted from the tail.*Where a servo log"
     with pytest.raises(InputError, match=words):
         build_motion(body, time, markers, None, ((), ()))
+
+
+@pytest.mark.parametrize("end_s", [17.0, 13.0, 12.0, 10.5, 9.0])
+def test_a_log_that_ends_early_is_laid_over_the_part_that_it_covers(end_s: float) -> None:
+    """Three cycles of 4 s with pauses of 1 s, from 2 s on; before, by whole cycles beside it."""
+    schedule = Schedule(serpenoid_table(50), 4.0, 3, 1.0, start_s=2.0)
+    time, at = np.arange(0.0, 17.0, 0.02), np.arange(0.5, end_s, 0.03)
+    seen = schedule.commanded(time)
+    seen += 0.003 * np.random.default_rng(0).normal(size=seen.shape)
+    found = find_offset(time, seen, at + 100, schedule.commanded(at))
+    assert found is not None
+    assert found.offset_s == pytest.approx(-100.0, abs=0.002)

@@ -10,6 +10,11 @@ from numpy.typing import NDArray
 from serpenoid.measure.cells import Floats
 
 GRID_S = 0.04  # search grid: far finer than a gait cycle; the best shift is refined afterwards
+FINE_S = GRID_S * np.linspace(-3, 3, 13)  # about a shift at which ends are held, which draws it aside
+MOST_SHIFTS = 40  # that nearly agree
+FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of two harmonics
+TINY = 1e-300  # of two signals that agree to the last bit
+CERTAIN = float(np.log(1e3))  # nats by which a log is likelier to end early than to be whole
 HOLE = 3.0  # typical frames: a longer gap is not bridged
 
 
@@ -53,7 +58,8 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     coarse_t = np.arange(t[0], t[-1], GRID_S)
     coarse = held(t, signal, coarse_t)  # by rounding the grid's last time may lie behind the record's
     shifts = np.arange(low, high + GRID_S, GRID_S)
-    best = shifts[int(np.argmin(_held_costs(len(shifts), low, coarse_t, coarse, _seen(t, coarse_t), other_s, other)))]
+    costs = _held_costs(len(shifts), low, coarse_t, coarse, _seen(t, coarse_t), other_s, other)
+    best = _not_held(shifts, costs, t, signal, other_s, other)
     # about the best shift: a bounded search ends within 1e-8 of its argument, 18 s of a clock that counts from 1970
     found = minimize_scalar(
         lambda more: _cost(best + more, t, signal, other_s, other), bounds=(-GRID_S, GRID_S), method="bounded",
@@ -64,6 +70,25 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     scale = np.sqrt((a**2).sum() * (b**2).sum())
     correlation = float((a * b).sum() / scale) if scale > 0 else 0.0
     return Offset(shift, correlation, float(np.sqrt(np.mean((a - b) ** 2))))
+
+
+def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> float:
+    """The best of `shifts`; another at which the signals agree far better where both are there, if there is one.
+
+    A log that ends early (its battery dies) is not held where it ends. The error's size is unknown on either side:
+    log evidence = -FREEDOM / 2 log(mean square difference), columns counted as one.
+    """
+    best = int(np.argmin(costs))
+    inner = 1 + np.flatnonzero((costs[1:-1] <= costs[:-2]) & (costs[1:-1] <= costs[2:]))
+    some = np.unique([best, *inner[np.argsort(costs[inner], kind="stable")][:MOST_SHIFTS]])
+    left = {
+        (_cost(shift, t, signal, other_s, other), float(shift), k)
+        for k in some.tolist()
+        for shift in shifts[k] + FINE_S
+    }
+    own, (cost, shift, _) = min(c for c, _, k in left if k == best), min(left)
+    gain = FREEDOM / 2 * np.log(own / max(cost, TINY))
+    return shift if gain > CERTAIN else float(shifts[best])
 
 
 def _held_costs(
