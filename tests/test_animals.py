@@ -14,6 +14,8 @@ from serpenoid.compare.start import neutral_model
 from serpenoid.diagnose.data.tracked import MOST_PERIODS, tracked_recordings
 from serpenoid.diagnose.data.untestable import not_on_offer
 from serpenoid.effects.catalogue import catalogue, find
+from serpenoid.errors import InputError
+from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.load import load_campaign
 from specimens import animal_campaign
 
@@ -120,3 +122,22 @@ def test_an_animal_is_offered_no_wheels_and_advised_of_no_tyres(kind: str) -> No
 
 def test_a_body_of_no_stated_kind_is_offered_everything() -> None:
     assert not not_on_offer(Body(vertices=5))
+
+
+def test_a_swimming_robot_has_servos_and_water_and_no_wheels(tmp_path: Path) -> None:
+    offered = set(catalogue()) - not_on_offer(Body(kind="swimming robot", vertices=5))
+    assert {"servo_lag", "zero_offset", "clock_offset", "added_mass"} <= offered
+    assert not {"worn_wheel", "toe", "friction_patch", "slope"} & offered
+
+
+def test_an_animal_with_a_joint_table_is_asked_whether_it_is_a_robot(tmp_path: Path) -> None:
+    trial = '[[trial]]\nname = "one"\njoint_table = "t.csv"\ncycle_duration_s = 1.0\n'
+    for kind, fine in (("swimmer", False), ("swimming robot", True)):
+        (tmp_path / "campaign.toml").write_text(
+            f'format = 1\nname = "w"\n[body]\nvertices = 5\nkind = "{kind}"\n{trial}'
+        )
+        if fine:
+            assert not load_campaign_file(tmp_path)[0].uniform
+        else:
+            with pytest.raises(InputError, match=r'is an animal, and has neither .* "swimming robot"'):
+                load_campaign_file(tmp_path)

@@ -125,6 +125,19 @@ def test_a_name_that_would_end_a_string_or_a_comment_is_refused(tmp_path: Path, 
         assert "a name is made of letters" in capsys.readouterr().err
 
 
+def test_kind_and_dissipation_of_a_new_problem_are_options(tmp_path: Path) -> None:
+    path = new("problem", tmp_path / "eel.toml", "--kind", "swimming robot", "--dissipation", "edge")
+    found = load(path)
+    assert (found.body.kind, found.medium.dissipation) == ("swimming robot", "edge")
+
+
+def test_without_a_terminal_it_is_said_that_nothing_is_asked(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["new", "problem", str(tmp_path / "a.toml")]) == 0
+    assert "this is no terminal, so nothing is asked" in capsys.readouterr().err
+    assert main(["new", "problem", str(tmp_path / "b.toml"), "--yes"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_no_file_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     path = new("problem", tmp_path / "mine.toml")
     before = path.read_text()
@@ -138,7 +151,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
     process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
     os.close(slave)
-    os.write(master, b"many\n4\n\n0.5\n\n\n\n\n\n")
+    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n")
     out, _ = process.communicate(timeout=60)
     said = os.read(master, 65536).decode()
     os.close(master)

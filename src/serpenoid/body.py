@@ -22,14 +22,16 @@ BARE = 1e-6  # of the body's weight: a vertex that meets nothing, as a joint bet
 ANIMALS = ("swimmer", "crawler")
 # metres; sperm and bacteria to blue whales, nematodes to pythons; who is longer or shorter is asked about the unit
 PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
-    "wheeled robot": (0.02, 20.0), "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0), None: (5e-6, 40.0),
+    "wheeled robot": (0.02, 20.0), "swimming robot": (0.02, 20.0), "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0),
+    None: (5e-6, 40.0),
 }  # fmt: skip
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
 MOST_VERTICES = 1000  # compiling takes minutes beyond
-Kind = Literal["wheeled robot", "swimmer", "crawler"]
+Kind = Literal["wheeled robot", "swimming robot", "swimmer", "crawler"]
 Part = Literal["servos", "wheels", "ground", "water"]
 PARTS: dict[Kind, frozenset[Part]] = {
     "wheeled robot": frozenset({"servos", "wheels", "ground"}),
+    "swimming robot": frozenset({"servos", "water"}),
     "swimmer": frozenset({"water"}),
     "crawler": frozenset({"ground"}),
 }
@@ -39,7 +41,8 @@ class Body(Record):
     """A chain of N vertices. Lengths in metres (or any unit, if no hardware is meant), weights on any scale."""
 
     kind: Kind | None = Field(
-        default=None, description="wheeled robot | swimmer | crawler: decides words, default weights, effects on offer"
+        default=None,
+        description="wheeled robot | swimming robot | swimmer | crawler: words, default weights, effects on offer",
     )
     vertices: int = Field(
         ge=3, le=MOST_VERTICES, description="N: head marker, joint axes, tail marker, counted together"

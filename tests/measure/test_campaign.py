@@ -200,6 +200,9 @@ def test_tidy_files_are_in_vertex_order_whatever_markers_are_called(rehearsed, t
 def test_a_folder_without_campaign_says_what_to_do(tmp_path):
     with pytest.raises(InputError, match=r"holds no campaign.toml. See docs/campaign-format.md"):
         load_campaign(tmp_path)
+    (tmp_path / "campaign.toml").mkdir()
+    with pytest.raises(InputError, match=r"campaign.toml: is a folder, where a file of this name belongs"):
+        load_campaign(tmp_path)
 
 
 @pytest.mark.parametrize("fish", ["lamprey", "prickleback"])

@@ -23,9 +23,11 @@ def add_campaign(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("campaign", metavar="CAMPAIGN", help=help_line)
 
 
-def add_model(parser: argparse.ArgumentParser) -> None:
-    """--anisotropy-ratio, --dissipation."""
-    parser.add_argument("--anisotropy-ratio", type=float, metavar="EPS", help="eps (default: the campaign's [medium])")
+def add_model(
+    parser: argparse.ArgumentParser, ratio: str = "eps to simulate with (default: the campaign's [medium], else fitted)"
+) -> None:
+    """--anisotropy-ratio, --dissipation; ratio: what the first is for."""
+    parser.add_argument("--anisotropy-ratio", type=float, metavar="EPS", help=ratio)
     kinds = ("vertex", "edge")
     parser.add_argument("--dissipation", choices=kinds, help="where elements sit (default: [medium], else vertex)")
 

@@ -22,7 +22,7 @@ from serpenoid.version import __version__
 RECEIPT = "inputs.json"  # what a diagnosis was made from
 HEADER = (
     "campaign", "verdict", "effects", "alternatives", "path_rms_before_m", "path_rms_after_m", "noise_level_m",
-    "anisotropy_ratio", "seconds", "folder", "fault",
+    "anisotropy_ratio", "drag_ratio", "drag_ratio_low", "drag_ratio_high", "seconds", "folder", "fault",
 )  # fmt: skip
 
 
@@ -50,9 +50,16 @@ def run_many(args: argparse.Namespace) -> int:
             advance(len(rows), f"{row['campaign']}: {row['verdict'] or row['fault']}")
             write_table(folder / "diagnoses.csv", [rows[i] for i in sorted(rows)])
     found = [rows[i] for i in sorted(rows)]
-    lines = [f"{r['campaign']:24} {r['verdict'] or 'failed':18} {r['effects'] or r['fault']}" for r in found]
+    lines = [_line(row) for row in found]
     options.report(args, found, [*lines, f"table             {folder / 'diagnoses.csv'}"], folder)
     return 1 if any(r["fault"] for r in found) else 0
+
+
+def _line(row: dict[str, Any]) -> str:
+    """Campaign, verdict, what was named or went wrong; of an animal K, too."""
+    ratio = [f"K {row['drag_ratio']:.3g} if drag is all there is"] if row["drag_ratio"] else []
+    said = "; ".join([row["effects"] or row["fault"] or "", *ratio]).removeprefix("; ")
+    return f"{row['campaign']:24} {row['verdict'] or 'failed':18} {said}".rstrip()
 
 
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
@@ -100,7 +107,7 @@ def _answers(out: Path) -> dict[str, Any]:
     from serpenoid.diagnose.report.words import title
 
     record = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
-    rms = record["gain"]["path_rms_m"]
+    rms, drag = record["gain"]["path_rms_m"], record["drag_ratio"] or {"value": None, "interval": [None, None]}
     return {
         "verdict": record["verdict"],
         "effects": "; ".join(title(e) for e in record["effects"]),
@@ -109,5 +116,8 @@ def _answers(out: Path) -> dict[str, Any]:
         "path_rms_after_m": rms["after"],
         "noise_level_m": record["noise_level_m"],
         "anisotropy_ratio": record["anisotropy_ratio"]["after"],
+        "drag_ratio": drag["value"],
+        "drag_ratio_low": drag["interval"][0],
+        "drag_ratio_high": drag["interval"][1],
         "seconds": json.loads((out / RECEIPT).read_text(encoding="utf-8"))["seconds"],
     }

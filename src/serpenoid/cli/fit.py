@@ -31,7 +31,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     campaigns.add_campaign(parser)
     help_line = "what to fit (repeatable; default anisotropy_ratio): anisotropy_ratio, end_weight, front_weight"
     parser.add_argument("--parameter", action="append", metavar="NAME", help=help_line)
-    campaigns.add_model(parser)
+    begin = "eps where the fit begins, held where it is not fitted (default: the campaign's [medium])"
+    campaigns.add_model(parser, begin)
     options.add_output(parser, "results/<campaign>/fit-<hash>")
 
 

@@ -100,7 +100,8 @@ def trial_lines(trial: Trial) -> list[str]:
         lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
         lines.append(f"  seconds           {_seconds_words(trial, motion)}")
         for p in trial.passages:
-            lines.append(f"  cycle {p.cycle + 1}           {trial.displacement(p):.4f} body lengths")
+            what = "displacement" if trial.schedule is None else f"cycle {p.cycle + 1}"
+            lines.append(f"  {what:18}{trial.displacement(p):.4f} body lengths")
         long = [gap for gap in motion.gaps if not gap.short]
         lines += [f"  long gap          {gap.duration_s:.2f} s from frame {gap.first + 1}" for gap in long]
         for jump in motion.jumps[:10]:

@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """KIND, FILE and an option per question."""
     from serpenoid.scaffold import TEMPLATES
 
-    kinds = parser.add_subparsers(dest="kind", metavar="KIND", required=True)
+    kinds = parser.add_subparsers(dest="file", metavar="KIND", required=True)
     for kind, template in TEMPLATES.items():
         sub = kinds.add_parser(kind, help=f"a {kind} file", description=f"Write a {kind} file.")
         sub.add_argument("path", nargs="?", type=Path, default=Path(template.default_path), metavar="FILE")
@@ -41,14 +41,16 @@ def run(args: argparse.Namespace) -> int:
     """Ask, write, say what to try."""
     from serpenoid.scaffold import TEMPLATES
 
-    template, path = TEMPLATES[args.kind], args.path
-    if args.kind == "campaign" and path.suffix != ".toml":
+    template, path = TEMPLATES[args.file], args.path
+    if args.file == "campaign" and path.suffix != ".toml":
         path = path / "campaign.toml"
-    _check_name(path.absolute().parent.name if args.kind == "campaign" else path.stem)
+    _check_name(path.absolute().parent.name if args.file == "campaign" else path.stem)
     if path.exists():
         raise InputError(f"{path}: is there already. Name another file.")
     options.check_writable(path.parent)
     talks = not args.yes and sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    if not (talks or args.yes) and any(getattr(args, q.name.replace("-", "_")) is None for q in template.questions):
+        options.complain("this is no terminal, so nothing is asked: options answer, and the rest has its defaults.")
     answers: dict[str, Any] = {}
     for question in template.questions:
         given = getattr(args, question.name.replace("-", "_"))
@@ -57,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
             _ask(question) if asked else question.value(question.default if given is None else given)
         )
     first = template.write(path, answers)
-    sys.stdout.write("\n".join([str(path), *_length(args.kind, path), f"Begin: {first}", ""]))
+    sys.stdout.write("\n".join([str(path), *_length(args.file, path), f"Begin: {first}", ""]))
     return 0
 
 

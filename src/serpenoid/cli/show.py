@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
             f"{folder / (name or 'campaign.toml')}: is not a record of this version ({error!r})."
         ) from None
     pictures = sorted(path.name for path in folder.iterdir() if path.suffix in {".png", ".svg", ".gif"})
-    files = [f"files             {', '.join(_files(folder))}", *_reports(folder), *_pictures(pictures)]
+    files = [f"files             {', '.join(_files(folder))}", *_reports(folder), *_pictures(pictures, name)]
     options.report(args, record, [*lines, *files])
     options.open_page(args, folder)
     return 0
@@ -195,7 +195,10 @@ def _reports(folder: Path) -> list[str]:
     return [f"report            {path}" for path in sorted(folder.glob("*.html"))]
 
 
-def _pictures(names: list[str]) -> list[str]:
+def _pictures(names: list[str], record: str | None) -> list[str]:
+    """Of results; a campaign, which has no record, is none."""
+    if not names and not record:
+        return []
     return [f"pictures          {', '.join(names)}"] if names else ["pictures          none (it was run --no-figures)"]
 
 

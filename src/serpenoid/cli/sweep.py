@@ -147,4 +147,4 @@ def _transport(window: list[float] | None) -> str:
     if window is None:
         return "  cost of transport: these c do not span 1 .. 2, so its minimum there tells no idle energy"
     idle = f"{window[0]:.3f} .. {window[1]:.3f}"
-    return f"  cost of transport is least between c = 1 and 2 if idling costs {idle} a cycle (units of T * E)"
+    return f"  cost of transport is least between c = 1 and 2 for an idle energy of {idle} a cycle (units of T * E)"

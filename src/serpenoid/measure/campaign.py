@@ -126,6 +126,11 @@ class CampaignFile(Record):
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise ValueError(f"trial names must be unique, but `{', '.join(twice)}` is there twice")
+        if self.body.is_animal and not self.tracked_only:
+            raise ValueError(
+                f'kind = "{self.body.kind}" is an animal, and has neither `servo_log` nor `joint_table`: of a robot '
+                'say "wheeled robot" or "swimming robot"'
+            )
         for trial in self.trial:
             markers, marked = trial.markers or self.motion.markers, trial.vertices or self.motion.vertices
             last, count = self.body.vertices - 1, self.body.vertices if marked is None else len(marked)
@@ -155,7 +160,7 @@ class CampaignFile(Record):
     @property
     def uniform(self) -> bool:
         """Whether the body's weight goes with its length: an animal whose weights are not given."""
-        robot = self.body.kind == "wheeled robot"
+        robot = self.body.kind is not None and not self.body.is_animal
         return self.body.weights is None and not robot and (self.body.is_animal or self.tracked_only)
 
     def motion_of(self, trial: TrialEntry) -> MotionKeys:
@@ -169,7 +174,9 @@ def load_campaign_file(path: str | Path) -> tuple[CampaignFile, Path]:
         path = path / "campaign.toml"
         if not path.is_file():
             raise InputError(
-                f"{path.parent}: holds no campaign.toml. See docs/campaign-format.md for one to start from."
+                f"{path}: is a folder, where a file of this name belongs."
+                if path.is_dir()
+                else f"{path.parent}: holds no campaign.toml. See docs/campaign-format.md for one to start from."
             )
     return load(CampaignFile, path), path.parent
 

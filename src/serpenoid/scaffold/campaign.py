@@ -102,7 +102,7 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             "",
             "[body]",
             f"vertices = {body.vertices}",
-            f'{"" if body.kind else "# "}kind = "{body.kind or "wheeled robot"}"   # or swimmer, crawler',
+            f'{"" if body.kind else "# "}kind = "{body.kind or "wheeled robot"}"   # or swimming robot, or an animal',
             f"edge_lengths = [{lengths}]   # metres, tail to head: measure them",
             f"weights = [{weights}]",
             *joints,

@@ -9,14 +9,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
+from typing import get_args
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, whole
 
+KINDS = get_args(Kind)
 QUESTIONS = (
+    Question("kind", f"What is it: {', '.join(KINDS)} (empty: not said)?", "", one_of("", *KINDS)),
     Question("joints", "How many joints?", "6", whole(1, 98)),
     Question("edges", "Edge lengths in metres, tail to head (empty: equal links)", "", numbers),
     Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000)),
@@ -29,6 +32,12 @@ QUESTIONS = (
     Question("mass", "Mass in kilograms", "0.9", number(0, 1e4)),
     Question("joint-limit", "How far may a joint bend, in degrees?", "60", number(0, 180)),
     Question("cycle-duration", "Seconds per cycle", "5", number(0, 600)),
+    Question(
+        "dissipation",
+        "Is drag at each vertex (wheels, feet), or along each edge (a smooth body)?",
+        "vertex",
+        one_of("vertex", "edge"),
+    ),
     Question("anisotropy", "Drag lengthwise over sideways (wheels: 0.2, slender swimmers: 0.5)", "0.2", number(0, 1)),
 )
 
@@ -61,14 +70,15 @@ question = "Which gait carries {name} farthest per cycle, at a given price of di
 
 [body]
 {_chain(answers, edges)}
-# kind = "wheeled robot"     # or swimmer, crawler: which effects `diagnose` tries; all, where it is left out
+{"# " * (not answers["kind"])}kind = "{answers["kind"] or KINDS[0]}"     # one of {", ".join(KINDS)}: which effects
+# `diagnose` tries; all, where it is left out
 mass_kg = {answers["mass"]:g}
 joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
 joint_speed_limit_rpm = 57.0  # XL430-W250-T at 11.1 V
 
 [medium]
 anisotropy_ratio = {answers["anisotropy"]:g}     # `serpenoid fit` finds it from recordings
-dissipation = "vertex"       # drag at wheels or feet; "edge" for a smooth body
+dissipation = "{answers["dissipation"]}"       # "vertex": drag at wheels or feet; "edge": along a smooth body
 
 [gait]                       # where the optimiser begins, and what `simulate` plays
 sigma = 1.0

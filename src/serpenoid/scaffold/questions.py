@@ -66,7 +66,7 @@ def one_of(*words: str) -> Callable[[str], str]:
 
     def read(text: str) -> str:
         if text not in words:
-            raise ValueError(f"needs one of {', '.join(words)}")
+            raise ValueError(f"needs one of {', '.join(filter(None, words))}")
         return text
 
     return read

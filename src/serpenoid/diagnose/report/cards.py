@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from serpenoid.diagnose.report.words import (
+    SETTLED,
     Record,
     advice,
     drag_ratio,
@@ -27,7 +28,6 @@ GAINS = {
 WORSE = 1.02  # an error that does not come closer
 NOT_WORSE = {False: "Nothing became worse.", True: "Nothing became visibly worse."}
 NO_ADVICE = "It may stand in for another cause: change nothing for its sake."
-SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 
 
 def cards(record: Record) -> list[Card]:

@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.diagnose.data.used import in_lengths
-from serpenoid.diagnose.report.cards import GAINS, SETTLED, cards, times_noise, unit_of
+from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
 from serpenoid.diagnose.report.words import (
+    SETTLED,
     Record,
     ends,
+    no_experiment,
     reference,
     seconds,
     shown,
@@ -73,6 +75,7 @@ def write_pages(
         "alternatives": _alternatives(record),
         "undetected": [text.capitalize() for text in undetected(record)],
         **_experiment(record["next_experiment"]),
+        "no_experiment": no_experiment(record),
     }
     prepare(TEMPLATE)
     drawn()

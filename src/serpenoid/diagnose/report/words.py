@@ -23,8 +23,7 @@ MEANINGS = {
     "partly explained": "what is named below was found, and more is left than it and chance explain",
     "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
 }
-
-
+SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 UNREPEATED = {
     "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
     "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
@@ -217,7 +216,20 @@ def lines(record: Record) -> list[str]:
         pose = e["start_pose"]
         start = f"from x {pose['x_m']:.2f} m, y {pose['y_m']:.2f} m, heading {pose['heading_rad']:.2f} rad"
         found.append(f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.2f} s per cycle, {start}")
+    elif record["drag_ratio"] is None:
+        found.append(f"next experiment   {no_experiment(record)}")
     return found + [f"left              {text}" for text in record["residual_pattern"]]
+
+
+def no_experiment(record: Record) -> str:
+    """Why none is proposed."""
+    if record["alternatives"]:
+        return "none is proposed: no gait that was tried is expected to exclude one of the explanations"
+    if record["verdict"] in SETTLED:
+        return "none needed: no two explanations are left to tell apart"
+    if record["drag_ratio"]:
+        return "none is proposed: nothing commands an animal"
+    return "none is proposed: there are no two explanations to tell apart, and what is left has none"
 
 
 def left_open(record: Record) -> str:

@@ -63,17 +63,16 @@ def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
     for track, x in zip(motion.tracks, left, strict=True):
         white = x / motion.noise.of(track)
         for i in range(len(x)):
-            name = f"phase {track.phase[i]:.2f}" if track.playing[i] else "pauses"
+            name = f"phase {track.phase[i]:.2f} of the cycle" if track.playing[i] else "pauses"
             groups.setdefault(name, []).append(white[i])
     sizes = {k: np.sqrt(np.nanmean(np.square(v))) for k, v in groups.items() if np.isfinite(v).any()}
     worst = max(sizes, key=lambda k: sizes[k])
     own = np.array(groups[worst])[:, component]
     mean, rms = float(np.nanmean(own)), float(np.sqrt(np.nanmean(own**2)))
-    sign = f"there the body {SIGNS[component][mean < 0]} than modelled"
-    return [
-        f"largest in {worst} ({sizes[worst]:.1f} SD; "
-        + (f"{sign})" if abs(mean) > ONE_SIGN * rms else "now to one side, now to the other)")
-    ]
+    one, other = SIGNS[component]
+    sign = f"there the body {SIGNS[component][mean < 0]}"
+    either = sign if abs(mean) > ONE_SIGN * rms else f"at times the body {one}, at times it {other}"
+    return [f"largest in {worst}, {sizes[worst]:.1f} times the noise of a window: {either} than modelled"]
 
 
 def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:

@@ -161,7 +161,7 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
 def _refusal(refused: Refused) -> str:
     """Why an effect that the search tried is not named."""
     gain = f"would take away {refused.share:.0%} of what is left"
-    why = "but is pushed beyond its bound" if refused.beyond else "not more than a wrong effect would"
+    why = "but is pushed beyond its bound" if refused.beyond else "and a wrong effect could take away as much"
     return f"{refused.effect.called} {gain}, {why}: not named"
 
 
