@@ -94,7 +94,8 @@ def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_i
     }  # fmt: skip
     toe = {"name": "toe", "place": None, "stand_in": False, "parameters": {}}
     earlier = {"campaign": "calm", "verdict": "explained", "effects": [drift, toe], "residual_pattern": []}
-    said = reference({"reference": earlier | {"law": {"name": "viscous", "rival": "", "drag_at": ""}}, "effects": [drift]})
+    law = {"name": "viscous", "rival": "", "drag_at": ""}
+    said = reference({"reference": earlier | {"law": law}, "effects": [drift]})
     assert said[1:] == [
         "frame_drift was there already: velocity_x 15.3 mm/s (95 %: 13.8 mm/s .. 16.1 mm/s); the value named now is "
         "all of it, not the change"
