@@ -67,3 +67,23 @@ def test_a_wrong_duration_is_refused_all_the_same(servos, factor):
     """Of servos as slow as these it must be further off: slower ones explain what is a little longer."""
     verdict = seen(servos, 8, 2.0 * factor)
     assert [found.kind for found in verdict.contradictions] in (["duration"], ["rate"])
+
+
+def beside(log_s: float, rows: np.ndarray) -> Verdict:
+    """Three cycles of 4 s with pauses of 1 s on film, and so many seconds of a log of servos that play `rows`."""
+    schedule = Schedule(table(8), 4.0, 3, 1.0, start_s=2.0)
+    time, at = np.arange(0.0, 17.0, 0.02), np.arange(0.5, 0.5 + log_s, 0.03)
+    angles = schedule.commanded(time) + 0.003 * np.random.default_rng(0).standard_normal((len(time), 8))
+    servos = Signal(at + 100.0, Schedule(rows, 4.0, 3, 1.0, start_s=2.0).commanded(at))
+    return check([Claim("one", "gait", schedule, cameras=Signal(time, angles), servos=servos)], {"gait": table(8)})
+
+
+@pytest.mark.parametrize("log_s", [6.0, 8.0, 9.0, 11.0, 15.5])
+def test_a_servo_log_that_ends_early_is_no_contradiction(log_s):
+    assert beside(log_s, table(8)).contradictions == ()
+
+
+@pytest.mark.parametrize("log_s", [8.0, 15.5])
+def test_another_motion_in_a_servo_log_is_one_all_the_same(log_s):
+    other = np.cos(2 * np.pi * (np.arange(40)[:, None] / 40 * 3 + np.random.default_rng(1).uniform(size=8)))
+    assert beside(log_s, other).contradictions

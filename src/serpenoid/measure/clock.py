@@ -14,7 +14,7 @@ FINE_S = GRID_S * np.linspace(-3, 3, 13)  # about a shift at which ends are held
 MOST_SHIFTS = 40  # that nearly agree
 FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of two harmonics
 TINY = 1e-300  # of two signals that agree to the last bit
-CERTAIN = float(np.log(1e3))  # nats by which a log is likelier to end early than to be whole
+EARLY = 0.05  # of logs end early: as rare as what else is wrong (`consistency.rivals.FAULTY`)
 HOLE = 3.0  # typical frames: a longer gap is not bridged
 
 
@@ -88,7 +88,7 @@ def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s:
     }
     own, (cost, shift, _) = min(c for c, _, k in left if k == best), min(left)
     gain = FREEDOM / 2 * np.log(own / max(cost, TINY))
-    return shift if gain > CERTAIN else float(shifts[best])
+    return shift if gain > np.log(1 / EARLY - 1) else float(shifts[best])
 
 
 def _held_costs(

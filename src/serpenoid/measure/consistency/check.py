@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import held
+from serpenoid.measure.clock import find_offset, held
 from serpenoid.measure.consistency.hypotheses import (
     KINDS,
     SAME_TABLE,
@@ -159,6 +159,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         return None
     if cameras.values.shape[1] != servos.values.shape[1]:
         return None
+    cameras = _covered(cameras, servos)
     own, promised = cameras.period_s, servos.period_s
     course = _logged(servos, promised)
     joints = cameras.values.shape[1]
@@ -174,6 +175,21 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         cure = in_other_unit(own / promised) or "check the frame rate of the recording"
         faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
     return compared(claim.trial, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
+
+
+def _covered(cameras: Signal, servos: Signal) -> Signal:
+    """What cameras saw while the log ran, where it ran for less than the body moved (its battery died)."""
+    known = servos.known
+    log_s = servos.time_s[known]
+    if np.ptp(log_s) >= moving_s(cameras):
+        return cameras
+    found = find_offset(cameras.time_s, cameras.values, log_s, servos.values[known])
+    if found is None:
+        return cameras
+    since, until = log_s[[0, -1]] + found.offset_s
+    inside = (cameras.time_s >= since) & (cameras.time_s <= until)
+    part = Signal(cameras.time_s[inside], cameras.values[inside])
+    return part if part.enough else cameras
 
 
 def _repeats(one: Claim, other: Claim) -> bool:
