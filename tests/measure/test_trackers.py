@@ -10,9 +10,10 @@ import h5py
 import numpy as np
 import pytest
 
+from serpenoid.compare.records import trial_record
 from serpenoid.errors import InputError
 from serpenoid.measure import readers
-from serpenoid.measure.animal import bends_run, edges_per_wave, leading, remarks
+from serpenoid.measure.animal import beat, bends_run, edges_per_wave, leading, remarks
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trackers import (
@@ -279,3 +280,15 @@ def test_pixels_with_a_scale_are_metres_and_a_length_takes_no_scale(tmp_path):
     assert trial.metres == pytest.approx(5 * 2e-5, rel=1e-3)  # five edges of 1 px
     with pytest.raises(InputError, match=r"`metres_per_pixel` is given, and these points are in a length already"):
         load_campaign(campaign(tmp_path, keys.replace("px", "mm")))
+
+
+@pytest.mark.parametrize(("waves", "reverse"), [(1.0, False), (0.6, False), (1.0, True)])
+def test_the_gait_of_a_worm_is_its_frequency_amplitudes_and_waves(tmp_path, waves, reverse):
+    """Made with 1 Hz, 0.5 rad of each edge, and so many waves on the body, which run from head to tail."""
+    trial = load_campaign(tidy(tmp_path, 6.0, reverse=reverse, waves=waves)).trials[0]
+    found = beat(trial.motion)
+    assert 1 / found.period_s == pytest.approx(1.0, rel=0.02)
+    assert found.waves == pytest.approx(-waves if reverse else waves, rel=0.03)
+    bent = 2 * 0.5 * np.sin(np.pi * waves / 5)  # of the difference of two neighbouring edges' sines
+    np.testing.assert_allclose(found.amplitude_rad, bent, rtol=0.03)
+    assert trial_record(trial)["gait"]["frequency_hz"] == pytest.approx(1 / found.period_s)

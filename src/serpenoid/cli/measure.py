@@ -96,6 +96,7 @@ def trial_lines(trial: Trial) -> list[str]:
             f"  frames            {len(motion.time_s)} in {length:.2f} s, {motion.hidden_share:.1%} of markers hidden"
         )
         lines.append(f"  body              {_body_words(trial, motion)}")
+        lines += _beat_lines(trial, motion)
         unit = metric(trial.metres * motion.marker_sd) if trial.metres else f"{motion.marker_sd:.5f} body lengths"
         lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
         lines.append(f"  seconds           {_seconds_words(trial, motion)}")
@@ -118,6 +119,23 @@ def trial_lines(trial: Trial) -> list[str]:
         lines.append(f"  servo clock       {servo.offset.offset_s:+.4f} s (correlation {servo.offset.correlation:.4f})")
         lines.append(f"  servo scatter     {servo.sd:.5f} rad about the markers' angles")
     return lines + [f"  note              {note}" for note in trial.notes]
+
+
+def _beat_lines(trial: Trial, motion: Motion) -> list[str]:
+    """How an animal bends: what a table commands needs no telling."""
+    import numpy as np
+
+    from serpenoid.measure.animal import beat
+
+    found = beat(motion) if trial.schedule is None else None
+    if found is None:
+        return []
+    bent = ", ".join(f"{angle:.0f}" for angle in np.degrees(found.amplitude_rad))
+    way = "head to tail" if found.waves > 0 else "tail to head"
+    return [
+        f"  gait              {1 / found.period_s:.4g} Hz, {abs(found.waves):.3g} waves on the body from {way}",
+        f"  bending           joints 1 to {len(found.amplitude_rad)}: amplitudes {bent} degrees",
+    ]
 
 
 def _promised(trial: Trial) -> str:

@@ -61,7 +61,8 @@ def trial_values(calibration: Calibration, ax: Axes) -> Axes:
 def profile(calibration: Calibration, ax: Axes) -> Axes:
     """Chi-square above its minimum along the first number, with the 95 % level."""
     if len(calibration.profile):
-        ax.plot(*calibration.profile.T, "o-", color=BLUE, ms=3, lw=1.4)
+        values, chi2 = calibration.profile.T
+        ax.plot(values, chi2 - min(float(chi2.min()), 0.0), "o-", color=BLUE, ms=3, lw=1.4)
     ax.axhline(3.84, color=GREY, lw=1, ls=(0, (3, 2)))
     ax.text(0.99, 3.95, "95 %", transform=ax.get_yaxis_transform(), ha="right", fontsize=SMALL, color=GREY)
     ax.ticklabel_format(axis="x", useOffset=False)

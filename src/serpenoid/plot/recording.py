@@ -56,6 +56,8 @@ def floor(trial: Trial, ax: Axes) -> Axes:
     if trial.passages:
         for colour, label in ((GREY, "body as a cycle begins"), (BLUE, "as it ends")):
             ax.plot([], [], color=colour, lw=2.4, label=label)
+    if any(jump.vertex is None for jump in motion.jumps):
+        ax.plot([], [], "x", color=RED, ms=8, mew=2, label="the body jumps")
     unit = "body lengths"
     dress(ax, "Markers (tail dark, head light)", f"x [{unit}]", f"y [{unit}]")
     legend_above(ax, 3)
@@ -89,9 +91,13 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
         if not gap.short:
             ax.axvspan(motion.time_s[gap.first], motion.time_s[gap.last], color=ORANGE, alpha=0.4, lw=0)
     for jump in motion.jumps:
-        ax.plot(jump.time_s, 0 if jump.vertex is None else jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
-    title = f"Hidden (dark): {motion.hidden_share:.1%} of all marker positions"
-    title += "; orange: too long to bridge" if any(not gap.short for gap in motion.gaps) else ""
+        if jump.vertex is None:  # the whole body
+            ax.axvline(jump.time_s, color=RED, lw=1.0)
+        else:
+            ax.plot(jump.time_s, jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
+    title = f"Hidden (dark): {motion.hidden_share:.1%} of marker positions"
+    title += "\norange: too long to bridge" if any(not gap.short for gap in motion.gaps) else ""
+    title += "\nred: jumps (cross: one marker, line: the body)" if motion.jumps else ""
     return dress(ax, title, "time [s]", "vertex", grid=False)
 
 
@@ -110,12 +116,12 @@ def angles(trial: Trial, ax: Axes) -> Axes:
         colour = CHAIN_MAP(joint / max(motion.joint_angles.shape[1] - 1, 1))
         ax.plot(time, motion.smooth_angles[::step, joint], color=colour, lw=1.3, label=f"joint {joint + 1}")
         if commanded is not None:
-            ax.plot(time, commanded[:, joint], color=colour, lw=0.9, ls=(0, (3, 2)))
+            ax.plot(time, commanded[:, joint], color=INK, lw=0.9, ls=(0, (3, 2)), zorder=3)
     for passage in trial.passages:
         ax.axvspan(motion.time_s[passage.first], motion.time_s[passage.last], color=FAINT, alpha=0.6, lw=0, zorder=0)
     dress(ax, "", "time [s]", "joint angle [rad]")
     if commanded is not None:
-        ax.plot([], [], color=GREY, lw=0.9, ls=(0, (3, 2)), label="commanded")
+        ax.plot([], [], color=INK, lw=0.9, ls=(0, (3, 2)), label="commanded")
     legend_above(ax, 4)
     return ax
 
