@@ -84,3 +84,17 @@ def test_one_animal_whose_camera_is_calibrated_to_a_few_per_cent_is_taken(tmp_pa
     recordings = {name: crawling(seed=seed) for seed, name in enumerate(["a", "b"])}
     recordings["b"] = recordings["b"][0], 1.03 * recordings["b"][1]
     assert len(load_campaign(written(tmp_path, recordings)).trials) == 2
+
+
+def test_neighbours_that_are_never_seen_together_are_named(tmp_path):
+    time, points = crawling()
+    points[::2, 2], points[1::2, 3] = np.nan, np.nan
+    with pytest.raises(InputError, match="never seen together: `vertex 2` and `vertex 3`"):
+        load_campaign(written(tmp_path, {"one": (time, points)}))
+
+
+def test_a_recording_in_utf_16_is_told_so(tmp_path):
+    folder = written(tmp_path, {"one": crawling()})
+    (folder / "one.csv").write_text((folder / "one.csv").read_text(), encoding="utf-16")
+    with pytest.raises(InputError, match="one.csv: .*UTF-16. Save it as UTF-8"):
+        load_campaign(folder)

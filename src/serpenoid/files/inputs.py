@@ -6,6 +6,7 @@ fault is an InputError that begins with the file's name.
 
 from __future__ import annotations
 
+import codecs
 import csv
 import json
 import math
@@ -53,8 +54,11 @@ def read_bytes(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
 
 def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     """UTF-8 text, with or without a byte-order mark."""
+    data = read_bytes(path, most)
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise InputError(f"{path}: not a text file in UTF-8 but in UTF-16. Save it as UTF-8.")
     try:
-        text = read_bytes(path, most).decode("utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file ({error.reason} at byte {error.start}).") from None
     if "\0" in text:

@@ -24,6 +24,7 @@ from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")
+UNSEEN = "Give `edge_lengths`, or is `minimum_score` in [motion] too high (DeepLabCut: 0.6 unless given)?"
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,13 @@ def neighbour_ratio(vertices: Floats, body: Body) -> float:
 
 def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
     """The body with edge lengths = medians of the distances between neighbouring markers over all recordings."""
-    return file.body.changed(edge_lengths=tuple(_medians(_distances(read)).tolist()))
+    together = _distances(read)
+    never = np.flatnonzero(~np.isfinite(together).any(axis=0))
+    if len(never):
+        labels = next(files.keys for files in read if files.labelled is not None).labels(file.body.vertices)
+        pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
+        raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
+    return file.body.changed(edge_lengths=tuple(_medians(together).tolist()))
 
 
 def other_lengths(read: Sequence[Files], blocks: int) -> Floats:
