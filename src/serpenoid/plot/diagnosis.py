@@ -121,13 +121,17 @@ def table_figure(table: Floats) -> Figure:
     return fig
 
 
+MOST_RANKED = 12  # and what was chosen
+
+
 def ranking_figure(found: Selection) -> Figure:
     """The best candidates by first-order gain."""
     scores = found.scores
-    best, needed = [s for s in scores if s[2] > 0][:12], gained_by_chance(len(scores))
+    chosen, needed = {e.key for e in found.best.effects}, gained_by_chance(len(scores))
+    gaining = [s for s in scores if s[2] > 0]
+    best = [s for i, s in enumerate(gaining) if i < MOST_RANKED or (s[0], s[1]) in chosen]
     fig = figure(7.4, 1.3 + 0.24 * max(len(best), 3))
     ax = fig.add_subplot()
-    chosen = {e.key for e in found.best.effects}
     colours = [BLUE if (n, p) in chosen else "#9CC3DB" for n, p, _ in best]
     ax.barh([n if p is None else f"{n} at {p}" for n, p, _ in best], [s for *_, s in best], color=colours)
     ax.invert_yaxis()

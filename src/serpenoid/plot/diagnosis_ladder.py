@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from serpenoid.plot.style import BLUE, GREY, INK, ORANGE, SMALL, dress, figure, legend_above
 
@@ -70,6 +71,7 @@ def parts(step: Step, ax: Axes) -> Axes:
     ax.plot(numbers, noise_level, "--", color=INK, lw=1.0, label="noise level")
     ax.set_yscale("log")
     ax.set_ylim(0.4 * min(noise_level), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in noise_level]))
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.yaxis.set_minor_formatter("")
     ax.set_xticks(numbers)
