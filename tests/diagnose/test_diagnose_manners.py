@@ -79,15 +79,6 @@ def test_wrong_words_are_refused_before_the_work(
     assert said in capsys.readouterr().err
 
 
-def test_a_baseline_that_dissipates_at_edges_is_refused(
-    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    model = tmp_path / "model.toml"
-    model.write_text('[medium]\nanisotropy_ratio = 0.2\ndissipation = "edge"\n', encoding="utf-8")
-    assert main(["diagnose", str(campaign), "--model", str(model)]) == 2
-    assert 'needs [medium] dissipation = "vertex"' in capsys.readouterr().err
-
-
 def test_help_teaches(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["diagnose", "--help"])

@@ -265,3 +265,13 @@ def test_not_knowing_the_lengths_moves_eps_as_a_fit_with_other_lengths_does(rehe
     assert wider == pytest.approx(np.hypot(base.sd[0], lengths_sd(others, base.solution)[0]))
     assert wider > 1.02 * base.sd[0]
     assert others_of(given, model)(None).models == ()
+
+
+def test_where_markers_show_no_shape_is_said_and_not_fitted(rehearsed):
+    """Points are exchanged in a trial whose data are believed: a fit of what is not finite ended in a traceback."""
+    trial = rehearsed[1].trials[0]
+    angles = trial.motion.smooth_angles.copy()
+    row = trial.passages[0].first + 20
+    angles[row] = np.nan
+    with pytest.raises(InputError, match=f"no shape at {trial.motion.time_s[row]:.4g} s"):
+        trial_segments(replace(trial, motion=replace(trial.motion, smooth_angles=angles)))

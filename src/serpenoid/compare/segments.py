@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from serpenoid.compare.likelihood import Segment
 from serpenoid.errors import InputError
 from serpenoid.measure.trial import Motion, Trial
@@ -23,6 +25,13 @@ def trial_segments(trial: Trial, like: Trial | None = None) -> tuple[Segment, ..
 def _segment(trial: Trial, motion: Motion, rows: slice) -> Segment:
     time = motion.time_s[rows]
     phase = trial.schedule.phase(time) if trial.schedule is not None and trial.start_source != "none" else None
+    known = np.isfinite(motion.smooth_angles[rows]).all(axis=1) & np.isfinite(motion.covariance[rows]).all(axis=(1, 2))
+    if not known.all():
+        at = time[int(np.argmin(known))]
+        raise InputError(
+            f"trial `{trial.name}`: its markers show no shape at {at:.4g} s. Were points exchanged, or are some wrong? "
+            "Leave that part out: `from_s` and `to_s`."
+        )
     return Segment(
         time, motion.joint_angles[rows], motion.poses[rows], motion.covariance[rows],
         motion.smooth_angles[rows], motion.smooth_poses[rows], trial.name, phase,
