@@ -18,9 +18,11 @@ from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
+from serpenoid.diagnose.data.shapes_from_points import angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.start import baseline
 from serpenoid.errors import InputError
 
@@ -68,6 +70,24 @@ def test_without_a_log_shapes_are_what_the_markers_show(tmp_path: Path) -> None:
     recordings = recorded(blind, tmp_path)
     assert not any(r.by_servos for r in recordings)
     assert angle_error(blind, recordings) < 5e-3  # markers of 0.2 mm show a joint to 6 mrad in one frame
+
+
+def test_without_a_log_what_a_hidden_vertex_leaves_open_is_no_reading(tmp_path: Path) -> None:
+    """Of a joint that is nearly straight there are two mirror positions, and noise chooses. Hidden it is bent as it
+    was commanded."""
+    blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
+    seen = recorded(blind, tmp_path)
+    worst = 0.0
+    for r in carried(seen, plays(seen), []):
+        markers, angles, inside = r.markers.copy(), r.angles, (r.time > 0.5) & (r.time < r.end - 0.5)
+        straight = np.where(inside[:, None], np.abs(angles), np.inf)
+        for joint in (2, 5):
+            hidden = np.abs(r.time - r.time[straight[:, joint].argmin()]) < 0.2
+            markers[hidden, joint + 1] = np.nan
+        known, shown = angles_shown(r.body, markers)
+        found = replace(r, markers=markers, log_time=r.time[known], position=shown).angles
+        worst = max(worst, float(np.abs(found - angles).max()))
+    assert worst < 0.03, worst
 
 
 @pytest.mark.parametrize("vertex", [0, 5])

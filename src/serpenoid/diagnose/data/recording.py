@@ -135,7 +135,12 @@ class Recording:
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
 
     def _read(self, time: Floats) -> Source:
-        return Source(time, self.position, self._sd)
+        """What servos read; without a log, what markers show. About a vertex that is hidden between two that are seen
+        rigid links leave two mirror positions, or nearly straight ones any: that is no reading."""
+        if self.by_servos:
+            return Source(time, self.position, self._sd)
+        shown = np.isfinite(marker_angles(self.body, self.markers[np.isin(self.time, self.log_time)]))
+        return Source(time, np.where(shown, self.position, np.nan), self._sd)
 
     @property
     def _sd(self) -> Floats:
