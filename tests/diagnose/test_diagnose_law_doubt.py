@@ -1,7 +1,12 @@
 """Values about a law that is wrong: how often their intervals hold the truth, and what they cost where it is right."""
 
-import numpy as np
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
+import pytest
+
+from serpenoid.diagnose.inference import law_doubt
 from serpenoid.diagnose.inference.law_doubt import with_errors_of_gaits
 
 GAITS, WINDOWS, NORMAL = 6, 60, 1.96
@@ -42,3 +47,22 @@ def test_what_the_data_do_not_tell_stays_where_it_is() -> None:
     moved, deviations = with_errors_of_gaits(matrix, np.zeros((3, 2)), np.array([0.2, 0.0]))
     np.testing.assert_array_equal(moved, 0.0)
     assert deviations[0] > 0 == deviations[1]
+
+
+def test_an_explanation_counts_by_how_likely_it_makes_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that leaves nine times as much says next to nothing of a value: six gaits, a weight of 1 / 729."""
+    effect = SimpleNamespace(name="a", place=None, effect=SimpleNamespace(parameters=(None,)))
+    said = {1.0: 2.0, 9.0: 50.0}
+    monkeypatch.setattr(law_doubt, "of_gaits", lambda _, fit, __: (np.array([0.2, said[fit.chi2]]), np.full(2, 0.1)))
+
+    def explanation(chi2: float) -> Any:
+        evidence = SimpleNamespace(count=np.ones(1))
+        fit = SimpleNamespace(chi2=chi2, evidence=evidence, effects=[effect])
+        return SimpleNamespace(labels=(1, 2, 3, 4, 5, 6, 6)), fit, 1.0
+
+    alone = law_doubt.doubted([explanation(1.0)])["a", None, 0]
+    both = law_doubt.doubted([explanation(1.0), explanation(9.0)])["a", None, 0]
+    alike = law_doubt.doubted([explanation(1.0), explanation(1.0)])["a", None, 0]
+    assert (alone.value, alone.deviation) == (2.0, pytest.approx(0.1))
+    assert alike.deviation == pytest.approx(0.1)
+    assert both.value == pytest.approx((2.0 + 50.0 / 729) / (1 + 1 / 729))

@@ -9,7 +9,8 @@ by a share of itself. The two shares are those of restricted maximum likelihood,
 comparing them; it is expected to be as large as what they do not share, so T counts once more (the prediction interval
 of Higgins, Thompson and Spiegelhalter, J. R. Stat. Soc. A 172, 137, 2009). What one explanation of an earlier campaign
 says of the change, another one does not, nor what stands beside it below detection: the scatter of values is added,
-each explanation weighed by the inverse of what it leaves.
+each explanation weighed by the inverse of what it left of the earlier campaign, and by how likely this one is with it:
+its gaits are the independent numbers, of unknown scale, so that is chi squared to the power -G / 2.
 
 Legend: G gaits, P coordinates (eps first), K explanations.
 """
@@ -48,7 +49,9 @@ def doubted(explained: Sequence[tuple[Motion, Fit, float]], hold: bool = True) -
     hold: what ended at a bound stays there.
     """
     found: dict[Coordinate, list[tuple[Doubted, float]]] = {}
-    for motion, fit, weight in explained:
+    left = [fit.chi2 / float(fit.evidence.count.sum()) for _, fit, _ in explained]
+    for (motion, fit, earlier), mine in zip(explained, left, strict=True):
+        weight = earlier * (min(left) / mine) ** (len(set(motion.labels)) / 2)
         names = [(e.name, e.place, i) for e in fit.effects for i in range(len(e.effect.parameters))]
         values, deviations = of_gaits(motion, fit, hold)
         for name, value, deviation in zip(names, values[1:], deviations[1:], strict=True):
