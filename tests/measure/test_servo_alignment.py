@@ -8,6 +8,7 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.measure import clock
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
@@ -70,3 +71,17 @@ def test_a_log_that_ends_early_is_laid_over_the_part_that_it_covers(end_s: float
     found = find_offset(time, seen, at + 100, schedule.commanded(at))
     assert found is not None
     assert found.offset_s == pytest.approx(-100.0, abs=0.002)
+
+
+@pytest.mark.parametrize(
+    ("since", "until", "cut"), [(0, 17, False), (1.5, 16.5, False), (0, 13, True), (0, 12, True), (3, 17, True)]
+)
+def test_a_log_is_whole_that_is_as_long_as_the_motion_and_at_rest_at_its_ends(
+    since: float, until: float, cut: bool
+) -> None:
+    """Of a whole one no cycles are left out: with a clock that runs fast fewer of them agree better."""
+    schedule = Schedule(serpenoid_table(50), 4.0, 3, 1.0, start_s=2.0)
+    time = np.arange(0.0, 17.0, 0.02)
+    seen = schedule.commanded(time) + 0.003 * np.random.default_rng(0).normal(size=(len(time), 10))
+    at = np.arange(since, until, 0.03)
+    assert clock._cut(time, seen, 1.0064 * at + 100, schedule.commanded(at)) == cut

@@ -14,6 +14,7 @@ FINE_S = GRID_S * np.linspace(-3, 3, 13)  # about a shift at which ends are held
 MOST_SHIFTS = 40  # that nearly agree
 FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of two harmonics
 TINY = 1e-300  # of two signals that agree to the last bit
+CUT_S = 0.1  # in which a record at its end moves, or rests
 EARLY = 0.05  # of logs end early: as rare as what else is wrong (`consistency.rivals.FAULTY`)
 HOLE = 3.0  # typical frames: a longer gap is not bridged
 
@@ -75,10 +76,13 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
 def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> float:
     """The best of `shifts`; another at which the signals agree far better where both are there, if there is one.
 
-    A log that ends early (its battery dies) is not held where it ends. The error's size is unknown on either side:
-    log evidence = -FREEDOM / 2 log(mean square difference), columns counted as one.
+    A log that ends early (its battery dies) is not held where it ends; one that is as long as the motion, at rest at
+    both ends, is whole. The error's size is unknown on either side: log evidence = -FREEDOM / 2 log(mean square
+    difference), columns counted as one.
     """
     best = int(np.argmin(costs))
+    if not _cut(t, signal, other_s, other):
+        return float(shifts[best])
     inner = 1 + np.flatnonzero((costs[1:-1] <= costs[:-2]) & (costs[1:-1] <= costs[2:]))
     some = np.unique([best, *inner[np.argsort(costs[inner], kind="stable")][:MOST_SHIFTS]])
     left = {
@@ -89,6 +93,21 @@ def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s:
     own, (cost, shift, _) = min(c for c, _, k in left if k == best), min(left)
     gain = FREEDOM / 2 * np.log(own / max(cost, TINY))
     return shift if gain > np.log(1 / EARLY - 1) else float(shifts[best])
+
+
+def _cut(t: Floats, signal: Floats, other_s: Floats, other: Floats) -> bool:
+    """Whether a record is shorter than the motion that the signal shows, or begins or ends amid motion."""
+    begin, quick = _quick(t, signal)
+    span = begin[quick][-1] - begin[quick][0]
+    own = _quick(other_s, other)[1]
+    return bool(own[0] or own[-1] or other_s[-1] - other_s[0] < span)
+
+
+def _quick(time_s: Floats, values: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """When stretches of a record (R, m) begin [s], and in which it moves no less than in the root mean square."""
+    at = np.linspace(time_s[0], time_s[-1], max(int((time_s[-1] - time_s[0]) / CUT_S), 1) + 1)
+    moved = (np.diff(held(time_s, values, at), axis=0) ** 2).sum(axis=1)
+    return at[:-1], moved >= moved.mean()
 
 
 def _held_costs(
