@@ -57,4 +57,6 @@ def diagnose_campaign(
     body = file.body.with_middles() if middles else file.body
     known = earlier or taken_for_granted(baseline(model, file, body), without, notice)
     known.check(body)
-    return file, diagnose(read_recordings(campaign, reading, files, middles)[1], known, say, searched)
+    _, recordings = read_recordings(campaign, reading, files)
+    recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
+    return file, diagnose(recordings, known, say, searched)

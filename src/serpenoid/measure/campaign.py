@@ -61,10 +61,6 @@ class MotionKeys(Record):
         named = dict(zip(self.marked(count), self.markers or (), strict=False))
         return [named.get(vertex, f"vertex {vertex}") for vertex in range(count)]
 
-    def with_middles(self, count: int) -> Self:
-        """The same of a body whose `count` vertices have others in the middles between them: see `Body`."""
-        return self.model_copy(update={"vertices": tuple(2 * vertex for vertex in self.marked(count))})
-
     def over(self, other: MotionKeys) -> MotionKeys:
         """These keys, and `other`'s where these are not given; columns are those of a format."""
         mine = {
@@ -139,13 +135,6 @@ class CampaignFile(Record):
             if markers is not None and len(markers) != count:
                 raise ValueError(f"trial `{trial.name}`: `markers` needs {count} names, got {len(markers)}")
         return self
-
-    def with_middles(self) -> CampaignFile:
-        """The same of the body with vertices in the middles of its edges: see `Body`."""
-        count = self.body.vertices
-        trials = tuple(t if t.vertices is None else t.with_middles(count) for t in self.trial)
-        changed = {"body": self.body.with_middles(), "motion": self.motion.with_middles(count), "trial": trials}
-        return self.model_copy(update=changed)
 
     @property
     def lengths_given(self) -> bool:

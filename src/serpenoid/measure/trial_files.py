@@ -47,15 +47,6 @@ class Files:
             return None
         return Schedule(self.table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
 
-    def with_middles(self, body: Body) -> Files:
-        """The same of a body with vertices in the middles of its edges, which have no markers: see `Body`."""
-        labelled = self.labelled
-        if labelled is not None:
-            vertices = between_markers(labelled.vertices)
-            placed = tuple((name, 2 * vertex) for name, vertex in labelled.relabelled)
-            labelled = replace(labelled, vertices=vertices, relabelled=placed)
-        return replace(self, keys=self.keys.with_middles(body.vertices), labelled=labelled)
-
 
 Reader = Callable[[CampaignFile, Path], tuple[Body, tuple[Files, ...]]]
 
@@ -150,26 +141,23 @@ def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: 
 
 def _between(marked: Sequence[int], edges: Floats | None, body: Body) -> Floats | None:
     """Distances (M - 1,) of neighbouring markers; None where they are unknown, or a joint between two changes one."""
-    if edges is None or any(a < j < b for a, b in pairwise(marked) for j in body.joint_vertices):
-        return None
-    return np.diff(np.concatenate([[0.0], np.cumsum(edges)])[list(marked)])
+    found = None if edges is None else _along(marked, edges, body)
+    return None if found is None or np.isnan(found).any() else found
 
 
-def between_markers(vertices: Floats) -> Floats:
-    """Markers (F, 2 N - 1, 2) of a body with vertices in the middles of its edges, where none is, of (F, N, 2)."""
-    found = np.full((len(vertices), 2 * vertices.shape[1] - 1, 2), np.nan)
-    found[:, ::2] = vertices
-    return found
+def _along(vertices: Sequence[int], edges: Floats, body: Body) -> Floats:
+    """Distances (M - 1,) between successive ones of M vertices, by edge lengths (N - 1,); NaN across a joint."""
+    bent = [any(a < joint < b for joint in body.joint_vertices) for a, b in pairwise(vertices)]
+    return np.where(bent, np.nan, np.diff(np.concatenate([[0.0], np.cumsum(edges)])[list(vertices)]))
 
 
 def neighbour_ratio(vertices: Floats, body: Body) -> float:
     """Measured over stated distance of neighbours, the median; NaN where no two are ever seen together."""
     shown = np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0))
-    rigid = [not any(a < joint < b for joint in body.joint_vertices) for a, b in pairwise(shown)]
-    distances = np.linalg.norm(np.diff(vertices[:, shown], axis=1), axis=2)[:, rigid]
-    stated = np.diff(np.concatenate([[0.0], np.cumsum(body.edges_m)])[shown])[rigid]
-    ever = np.isfinite(distances).any(axis=0)
-    return float(np.median(np.nanmedian(distances[:, ever], axis=0) / stated[ever])) if ever.any() else np.nan
+    distances = np.linalg.norm(np.diff(vertices[:, shown], axis=1), axis=2)
+    stated = _along(shown.tolist(), body.edges_m, body)
+    known = np.isfinite(distances).any(axis=0) & np.isfinite(stated)
+    return float(np.median(np.nanmedian(distances[:, known], axis=0) / stated[known])) if known.any() else np.nan
 
 
 def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:

@@ -27,16 +27,7 @@ from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION
-from serpenoid.measure.trial_files import (
-    Files,
-    Progress,
-    Reader,
-    between_markers,
-    content,
-    neighbour_ratio,
-    of_every_trial,
-    read_files,
-)
+from serpenoid.measure.trial_files import Files, Progress, Reader, content, neighbour_ratio, of_every_trial, read_files
 
 READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
 WINDOWS_PER_CYCLE = 8
@@ -165,7 +156,9 @@ class Recording:
 
     def with_middles(self) -> Recording:
         """The same of the body with vertices in the middles of its edges, which have no markers: see `Body`."""
-        return replace(self, body=self.body.with_middles(), markers=between_markers(self.markers))
+        markers = np.full((len(self.markers), 2 * self.body.vertices - 1, 2), np.nan)
+        markers[:, ::2] = self.markers
+        return replace(self, body=self.body.with_middles(), markers=markers)
 
     @cached_property
     def angles(self) -> Floats:
@@ -202,12 +195,12 @@ def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
 
 
 def read_recordings(
-    path: str | Path, progress: Progress | None = None, files: Reader = read_files, middles: bool = False
+    path: str | Path, progress: Progress | None = None, files: Reader = read_files
 ) -> tuple[CampaignFile, tuple[Recording, ...]]:
     """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not.
 
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
-    files: reads what the campaign names, or has read it. middles: of the body with vertices amid its edges.
+    files: reads what the campaign names, or has read it.
     """
     file, folder = load_campaign_file(path)
     if not file.lengths_given:
@@ -216,14 +209,9 @@ def read_recordings(
         )
 
     def aligned() -> tuple[Recording, ...]:
-        body, read = files(file, folder)
-        if not middles:
-            return _aligned(file, body, read, folder, progress)
-        return _aligned(
-            file.with_middles(), body.with_middles(), [f.with_middles(body) for f in read], folder, progress
-        )
+        return _aligned(file, *files(file, folder), folder, progress)
 
-    return file, remember(aligned, "recordings", file, middles, content(file, folder))
+    return file, remember(aligned, "recordings", file, content(file, folder))
 
 
 def _aligned(

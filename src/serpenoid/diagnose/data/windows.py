@@ -100,6 +100,11 @@ class Prediction:
     columns: tuple[Column, ...]
     steps: Floats | None = None
 
+    def by(self, columns: Sequence[Column]) -> Floats:
+        """Derivatives (B - 1, 3, K) by some of its columns."""
+        at = {column: i for i, column in enumerate(self.columns)}
+        return self.jacobian[..., [at[column] for column in columns]]
+
 
 def predictions(
     model: Model,

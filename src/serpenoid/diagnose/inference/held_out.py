@@ -83,7 +83,7 @@ def left_open(motion: Motion, found: Fit) -> float:
     squares = []
     for track, label, p in zip(motion.tracks, motion.labels, found.predictions, strict=True):
         covariance = evidence.solve(told, without=labels.index(label))[1]
-        by = p.jacobian[..., [p.columns.index(columns[i]) for i in told]]
+        by = p.by([columns[i] for i in told])
         squares.append(strays(track, p.displacement, by @ np.linalg.cholesky(covariance) * spread))
     return float(np.sqrt(np.mean(squares)))
 

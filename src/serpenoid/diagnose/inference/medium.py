@@ -100,9 +100,7 @@ def linearised(
     """
     listed = [*at_values(model, effects), *candidates]
     found = predictions(model, motion.tracks, candidates, near)
-    at = {column: i for i, column in enumerate(found[0].columns)}
-    order = [at[column] for column in (EPS, *columns_of(listed))]
-    joined = of_windows(motion, found, [p.jacobian[..., order] for p in found])
+    joined = of_windows(motion, found, [p.by((EPS, *columns_of(listed))) for p in found])
     evidence = held_at_bounds(model, listed, joined) if hold else joined
     return evidence, tuple(found)
 

@@ -60,8 +60,7 @@ def chance(motion: Motion, base: Fit) -> Noise:
     if chance_from(motion.tracks) not in ("trials", "cycles") or not absent:
         return found.noise
     seen = predictions(base.model, motion.tracks, absent, base.predictions)
-    at = {column: i for i, column in enumerate(seen[0].columns)}
-    columns = [[p.jacobian[..., [at[c] for c in columns_of([e])]] for p in seen] for e in absent]
+    columns = [[p.by(columns_of([e])) for p in seen] for e in absent]
     taken: list[int] = []
     while len(taken) < len(absent):
         tries = {

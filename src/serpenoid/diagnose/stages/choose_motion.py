@@ -83,9 +83,9 @@ def choose_on_tracks(
         motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
         model = fit_eps(motion, model).model
     chosen = select(motion, model, track, say)
-    law, drag_at = "", ""
-    if baseline.ratio is None:  # with a reference it is known
-        law, drag_at = dry_friction(chosen), drag_amid_edges(chosen, amid) if amid is not None else ""
+    asked = baseline.ratio is None  # with a reference it is known
+    law = dry_friction(chosen) if asked else ""
+    drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
     return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at))
