@@ -15,8 +15,8 @@ from matplotlib.backend_bases import GraphicsContextBase, RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.backends.backend_svg import RendererSVG
 from matplotlib.figure import Figure
-from matplotlib.image import imsave
 from matplotlib.transforms import Affine2D, TransformedBbox, TransformedPath
+from PIL import Image
 
 from serpenoid.files.writing import atomic
 
@@ -37,6 +37,7 @@ def draw(fig: Figure, pixels_per_inch: int, png: Path, svg: Path) -> None:
     """Write a figure as PNG and SVG, drawn once."""
     fig.dpi = POINTS_PER_INCH
     width, height = fig.get_size_inches()
+    _without_empty_labels(fig)
     with svg.open("w", encoding="utf-8") as stream:
         size = width * POINTS_PER_INCH, height * POINTS_PER_INCH
         lines = RendererSVG(*size, stream, image_dpi=pixels_per_inch, metadata={"Date": None})
@@ -44,9 +45,17 @@ def draw(fig: Figure, pixels_per_inch: int, png: Path, svg: Path) -> None:
         _Canvas(fig, both)
         fig.draw(both)
         lines.finalize()
-    options = {"compress_level": COMPRESSION}
-    opaque = np.asarray(both.pixels.buffer_rgba())[..., :3]
-    imsave(png, opaque, format="png", dpi=pixels_per_inch, pil_kwargs=options)
+    opaque = np.ascontiguousarray(np.asarray(both.pixels.buffer_rgba())[..., :3])
+    resolution = (pixels_per_inch, pixels_per_inch)
+    Image.fromarray(opaque).save(png, format="png", dpi=resolution, compress_level=COMPRESSION)
+
+
+def _without_empty_labels(fig: Figure) -> None:
+    """What has no label needs no place for it: to look for one measures every number along the axis again."""
+    for ax in fig.get_axes():
+        for axis in (ax.xaxis, ax.yaxis):
+            if not axis.get_label_text():
+                axis.set_label_coords(0.0, 0.0)
 
 
 class Both(RendererBase):
