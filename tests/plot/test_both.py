@@ -23,7 +23,9 @@ def drawn(folder, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(Axis, "_update_ticks", lambda axis: calls.append(axis) or made(axis))
         both.save(panels(), folder, "panels")
-    return Image.open(folder / "panels.png"), len(calls)
+    with Image.open(folder / "panels.png") as picture:
+        picture.load()
+    return picture, len(calls)
 
 
 def test_axes_without_a_label_look_for_no_place_for_it_and_look_the_same(tmp_path, monkeypatch):
