@@ -17,7 +17,8 @@ from serpenoid.files.writing import write_csv
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions
-from serpenoid.measure.consistency.geometry import layout, marker_faults
+from serpenoid.measure.consistency.geometry import marker_faults
+from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.match import course_of, match, match_at
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal, sample
@@ -285,6 +286,23 @@ def test_an_animal_without_lengths_shows_which_points_are_exchanged(count):
     found = marker_faults(layout(points[:, order], None), names, None)
     assert found[0].gain > ODDS
     assert "`p1` and `p2`" in found[0].words
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["lengths given", "no lengths"])
+@pytest.mark.parametrize("k", [0, 3, 7])
+def test_one_column_in_another_unit_is_told_by_its_name(k, known):
+    points, edges = tracked(8), np.full(7, 1 / 7) if known else None
+    points[:, k, 0] *= 1000
+    found = marker_faults(layout(points + 0.01, edges), list("abcdefgh"), None)
+    assert found[0].gain > ODDS
+    assert f"`{'abcdefgh'[k]}` where it cannot be" in found[0].words
+
+
+def test_a_marker_that_is_badly_placed_is_not_said_to_be_elsewhere():
+    points = tracked(8)
+    points[:, 3, 0] += 0.9 / 7
+    found = marker_faults(layout(points, np.full(7, 1 / 7)), list("abcdefgh"), None)
+    assert "elsewhere" not in [fault.kind for fault in found]
 
 
 def test_a_body_of_three_points_says_nothing_about_its_order():

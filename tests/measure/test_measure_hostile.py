@@ -15,7 +15,8 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.consistency.check import Claim, check
-from serpenoid.measure.consistency.geometry import layout, marker_faults
+from serpenoid.measure.consistency.geometry import marker_faults
+from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape

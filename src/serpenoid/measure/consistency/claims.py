@@ -17,7 +17,8 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
 from serpenoid.measure.consistency.exchanged import exchanges
-from serpenoid.measure.consistency.geometry import Plane, layout, marker_faults
+from serpenoid.measure.consistency.geometry import Plane, marker_faults
+from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import other_bodies
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal

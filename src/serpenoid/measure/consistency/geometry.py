@@ -1,11 +1,5 @@
-"""The same for markers: which marker is which vertex, which axis is up, which unit, which edge has another length.
-
-    log evidence = - E log( rms of (distance - edge length) )             lengths given: links are rigid
-                   - E log( rms of (distance - its mean) ) - E log( sum of mean distances )       not given
-                   - 2 (N - 2) log( rms of the turning angles )           a body does not fold back on itself
-
-rms over edges and frames, each with the tolerance of a marker put on by hand added. Counted once per edge and angle,
-however many frames: errors of placing repeat in every frame. Legend: F frames, N vertices, E = N - 1 edges.
+"""What is wrong with markers: which is which vertex, which axis is up, which unit, which edge has another length, which
+is not on the body. Each is weighed by the evidence of the layout it makes (`layout`).
 """
 
 from __future__ import annotations
@@ -17,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.layout import PLACED, Layout, evidence, flatness, layout
 from serpenoid.measure.tracks import floor_plane
 
-MOST_FRAMES = 120  # evenly chosen: posture, not noise, decides
-PLACED = 0.05  # of the median edge: a marker put on by hand
 SCALE_SD = 0.03  # cameras are calibrated to this, and robots measured
 UNITS = {
     1e6: "um", 1e3: "mm", 100.0: "cm", 39.37: "inches", 25.4: "mm, [body] in inches", 10.0: "mm, [body] in cm",
@@ -28,17 +21,8 @@ UNITS = {
 }  # fmt: skip
 NO_UNIT = 1e-9  # of the promised length: less than another unit makes of it
 SWAPS = 3  # pairs exchanged at once that are looked for
-KINDS = 4  # up axis, unit, order, one length
+KINDS = 5  # up axis, unit, order, one length, one marker elsewhere
 LARGEST = 40  # vertices up to which every pair is tried; beyond, pairs up to a tenth of the body apart
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Distances between all pairs in F frames (F, N, N), the positions (F, N, 2), and edges (N - 1,) or None."""
-
-    points: Floats
-    distance: Floats
-    edges: Floats | None
 
 
 @dataclass(frozen=True)
@@ -51,58 +35,6 @@ class MarkerFault:
     gain: float
 
 
-def layout(points: Floats, edges: Floats | None) -> Layout:
-    """Of vertices (F, N, 2) in the unit of `edges`."""
-    seen = np.isfinite(points[..., 0]).sum(axis=1) >= 3
-    usable = np.flatnonzero(seen)
-    some = usable[np.linspace(0, len(usable) - 1, min(len(usable), MOST_FRAMES)).astype(int)] if len(usable) else usable
-    chosen = points[some]
-    return Layout(chosen, np.linalg.norm(chosen[:, :, None] - chosen[:, None], axis=3), edges)
-
-
-def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, edges: Floats | None = None) -> float:
-    """Log evidence of vertices taken in `order`, their distances multiplied by `scale`."""
-    chain = np.asarray(order)
-    lengths = plan.edges if edges is None else edges
-    distance = scale * plan.distance[:, chain[:-1], chain[1:]]
-    with np.errstate(invalid="ignore"):
-        seen = np.isfinite(distance).any(axis=0)
-    if not seen.any():
-        return -np.inf
-    distance, count = distance[:, seen], int(seen.sum())
-    mean = np.nanmean(distance, axis=0)
-    typical = np.median(mean) if lengths is None else float(np.median(lengths))
-    about = mean if lengths is None else lengths[seen]
-    miss = float(np.sqrt(np.nanmean((distance - about) ** 2) + (PLACED * typical) ** 2))
-    if lengths is not None:
-        return float(-count * np.log(miss))
-    order_of_body = -count * np.log(mean.sum()) - 2 * (len(chain) - 2) * np.log(_folding(plan, chain))
-    return float(-count * np.log(miss) + order_of_body)
-
-
-def flatness(plan: Layout) -> float:
-    """Log evidence that these are all of a body's lengths and not a view of it from the side."""
-    chain = np.arange(plan.points.shape[1])
-    if plan.edges is not None:
-        return evidence(plan, chain.tolist())
-    distance = plan.distance[:, chain[:-1], chain[1:]]
-    distance = distance[:, np.isfinite(distance).any(axis=0)]
-    mean = np.nanmean(distance, axis=0)
-    miss = np.sqrt(np.nanmean((distance - mean) ** 2) / mean.mean() ** 2 + PLACED**2)
-    return float(-len(mean) * np.log(miss))
-
-
-def _folding(plan: Layout, chain: np.ndarray) -> float:
-    """RMS turning angle between successive edges, with the tolerance of placing."""
-    edge = np.diff(plan.points[:, chain], axis=1)
-    a, b = edge[:, :-1], edge[:, 1:]
-    cross, dot = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2)
-    turning = np.arctan2(cross, dot)
-    if not np.isfinite(turning).any():
-        return 1.0
-    return float(np.sqrt(np.nanmean(turning**2) + (2 * PLACED) ** 2))
-
-
 def marker_faults(plan: Layout, names: Sequence[str], plane: Plane | None) -> list[MarkerFault]:
     """All faults of one recording's markers that explain it better than the contract does, best first."""
     order = list(range(plan.points.shape[1]))
@@ -111,7 +43,7 @@ def marker_faults(plan: Layout, names: Sequence[str], plane: Plane | None) -> li
         return []
     if plan.edges is not None:
         base += _scale_belief(plan, order)
-    found = [*_exchanged(plan, names, base), *_axes(plan, plane), *_lengths(plan, base)]
+    found = [*_exchanged(plan, names, base), *_axes(plan, plane), *_lengths(plan, base), *_elsewhere(plan, names)]
     return sorted((fault for fault in found if fault.gain > 0), key=lambda fault: -fault.gain)
 
 
@@ -197,4 +129,36 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
     gain = evidence(plan, order, edges=corrected) - base - np.log(2 * KINDS * len(ratio))
     words = f"show edge {worst} {measured[worst]:.4g} long, and `edge_lengths` says {plan.edges[worst]:.4g}"
     found.append(MarkerFault("edge", words, f"set that length to {measured[worst]:.4g}", float(gain)))
+    return found
+
+
+def _elsewhere(plan: Layout, names: Sequence[str]) -> list[MarkerFault]:
+    """A marker that most of the time misses its place by more than an edge: whatever was tracked, it is not that one.
+
+    Its edges have a miss of their own, the others one together; a marker that is badly placed misses by less.
+    """
+    count = plan.points.shape[1]
+    distances = plan.distance[:, np.arange(count - 1), np.arange(1, count)]
+    ever = np.flatnonzero(np.isfinite(distances).any(axis=0))
+    distances = distances[:, ever]
+    usual = np.nanmedian(distances, axis=0)
+    about = usual if plan.edges is None else plan.edges[ever]
+    longest = float(np.median(about) if plan.edges is None else about.max())
+    missed = np.abs(distances - about)
+    squares = np.nanmean(missed**2, axis=0) + (PLACED * np.median(about)) ** 2
+    far = np.nanmedian(missed, axis=0) > longest
+    found = []
+    for k in range(count):
+        own = (ever == k - 1) | (ever == k)
+        if not far[own].any() or own.all():
+            continue
+        apart = [0.5 * part.sum() * np.log(squares[part].mean()) for part in (own, ~own)]
+        gain = 0.5 * len(ever) * np.log(squares.mean()) - sum(apart) - np.log(KINDS * count)
+        times = np.nanmedian(missed[:, own], axis=0).max() / longest
+        words = (
+            f"have `{names[k]}` where it cannot be: most of the time its distance to a neighbour is wrong by "
+            f"{times:.3g} times the {'median' if plan.edges is None else 'longest'} edge"
+        )
+        cure = f"is a column of `{names[k]}` in another unit, or of another point?"
+        found.append(MarkerFault("elsewhere", words, cure, float(gain)))
     return found

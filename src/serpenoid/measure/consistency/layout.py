@@ -1,0 +1,82 @@
+"""How far markers lie from each other, and how well that is a chain of rigid links.
+
+    log evidence = - E log( rms of (distance - edge length) )             lengths given: links are rigid
+                   - E log( rms of (distance - its mean) ) - E log( sum of mean distances )       not given
+                   - 2 (N - 2) log( rms of the turning angles )           a body does not fold back on itself
+
+rms over edges and frames, each with the tolerance of a marker put on by hand added. Counted once per edge and angle,
+however many frames: errors of placing repeat in every frame. Legend: F frames, N vertices, E = N - 1 edges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.measure.cells import Floats
+
+MOST_FRAMES = 120  # evenly chosen: posture, not noise, decides
+PLACED = 0.05  # of the median edge: a marker put on by hand
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Distances between all pairs in F frames (F, N, N), the positions (F, N, 2), and edges (N - 1,) or None."""
+
+    points: Floats
+    distance: Floats
+    edges: Floats | None
+
+
+def layout(points: Floats, edges: Floats | None) -> Layout:
+    """Of vertices (F, N, 2) in the unit of `edges`."""
+    seen = np.isfinite(points[..., 0]).sum(axis=1) >= 3
+    usable = np.flatnonzero(seen)
+    some = usable[np.linspace(0, len(usable) - 1, min(len(usable), MOST_FRAMES)).astype(int)] if len(usable) else usable
+    chosen = points[some]
+    return Layout(chosen, np.linalg.norm(chosen[:, :, None] - chosen[:, None], axis=3), edges)
+
+
+def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, edges: Floats | None = None) -> float:
+    """Log evidence of vertices taken in `order`, their distances multiplied by `scale`."""
+    chain = np.asarray(order)
+    lengths = plan.edges if edges is None else edges
+    distance = scale * plan.distance[:, chain[:-1], chain[1:]]
+    with np.errstate(invalid="ignore"):
+        seen = np.isfinite(distance).any(axis=0)
+    if not seen.any():
+        return -np.inf
+    distance, count = distance[:, seen], int(seen.sum())
+    mean = np.nanmean(distance, axis=0)
+    typical = np.median(mean) if lengths is None else float(np.median(lengths))
+    about = mean if lengths is None else lengths[seen]
+    miss = float(np.sqrt(np.nanmean((distance - about) ** 2) + (PLACED * typical) ** 2))
+    if lengths is not None:
+        return float(-count * np.log(miss))
+    order_of_body = -count * np.log(mean.sum()) - 2 * (len(chain) - 2) * np.log(_folding(plan, chain))
+    return float(-count * np.log(miss) + order_of_body)
+
+
+def flatness(plan: Layout) -> float:
+    """Log evidence that these are all of a body's lengths and not a view of it from the side."""
+    chain = np.arange(plan.points.shape[1])
+    if plan.edges is not None:
+        return evidence(plan, chain.tolist())
+    distance = plan.distance[:, chain[:-1], chain[1:]]
+    distance = distance[:, np.isfinite(distance).any(axis=0)]
+    mean = np.nanmean(distance, axis=0)
+    miss = np.sqrt(np.nanmean((distance - mean) ** 2) / mean.mean() ** 2 + PLACED**2)
+    return float(-len(mean) * np.log(miss))
+
+
+def _folding(plan: Layout, chain: np.ndarray) -> float:
+    """RMS turning angle between successive edges, with the tolerance of placing."""
+    edge = np.diff(plan.points[:, chain], axis=1)
+    a, b = edge[:, :-1], edge[:, 1:]
+    cross, dot = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2)
+    turning = np.arctan2(cross, dot)
+    if not np.isfinite(turning).any():
+        return 1.0
+    return float(np.sqrt(np.nanmean(turning**2) + (2 * PLACED) ** 2))
