@@ -28,12 +28,13 @@ ALLOWED = {
 }
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
 LEFT_OF_MODELS = {
-    "errors", "files", "table_file", "status", "shown", "body", "medium", "group", "gaits",
+    "errors", "files", "table_file", "status", "shown", "body", "body_curve", "medium", "group", "gaits",
     "objectives", "interrupts",
 }  # fmt: skip
 MAY_IMPORT = {
     "files": {"errors"},
     "body": {"files"},
+    "body_curve": {"body"},
     "medium": {"files"},
     "group": {"body"},
     "gaits": {"body", "files", "errors"},

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
+from serpenoid.body_curve import PLAIN
 from serpenoid.compare.intervals import Z95, likelihood_intervals, mean_intervals
 from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
@@ -149,7 +150,7 @@ def curve_sd(model: Model, segments: tuple[Segment, ...], solution: Solution) ->
     """Standard error (P,) from not knowing how an animal's body runs between its points: two ways, one SD apart."""
     if not model.body.is_animal:
         return np.zeros(len(solution.values))
-    other = whiten(model, segments, solution.names, solution.values, ends="natural")
+    other = whiten(model, segments, solution.names, solution.values, degree=PLAIN)
     pull = [w.by_parameters.reshape(-1, len(solution.values)).T @ (o.defect - w.defect).ravel()
             for w, o in zip(solution.segments, other, strict=True)]  # fmt: skip
     return np.asarray(np.abs(solution.covariance @ np.sum(pull, axis=0)))

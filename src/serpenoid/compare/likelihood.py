@@ -20,11 +20,11 @@ import numpy as np
 from scipy.linalg import cholesky_banded, solve_banded
 
 from serpenoid.body import Floats
+from serpenoid.body_curve import SMOOTH
 from serpenoid.compare.linearise import Linearised, linearise
 from serpenoid.compare.parameters import bounds, changed, direction
 from serpenoid.measure.chain import VAGUE_SD
 from serpenoid.model import Model
-from serpenoid.simulation.curve import Ends
 
 ITERATIONS = 40
 BAND = 5  # block-tridiagonal with 3 x 3 blocks
@@ -102,12 +102,12 @@ def whiten(
     names: tuple[str, ...],
     values: Floats,
     noise: Model | None = None,
-    ends: Ends = "not-a-knot",
+    degree: int = SMOOTH,
 ) -> tuple[Whitened, ...]:
-    """White defects of every segment, and their derivative, at given numbers; ends: see `simulate_curve`."""
+    """White defects of every segment, and their derivative, at given numbers; degree: see `simulate_curve`."""
     current = changed(model, names, values)
     along = direction(model, names, values) if names else np.zeros((2 * model.body.vertices, 0))
-    return tuple(_whiten(current, segment, along, noise, ends) for segment in segments)
+    return tuple(_whiten(current, segment, along, noise, degree) for segment in segments)
 
 
 def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float]:
@@ -117,8 +117,8 @@ def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float
     return jacobian.T @ jacobian, jacobian.T @ defect, float(defect @ defect)
 
 
-def _whiten(model: Model, segment: Segment, along: Floats, noise: Model | None, ends: Ends) -> Whitened:
-    lin = linearise(model, segment.smooth_angles, segment.smooth_poses, ends)
+def _whiten(model: Model, segment: Segment, along: Floats, noise: Model | None, degree: int) -> Whitened:
+    lin = linearise(model, segment.smooth_angles, segment.smooth_poses, degree)
     pose_away = segment.poses - segment.smooth_poses
     away = np.concatenate([pose_away, segment.joint_angles - segment.smooth_angles], axis=1)
     shifted = np.einsum("siq,sq->si", lin.by_before, away[:-1]) + np.einsum("siq,sq->si", lin.by_after, away[1:])

@@ -17,11 +17,12 @@ import numpy as np
 
 from serpenoid import group
 from serpenoid.body import Floats
+from serpenoid.body_curve import SMOOTH
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Model, Structure
 from serpenoid.simulation import simulate_joint_angles
-from serpenoid.simulation.curve import Ends, simulate_curve
+from serpenoid.simulation.curve import simulate_curve
 from serpenoid.simulation.newton import implicit_derivative
 
 
@@ -61,7 +62,7 @@ def relative_poses(poses: Floats) -> Floats:
     return group.relative(poses[:-1], poses[1:])
 
 
-def linearise(model: Model, joint_angles: Floats, poses: Floats, ends: Ends = "not-a-knot") -> Linearised:
+def linearise(model: Model, joint_angles: Floats, poses: Floats, degree: int = SMOOTH) -> Linearised:
     """Defects of the steps between successive rows of joint angles (R, m) and poses (R, 3) [body lengths]."""
     steps = len(poses) - 1
     relative = relative_poses(poses)
@@ -75,7 +76,7 @@ def linearise(model: Model, joint_angles: Floats, poses: Floats, ends: Ends = "n
     before, after, parameters = np.split(root_by, widths, axis=2)
     pose_before, pose_after = _relative_derivatives(poses, relative)
     if model.body.is_animal:
-        modelled = relative_poses(simulate_curve(model, motion.vertices, ends=ends).poses)
+        modelled = relative_poses(simulate_curve(model, motion.vertices, degree=degree).poses)
     return Linearised(
         relative - modelled,
         np.concatenate([pose_before, -before], axis=2),

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.lengths import shown_lengths
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
 
@@ -88,13 +90,13 @@ def edges_per_wave(motion: Motion) -> float:
     return 2 * np.pi / phase if phase > 0 else np.inf
 
 
-def stretching(motion: Motion) -> tuple[float, float, float]:
+def stretching(body: Body, motion: Motion) -> tuple[float, float, float]:
     """SD of the body's length, SD of its white noise [body lengths], and the share of the path (0 ..) that a body could
     crawl with it: forward by as much as it lengthens, never back,
 
         sum |dL| / 2 / sum |dx|      L: smoothed lengths, x: the centroid
     """
-    lengths = np.linalg.norm(np.diff(motion.markers, axis=1), axis=2).sum(axis=1)
+    lengths = shown_lengths(body, motion.markers).sum(axis=1)
     variance = float(Signal(motion.time_s, lengths[:, None]).noise_variance[0])
     runs = [r for run in motion.runs if len(r := np.arange(run.start, run.stop)[np.isfinite(lengths[run])])]
     crawled = sum(float(np.abs(np.diff(_smoothed(motion.time_s[r], lengths[r], variance))).sum()) for r in runs) / 2
@@ -111,7 +113,7 @@ def _smoothed(time_s: Floats, lengths: Floats, variance: float) -> Floats:
     return smooth(column, *smoother(time_s, window))[:, 0]
 
 
-def remarks(motion: Motion) -> tuple[str, ...]:
+def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     """Sentences on direction and length; what looks wrong comes with its cure."""
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
@@ -121,7 +123,7 @@ def remarks(motion: Motion) -> tuple[str, ...]:
         found.append(
             "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
         )
-    return (*found, *_sampling(motion), *_stretching(motion), *_length(motion))
+    return (*found, *_sampling(motion), *_stretching(body, motion), *_length(motion))
 
 
 def _sampling(motion: Motion) -> list[str]:
@@ -135,8 +137,8 @@ def _sampling(motion: Motion) -> list[str]:
     ]
 
 
-def _stretching(motion: Motion) -> list[str]:
-    spread, noise, share = stretching(motion)
+def _stretching(body: Body, motion: Motion) -> list[str]:
+    spread, noise, share = stretching(body, motion)
     frames = sum(run.stop - run.start for run in motion.runs)
     if spread**2 <= noise**2 * (1 + SURE * np.sqrt(2 / frames)):
         return []

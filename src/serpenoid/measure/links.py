@@ -1,7 +1,8 @@
 """A chain of rigid links in numbers: vertices from link directions, joint angles from vertices.
 
 Unknowns of a frame: the weighted centroid c and the direction psi_l of every rigid link; vertices
-p_k = c + sum_j (e_j' u(psi_l(j))). Legend: F frames, N vertices, L = m + 1 links, m joints; lengths in body lengths.
+p_k = c + sum_j (e_j' u(psi_l(j))). An animal's links are arcs of a curve (`serpenoid.body_curve`).
+Legend: F frames, N vertices, L = m + 1 links, m joints, Q nodes of the curve; lengths in body lengths.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
+from serpenoid.body_curve import NODES, nodes_along
 from serpenoid.measure.cells import Floats
 
 
@@ -67,6 +69,8 @@ def link_directions(body: Body, poses: Floats, joint_angles: Floats) -> Floats:
 
 def vertices_by_links(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
     """Vertices (F, N, 2) and their Jacobian (F, N, 2, 2 + L)."""
+    if body.is_animal:
+        return _along_curve(body, unknowns)
     link, n = link_of_edge(body), body.vertices
     psi = unknowns[:, 2:]
     unit = np.stack([np.cos(psi), np.sin(psi)], axis=2)[:, link] * body.edges[:, None]
@@ -78,6 +82,20 @@ def vertices_by_links(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
     for j, its_link in enumerate(link):
         jacobian[..., 2 + its_link] += reach[None, :, j, None] * normal[:, None, j]
     return points, jacobian
+
+
+def _along_curve(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
+    """The same of a curve without corners: u(psi_l) of an edge is the integral of u along it."""
+    tangents, lengths = nodes_along(body)
+    theta = unknowns[:, 2:] @ tangents.T
+    unit = np.stack([np.cos(theta), np.sin(theta)], axis=2) * lengths[:, None]
+    reach = np.repeat(_reach(body), NODES, axis=1)  # (N, Q)
+    jacobian = np.zeros((len(theta), body.vertices, 2, unknowns.shape[1]))
+    jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
+    turned = np.einsum("kq,ql->qkl", reach, tangents).reshape(len(lengths), -1)
+    for axis, normal in enumerate((-unit[..., 1], unit[..., 0])):
+        jacobian[:, :, axis, 2:] = (normal @ turned).reshape(jacobian[:, :, axis, 2:].shape)
+    return unknowns[:, None, :2] + np.einsum("kq,fqi->fki", reach, unit), jacobian
 
 
 def _reach(body: Body) -> Floats:

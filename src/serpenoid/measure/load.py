@@ -74,7 +74,7 @@ def with_other_lengths(campaign: Campaign, blocks: int) -> tuple[Campaign, ...]:
 def _other_lengths(campaign: Campaign, blocks: int) -> tuple[tuple[Body, tuple[Trial, ...]], ...]:
     _, read = read_files(campaign.file, campaign.folder)
     found = []
-    for lengths in other_lengths(read, blocks):
+    for lengths in other_lengths(campaign.body, read, blocks):
         body = Body.model_validate(campaign.body.model_dump() | {"edge_lengths": tuple(lengths.tolist())})
         made = [align_trial(campaign.file, f, body, t.motion) for f, t in zip(read, campaign.trials, strict=True)]
         trials = tuple(replace(m, passages=t.passages) for m, t in zip(made, campaign.trials, strict=True))
@@ -134,7 +134,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
     if motion is not None:
         passages, complaints = cut_passages(motion, schedule if source != "none" else None)
         notes += complaints
-        notes += remarks(motion) if file.tracked_only else ()
+        notes += remarks(body, motion) if file.tracked_only else ()
     return Trial(
         entry.name, entry.gait or entry.name, body, metres, schedule, source, motion, servo, files.servo_log,
         files.power_log, passages, entry.dissipation_coefficient, tuple(notes),

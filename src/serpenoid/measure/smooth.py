@@ -1,7 +1,8 @@
 """A smooth path through noisy states: local cubics, with the window that Mallows' criterion picks.
 
 Only a point to linearise about and a shape to resimulate: the measured states and their covariance stay as they are.
-    Cp(K) = sum |z - H_K z|^2 / s^2 + 2 tr(H_K),   K rows in the window
+    Cp(K) = sum |z - H_K z|^2 / s^2 + 2 tr(H_K),            K rows in the window
+    GCV(K) = R |z - H_K z|^2 / (R - tr H_K)^2,              where the noise s is not known
 """
 
 from __future__ import annotations
@@ -68,3 +69,18 @@ def smooth_states(time_s: Floats, poses: Floats, joint_angles: Floats, covarianc
     windows = best_windows(time_s, ((poses, variance[:, :3]), (joint_angles, variance[:, 3:])))
     of_poses, of_angles = (smoother(time_s, window) for window in windows)
     return smooth(poses, *of_poses), smooth(joint_angles, *of_angles)
+
+
+def cross_validated(time_s: Floats, values: Floats, scale: Floats | float = 1.0) -> tuple[Floats, np.ndarray] | None:
+    """The `smoother` of columns (R, c) of unknown noise; scale (c,): what counts as much. None: too few rows."""
+    count, best = len(time_s), None
+    for window in WINDOWS:
+        if not DEGREE < window <= count:
+            continue
+        weights, rows = smoother(time_s, window)
+        left = (values - smooth(values, weights, rows)) * scale
+        trace = weights[rows == np.arange(count)[:, None]].sum()
+        score = (left**2).sum() / (count - trace) ** 2
+        if best is None or score < best[0]:
+            best = score, (weights, rows)
+    return None if best is None else best[1]

@@ -16,6 +16,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.lengths import shown_lengths, steadied
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
@@ -155,25 +156,31 @@ def neighbour_ratio(vertices: Floats, body: Body) -> float:
     """Measured over stated distance of neighbours, the median; NaN where no two are ever seen together."""
     shown = np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0))
     distances = np.linalg.norm(np.diff(vertices[:, shown], axis=1), axis=2)
+    if body.is_animal and len(shown) == body.vertices:
+        distances = shown_lengths(body, vertices)
     stated = _along(shown.tolist(), body.edges_m, body)
     known = np.isfinite(distances).any(axis=0) & np.isfinite(stated)
     return float(np.median(np.nanmedian(distances[:, known], axis=0) / stated[known])) if known.any() else np.nan
 
 
 def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
-    """The body with edge lengths = medians of the distances between neighbouring markers over all recordings."""
-    together = _distances(read)
-    never = np.flatnonzero(~np.isfinite(together).any(axis=0))
-    if len(never):
-        labels = next(files.keys for files in read if files.labelled is not None).labels(file.body.vertices)
-        pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
-        raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
-    return file.body.changed(edge_lengths=tuple(_medians(together).tolist()))
+    """The body with edge lengths = medians over all recordings of what its points show; where these stand along an
+    animal's curve is known from the lengths, which are therefore found once more."""
+    body = file.body
+    for _ in range(2 if body.is_animal else 1):
+        together = _shown(body, read)
+        never = np.flatnonzero(~np.isfinite(together).any(axis=0))
+        if len(never):
+            labels = next(files.keys for files in read if files.labelled is not None).labels(body.vertices)
+            pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
+            raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
+        body = body.changed(edge_lengths=tuple(_medians(together).tolist()))
+    return body
 
 
-def other_lengths(read: Sequence[Files], blocks: int) -> Floats:
+def other_lengths(body: Body, read: Sequence[Files], blocks: int) -> Floats:
     """What lengths would be estimated from all frames but a block's, for every block: (blocks, N - 1)."""
-    together = _distances(read)
+    together = _shown(body, read)
     whole, found = _medians(together), []
     for part in np.array_split(np.arange(len(together)), blocks):
         left = np.delete(together, part, axis=0)
@@ -182,11 +189,10 @@ def other_lengths(read: Sequence[Files], blocks: int) -> Floats:
     return np.stack(found)
 
 
-def _distances(read: Sequence[Files]) -> Floats:
-    """Between neighbouring markers, in every frame of all recordings: (F, N - 1)."""
-    distances = [
-        np.linalg.norm(np.diff(files.labelled.vertices, axis=1), axis=2) for files in read if files.labelled is not None
-    ]
+def _shown(body: Body, read: Sequence[Files]) -> Floats:
+    """Lengths of the edges in every frame of all recordings: (F, N - 1)."""
+    shown = [(f.tracks.time_s, f.labelled.vertices) for f in read if f.tracks is not None and f.labelled is not None]
+    distances = [shown_lengths(body, steadied(*each) if body.is_animal else each[1]) for each in shown]
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
     return np.concatenate(distances)

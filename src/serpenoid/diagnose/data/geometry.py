@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
+from serpenoid.body_curve import curve
 from serpenoid.measure.links import laid_over, link_of_edge
 
 LEAST_MARKERS = 3  # two fix a pose, a third says how well
@@ -17,7 +18,10 @@ GYRATION = 0.29  # of a straight rod, body lengths
 
 def shapes(body: Body, angles: Floats) -> Floats:
     """Vertices (F, N, 2) [m] in the body frame of joint angles (F, m)."""
-    psi = np.concatenate([np.zeros((len(angles), 1)), np.cumsum(angles, axis=1)], axis=1)[:, link_of_edge(body)]
+    psi = np.concatenate([np.zeros((len(angles), 1)), np.cumsum(angles, axis=1)], axis=1)
+    if body.is_animal:
+        return curve(body, psi) * body.total_length_m
+    psi = psi[:, link_of_edge(body)]
     psi = psi - psi.mean(axis=1, keepdims=True)
     edge = np.stack([np.cos(psi), np.sin(psi)], axis=2) * body.edges_m[:, None]
     points = np.concatenate([np.zeros((len(angles), 1, 2)), np.cumsum(edge, axis=1)], axis=1)

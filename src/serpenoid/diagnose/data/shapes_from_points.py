@@ -20,7 +20,7 @@ from serpenoid.diagnose.data.geometry import filled, register, shapes
 from serpenoid.errors import InputError
 from serpenoid.measure.chain import estimate_chain
 from serpenoid.measure.links import marker_angles
-from serpenoid.measure.smooth import WINDOWS, smooth, smoother
+from serpenoid.measure.smooth import WINDOWS, cross_validated, smooth
 
 
 @dataclass(frozen=True)
@@ -91,17 +91,10 @@ def angles_shown(body: Body, markers: Floats) -> tuple[NDArray[np.bool_], Floats
 
 def _smoothed(time: Floats, values: Floats, scale: Floats) -> tuple[Floats, Floats, tuple[Floats, np.ndarray]]:
     """Smooth columns (F, c), noise (F, c) and the weights of the best window; scale (c,): what counts as much."""
-    count, best = len(time), None
-    for window in WINDOWS:
-        if not 3 < window <= count:
-            continue
-        weights, rows = smoother(time, window)
-        found = smooth(values, weights, rows)
-        own = weights[rows == np.arange(count)[:, None]]
-        left = values - found
-        score = ((left * scale) ** 2).sum() / (count - own.sum()) ** 2
-        if best is None or score < best[0]:
-            best = score, found, left / np.sqrt(np.maximum(1 - own, 0.05))[:, None], (weights, rows)
-    if best is None:
-        raise ValueError(f"{count} frames are too few to be smoothed.")
-    return best[1:]
+    found = cross_validated(time, values, scale)
+    if found is None:
+        raise ValueError(f"{len(time)} frames are too few to be smoothed.")
+    weights, rows = found
+    steady = smooth(values, weights, rows)
+    own = weights[rows == np.arange(len(time))[:, None]]
+    return steady, (values - steady) / np.sqrt(np.maximum(1 - own, 0.05))[:, None], (weights, rows)

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
+from serpenoid.body_curve import PLAIN, SMOOTH
 from serpenoid.diagnose.data.lead import Lead, Run
 from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
 from serpenoid.diagnose.data.still import refuse_still
@@ -194,7 +195,7 @@ def _along_curve(model: Model, track: Track) -> Track:
         return track
     scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     plain, chains = Model(model.body, model.medium), track.vertices / model.body.total_length_m
-    curve, other = (simulate_curve(plain, chains, ends=ends).poses for ends in ("not-a-knot", "natural"))
+    curve, other = (simulate_curve(plain, chains, degree=degree).poses for degree in (SMOOTH, PLAIN))
     paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
     moved = [relative(p[:-1], p[1:]) for p in paths]
     return replace(track, offset=moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))

@@ -86,6 +86,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
+        if not ranked:  # whatever may act would have to act backwards
+            break
         least = max(HOPELESS * gained_by_chance(len(ranked)), SHARE * ranked[0][1])
         promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > least]
         tries = attempts(motion, best, promising)

@@ -22,6 +22,7 @@ from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import other_bodies
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.lengths import chord_shares
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
@@ -119,6 +120,8 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
     edges = body.edges_m if file.lengths_given else None
     if edges is not None and not tracks.scale_known:
         edges = edges * neighbour_ratio(vertices, body)
+    if edges is not None and body.is_animal:  # arcs, of which points show the chords
+        edges = edges * np.median(chord_shares(body, vertices), axis=0)
     plan = layout(vertices, edges)
     if not len(plan.points):
         return []
