@@ -18,7 +18,7 @@ from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording, read_recordings
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
-from serpenoid.diagnose.data.shapes_from_points import angles_shown
+from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
@@ -84,10 +84,43 @@ def test_without_a_log_what_a_hidden_vertex_leaves_open_is_no_reading(tmp_path: 
         for joint in (2, 5):
             hidden = np.abs(r.time - r.time[straight[:, joint].argmin()]) < 0.2
             markers[hidden, joint + 1] = np.nan
-        known, shown = angles_shown(r.body, markers)
-        found = replace(r, markers=markers, log_time=r.time[known], position=shown).angles
+        read = angles_read(r.body, markers, *angles_shown(r.body, markers))
+        found = replace(r, markers=markers, position=read).angles
         worst = max(worst, float(np.abs(found - angles).max()))
     assert worst < 0.03, worst
+
+
+def test_without_a_log_a_hidden_vertex_says_nothing_of_the_servos(tmp_path: Path) -> None:
+    blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
+
+    def hidden(r: Recording) -> Recording:
+        markers, times = r.markers.copy(), np.floor(r.time / 0.3).astype(int)
+        for vertex in (3, 6):
+            markers[times % 5 == vertex % 5, vertex] = np.nan
+        read = angles_read(r.body, markers, *angles_shown(r.body, markers))
+        return replace(r, markers=markers, position=read)
+
+    seen = recorded(blind, tmp_path)
+    found = plays([hidden(r) for r in seen])
+    assert not found.read.all()
+    stage = choose_actuation(found)
+    assert not stage.named
+    assert stage.settled, stage.words
+    np.testing.assert_allclose(found.noise, plays(seen).noise, rtol=0.1)
+
+
+def test_without_a_log_a_joint_that_is_never_read_has_no_name_and_is_as_it_was_told(tmp_path: Path) -> None:
+    blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
+
+    def unread(r: Recording) -> Recording:
+        return replace(r, position=np.where(np.arange(r.body.joint_count) == 4, np.nan, r.position))
+
+    recordings = [unread(r) for r in recorded(blind, tmp_path)]
+    found = plays(recordings)
+    stage = choose_actuation(found)
+    assert not stage.named
+    assert stage.settled, stage.words
+    assert angle_error(blind, carried(recordings, found, [])) < 1e-2
 
 
 @pytest.mark.parametrize("vertex", [0, 5])

@@ -58,6 +58,20 @@ def test_shapes_about_what_is_commanded_keep_corners_and_cross_a_hole() -> None:
     assert wrong[1] > 5 * noise  # half a cycle is guessed
 
 
+def test_what_a_joint_is_told_is_believed_unless_readings_exclude_it() -> None:
+    """Of forty joints in noise twelve times their swing each does as it is told; one that stands still while others
+    swing by as much as the noise does not."""
+    rng, time = np.random.default_rng(5), np.arange(0, 6, 1 / 60)
+    wave = np.sin(2 * np.pi * (time[:, None] / 2 + np.arange(40) / 40))
+    for swing, dead in ((1 / 12, []), (1.0, [7])):
+        course = Course(time, swing * wave)
+        done = np.where(np.isin(np.arange(40), dead), 0.0, course.angles)
+        source = Source(time, done + rng.normal(size=done.shape), np.full(40, 1e-3))
+        shape = fitted([source], np.empty(0), 0.072, True, course)
+        assert shape.carrier is not None
+        np.testing.assert_array_equal(~shape.carrier.angles.any(axis=0), np.isin(np.arange(40), dead))
+
+
 def test_healthy_servos_carry_their_shapes_and_have_no_names(recordings: tuple[Recording, ...]) -> None:
     data = plays(recordings)
     assert not data.held
@@ -67,7 +81,8 @@ def test_healthy_servos_carry_their_shapes_and_have_no_names(recordings: tuple[R
     assert stage.settled
     # rounding and a flicker of 0.4 ticks
     np.testing.assert_allclose(data.noise, TICK * np.sqrt(1 / 12 + 0.4**2), rtol=0.1)
-    assert all(r.carrier is not None and r.carrier.angles.any(axis=0).all() for r in carried(recordings, data, []))
+    shapes = [r.shape.carrier for r in carried(recordings, data, [])]
+    assert all(c is not None and c.angles.any(axis=0).all() for c in shapes)
 
 
 def test_an_effect_that_every_joint_has_is_tried_nowhere_else(recordings: tuple[Recording, ...]) -> None:
@@ -273,7 +288,12 @@ def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings(
     rng, time = np.random.default_rng(0), np.arange(400)
     left = np.column_stack([2 * rng.normal(size=400), rng.normal(size=400) + 2 * np.sqrt(2) * np.sin(0.1 * time)])
     one = np.ones(2)
-    data = cast(Plays, SimpleNamespace(left=lambda played: left, noise=one, held_against=one, trials=np.zeros(400)))
+    data = cast(
+        Plays,
+        SimpleNamespace(
+            left=lambda played: left, noise=one, held_against=one, trials=np.zeros(400), read=left < np.inf
+        ),
+    )
     white, slow = Plays.structure(data, left)
     assert white == 0.0
     assert slow == pytest.approx(4, rel=0.15)  # of chance 1 / sqrt(400) of their product with noise

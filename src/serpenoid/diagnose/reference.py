@@ -137,14 +137,14 @@ class Reference(Baseline):
         change of something else may change it by as much as it is; of a new gait all of it is there."""
         now, then = plays(recordings), self.servos
         left = then.readings - then.realised([])
-        spread = np.sqrt((left**2).mean(axis=0))
+        spread = np.sqrt(np.where(then.read, left**2, 0.0).sum(axis=0) / then.often)
         habit, new = np.zeros_like(now.readings), np.ones(len(now.readings), dtype=bool)
         for number, r in enumerate(now.recordings):
             for other, earlier in enumerate(then.recordings):
                 if earlier.setting == r.setting and np.array_equal(earlier.schedule.table, r.schedule.table):
                     mine, theirs = now.trials == number, then.trials == other
                     at, known = now.times[number], then.times[other]
-                    habit[mine] = np.stack([np.interp(at, known, c) for c in left[theirs].T], axis=1)
+                    habit[mine] = np.stack([_between(at, known, c) for c in left[theirs].T], axis=1)
                     new[mine] = False
         return replace(
             now,
@@ -154,6 +154,12 @@ class Reference(Baseline):
             noise=np.sqrt(now.noise**2 + then.noise**2 + new.mean() * spread**2),
             unsure=spread,
         )
+
+
+def _between(at: Floats, time: Floats, values: Floats) -> Floats:
+    """Values (R,), NaN unknown, straight in between; 0 where none is known."""
+    known = np.isfinite(values)
+    return np.interp(at, time[known], values[known]) if known.any() else np.zeros_like(at)
 
 
 def reference_of(d: Diagnosis) -> Reference:

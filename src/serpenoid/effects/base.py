@@ -243,8 +243,8 @@ class ActuationEffect(Effect):
         return "actuation"
 
     def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
-        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad] may begin; quickest:
-        speed (m,) of the set-points [rad/s]."""
+        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad], NaN unread, may begin;
+        quickest: speed (m,) of the set-points [rad/s]."""
         return [np.full(readings.shape[1], self.parameters[0].resting)]
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:

@@ -27,13 +27,15 @@ class Course:
         return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
 
     def late(self, time: Floats, readings: Floats, near: float) -> float:
-        """By how much later [s], no more than `near`, the course is read best (R, m) at time (R,)."""
+        """By how much later [s], no more than `near`, the course is read best (R, m), NaN unknown, at time (R,)."""
+        known = np.isfinite(readings)
         rates = np.diff(self.angles, axis=0) / np.diff(self.time)[:, None]
         late = 0.0
         for _ in range(MEETINGS):
             at = time - late
-            rate = rates[np.clip(np.searchsorted(self.time, at) - 1, 0, len(rates) - 1)]
-            change = float(((readings - self.at(at)) * rate).sum() / max(float((rate**2).sum()), 1e-12))
+            rate = np.where(known, rates[np.clip(np.searchsorted(self.time, at) - 1, 0, len(rates) - 1)], 0.0)
+            missed = np.where(known, readings - self.at(at), 0.0)
+            change = float((missed * rate).sum() / max(float((rate**2).sum()), 1e-12))
             late, before = float(np.clip(late - change, -near, near)), late
             if abs(late - before) < MET_S:
                 break

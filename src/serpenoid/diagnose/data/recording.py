@@ -18,7 +18,7 @@ from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
 from serpenoid.diagnose.data.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
-from serpenoid.diagnose.data.shapes_from_points import angles_shown
+from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
@@ -38,8 +38,9 @@ UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
 class Recording:
     """time (F,) [s since t0 on the cameras' clock], markers (F, N, 2) [m], NaN hidden; the log on its own clock.
 
-    log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad].
-    t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not the markers' angles.
+    log_time (R,): servo clock, seconds since t0, not corrected for its rate (`clock.rate`); position (R, m) [rad], NaN
+    where it is not read. t0_spread: how far t0 may be off [s]. by_servos: whether positions are the servos' own, not
+    what the markers show on every frame.
     remarks: of the campaign's check against itself.
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
     as each reading was taken, where the log says it.
@@ -112,7 +113,8 @@ class Recording:
         schedule, log_s = self.schedule, self.read_at
         begun = schedule.period_s * np.arange(schedule.cycles + 1)
         corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
-        apart, sources = spacing(schedule.cycle_duration_s), [self._read(log_s).until(self.promised_s)]
+        apart = spacing(schedule.cycle_duration_s)
+        sources = [Source(log_s, self.position, np.full(self.body.joint_count, READING_SD)).until(self.promised_s)]
         slow = float(np.median(np.diff(log_s)))
         if self.by_servos and apart < PER_KNOT * slow:
             read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
@@ -120,29 +122,8 @@ class Recording:
             if not shown:
                 return read
             sources += shown
-        if not self.by_servos:
-            sources += self._partly_shown()
         sources = [s.until(self.promised_s) for s in sources]
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
-
-    def _read(self, time: Floats) -> Source:
-        """What servos read; without a log, what markers show. About a vertex that is hidden between two that are seen
-        rigid links leave two mirror positions, or nearly straight ones any: that is no reading."""
-        if self.by_servos:
-            return Source(time, self.position, self._sd)
-        shown = np.isfinite(marker_angles(self.body, self.markers[np.isin(self.time, self.log_time)]))
-        return Source(time, np.where(shown, self.position, np.nan), self._sd)
-
-    @property
-    def _sd(self) -> Floats:
-        return np.full(self.body.joint_count, READING_SD)
-
-    def _partly_shown(self) -> list[Source]:
-        """The angles that markers show in frames whose shape they do not show as a whole."""
-        rest = ~np.isin(self.time, self.log_time)
-        if not rest.any():
-            return []
-        return [Source(self.time[rest], marker_angles(self.body, self.markers[rest]), self._sd)]
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
@@ -286,11 +267,12 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
 def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time: Floats, markers: Floats) -> Recording:
     """A trial without a servo log: joint angles are the markers', and the cameras' clock is the only one."""
     refuse_still(time, markers)
-    known, shown = angles_shown(file.body, markers)
-    t0, spread = _start_by_shape(schedule, time[known], shown)
+    known, shapes_known = angles_shown(file.body, markers)
+    t0, spread = _start_by_shape(schedule, time[known], shapes_known)
     filmed = schedule.until(time[-1] - t0)
     return Recording(
-        entry.name, entry.gait or entry.name, file.body, filmed, time - t0, markers, time[known] - t0, shown,
+        entry.name, entry.gait or entry.name, file.body, filmed, time - t0, markers, time - t0,
+        angles_read(file.body, markers, known, shapes_known),
         Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, missing_cycles=schedule.cycles - filmed.cycles,
     )  # fmt: skip
 

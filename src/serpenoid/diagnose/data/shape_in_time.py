@@ -22,8 +22,10 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 from scipy.sparse import vstack
+from scipy.special import chdtri
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.course import Course
 
 DEGREE = 3
@@ -73,12 +75,25 @@ def fitted(
     cross-validation (Eilers and Marx, Statistical Science 11, 89, 1996)."""
     first, last = min(s.time[0] for s in sources), max(s.time[-1] for s in sources)
     inside = corners[(corners > first) & (corners < last)]
-    if carrier is not None:
-        sources = [replace(s, values=s.values - carrier.at(s.time)) for s in sources]
     knots = _knots(np.array([first, *inside, last]), apart)
-    joints = sources[0].values.shape[1]
-    carried = np.zeros(joints, dtype=bool) if carrier is None else np.any(carrier.angles, axis=0)
-    return ShapeInTime(_fit(sources, knots, STIFFER if choose else (STIFF,), carried), carrier)
+    if carrier is None:
+        return ShapeInTime(BSpline(knots, _tried(sources, knots, STIFFER if choose else (STIFF,)).chosen(), DEGREE))
+    tried, joints = _tried([_both(s, carrier) for s in sources], knots, STIFFER), sources[0].values.shape[1]
+    tried = tried if choose else tried.least_stiff()
+    plain, about = tried.of(slice(joints)), tried.of(slice(joints, None))
+    believed = ~about.refuted_by(plain)
+    columns = np.empty((tried.columns.shape[1], joints))
+    for t, those in zip((plain, about), (~believed, believed), strict=True):
+        if those.any():
+            columns[:, those] = t.of(those).chosen()
+    angles = np.where(believed, carrier.angles, 0.0)
+    return ShapeInTime(BSpline(knots, columns, DEGREE), replace(carrier, angles=angles))
+
+
+def _both(source: Source, carrier: Course) -> Source:
+    """Values as they are and, as further joints, about the carrier."""
+    about = source.values - carrier.at(source.time)
+    return replace(source, values=np.hstack([source.values, about]), sd=np.tile(source.sd, 2))
 
 
 def _knots(ends: Floats, apart: float) -> Floats:
@@ -90,9 +105,45 @@ def _knots(ends: Floats, apart: float) -> Floats:
     return np.concatenate([*found, ends[-1:]])
 
 
-def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float], carried: np.ndarray) -> BSpline:
-    """The spline whose stiffness has the least score of generalised cross-validation: the median joint's, of those that
-    are carried and of the others."""
+@dataclass(frozen=True)
+class _Tried:
+    """Splines of every stiffness: coefficients (S, K, m), scores of generalised cross-validation (S, m); count (m,) of
+    the values."""
+
+    columns: Floats
+    scores: Floats
+    count: Floats
+
+    def of(self, joints: slice | np.ndarray) -> _Tried:
+        """Those of some joints."""
+        return _Tried(self.columns[:, :, joints], self.scores[:, joints], self.count[joints])
+
+    def least_stiff(self) -> _Tried:
+        """The least stiff alone."""
+        return _Tried(self.columns[:1], self.scores[:1], self.count)
+
+    @property
+    def best(self) -> int:
+        """The stiffness with the least score: the median joint's."""
+        return int(np.median(self.scores, axis=1).argmin())
+
+    def chosen(self) -> Floats:
+        """Coefficients (K, m) of the best stiffness."""
+        return np.asarray(self.columns[self.best])
+
+    def refuted_by(self, other: _Tried) -> np.ndarray:
+        """Which joints (m,) some other spline predicts better than the best by more than chance makes, were it right.
+
+        What is right and not in the others adds s^2 to their chi squared, give or take 2 s of a normal number z: they
+        gain by z^2 at most.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            gain = self.count * np.log(self.scores[self.best] / other.scores.min(axis=0))
+        return np.asarray(gain > chdtri(1, ERROR / len(self.count)))
+
+
+def _tried(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float]) -> _Tried:
+    """Splines of every stiffness."""
     bases = [BSpline.design_matrix(s.time, knots, DEGREE) for s in sources]
     count, joints = bases[0].shape[1], sources[0].values.shape[1]
     bend = np.diff(np.eye(count), 2, axis=0)
@@ -103,6 +154,9 @@ def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float], c
         sds = [s.sd[alike[0]] for s in sources]
         base = vstack([b[np.flatnonzero(k)] / sd for b, sd, k in zip(bases, sds, known, strict=True)])
         said = np.concatenate([s.values[k][:, alike] / sd for s, sd, k in zip(sources, sds, known, strict=True)])
+        if len(said) < DEGREE:  # nothing is known of it
+            columns[:, :, alike], scores[:, alike] = 0.0, 0.0
+            continue
         square, right = (base.T @ base).toarray(), base.T @ said
         told = _band(square)
         for i, stiff in enumerate(stiffness):
@@ -113,10 +167,7 @@ def _fit(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float], c
             if len(stiffness) > 1:
                 freedom = max(freedom - float(np.trace(solveh_banded(normal, square, lower=True))), 1.0)
             scores[i, alike] = len(said) * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
-    chosen = np.empty((count, joints))
-    for those in (each for each in (carried, ~carried) if each.any()):
-        chosen[:, those] = columns[int(np.median(scores[:, those], axis=1).argmin())][:, those]
-    return BSpline(knots, chosen, DEGREE)
+    return _Tried(columns, scores, np.sum([np.isfinite(s.values).sum(axis=0) for s in sources], axis=0))
 
 
 def _band(matrix: Floats) -> Floats:

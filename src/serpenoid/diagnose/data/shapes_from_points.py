@@ -89,6 +89,15 @@ def angles_shown(body: Body, markers: Floats) -> tuple[NDArray[np.bool_], Floats
     return chain.determined, chain.joint_angles[chain.determined]
 
 
+def angles_read(body: Body, markers: Floats, known: NDArray[np.bool_], shapes_known: Floats) -> Floats:
+    """What markers (F, N, 2) [m] show of the joint angles (F, m): where a shape is known as a whole (`angles_shown`) by
+    all links together. NaN about a vertex that is hidden: rigid links leave two mirror positions to it, or, nearly
+    straight, any between."""
+    found = marker_angles(body, markers)
+    found[known] = np.where(np.isfinite(found[known]), shapes_known, np.nan)
+    return found
+
+
 def _smoothed(time: Floats, values: Floats, scale: Floats) -> tuple[Floats, Floats, tuple[Floats, np.ndarray]]:
     """Smooth columns (F, c), noise (F, c) and the weights of the best window; scale (c,): what counts as much."""
     found = cross_validated(time, values, scale)

@@ -8,22 +8,23 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.noise import TICK
 
 SMOOTHED_ROWS = 9
 
 
 def scatter(readings: Floats, pooled: bool) -> Floats:
-    """RMS about local parabolas [rad], corrected for what they swallow: of each joint (m,), or pooled: the median's."""
-    if len(readings) < SMOOTHED_ROWS:
-        return np.full(readings.shape[1], TICK)
-    squares = roughness(readings, SMOOTHED_ROWS) ** 2 / (1 - 2.25 / SMOOTHED_ROWS)
+    """RMS of readings (R, m), NaN unknown, about local parabolas [rad], corrected for what they swallow: of each joint
+    (m,), or pooled: the median's; NaN where too few are known."""
+    squares = np.array([_square(column[np.isfinite(column)]) for column in readings.T])
     return np.asarray(np.sqrt(np.full_like(squares, np.median(squares)) if pooled else squares))
 
 
-def roughness(values: Floats, rows: int) -> Floats:
-    """RMS of `values` (R, m) about local parabolas (m,)."""
-    return np.asarray(np.sqrt(((values - local_parabolas(values, rows)) ** 2).mean(axis=0)))
+def _square(values: Floats) -> float:
+    """Of values (R,) about local parabolas, the mean."""
+    if len(values) < SMOOTHED_ROWS:
+        return np.nan
+    left = values - local_parabolas(values[:, None], SMOOTHED_ROWS)[:, 0]
+    return float((left**2).mean() / (1 - 2.25 / SMOOTHED_ROWS))
 
 
 def local_parabolas(values: Floats, rows: int) -> Floats:

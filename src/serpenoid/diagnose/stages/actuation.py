@@ -80,7 +80,7 @@ def _told_apart(every: Sequence[Plays], kind: ActuationEffect | None, first: Pla
     misses = [float(np.median(data.chi2(p))) for data, p in zip(measured, played, strict=True)]
     band = most_gained(1, len(shown(first)) * len(every))
     best, own = int(np.argmin(misses)), [data is first for data in every].index(True)
-    return measured[best if excludable(misses[own], misses[best], len(first.readings), band) else own]
+    return measured[best if excludable(misses[own], misses[best], float(np.median(first.often)), band) else own]
 
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:
@@ -169,7 +169,6 @@ def needed(data: Plays, chosen: Sequence[ActiveEffect]) -> float:
     A candidate's column is what its law, where its fit begins, changes of what is played.
     """
     here = data.realised(chosen)
-    labels = np.array(held_out_labels(data.recordings))[data.trials]
     own = [slopes_of(data, chosen, e, here)[1] for e in chosen]
     everywhere: list[Floats] = []
     at_joint: list[Floats] = []
@@ -178,7 +177,7 @@ def needed(data: Plays, chosen: Sequence[ActiveEffect]) -> float:
             continue
         columns = [_changed(data, chosen, kind, start, here) for start in kind.starts(data.readings, data.quickest)]
         (everywhere if kind.place is None else at_joint).extend(columns)
-    return largest_by_chance([_scored(data.left(here) / data.noise, own, everywhere, at_joint, labels)])
+    return largest_by_chance([_scored(data, data.left(here) / data.noise, own, everywhere, at_joint)])
 
 
 def _changed(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect, start: Floats, here: Floats) -> Floats:
@@ -191,33 +190,34 @@ def _changed(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect,
 
 
 def places_of(kind: Effect, data: Plays) -> list[int | None]:
-    """Every joint, or none."""
-    return [None] if kind.place is None else list(range(1, data.readings.shape[1] + 1))
+    """Every joint that is read, or none."""
+    return [None] if kind.place is None else [int(j) + 1 for j in np.flatnonzero(data.read.any(axis=0))]
 
 
 def _scored(
-    left: Floats, own: Sequence[Floats], everywhere: Sequence[Floats], at_joint: Sequence[Floats], labels: np.ndarray
+    data: Plays, left: Floats, own: Sequence[Floats], everywhere: Sequence[Floats], at_joint: Sequence[Floats]
 ) -> Scored:
     """Sums joint by joint: columns of the chosen, then one of each effect everywhere, then of each at each joint."""
+    labels = np.array(held_out_labels(data.recordings))[data.trials]
     shared, joints = len(own) + len(everywhere), left.shape[1]
     size, gaits = shared + len(at_joint) * joints, len(np.unique(labels))
     matrix, vector = np.zeros((gaits, size, size)), np.zeros((gaits, size))
-    constant = count = np.zeros(gaits)
+    constant, count = np.zeros(gaits), np.array([float(data.read[labels == k].sum()) for k in np.unique(labels)])
     for j in range(joints):
         columns = np.stack([c[:, j] for c in (*own, *everywhere, *at_joint)], axis=1)
         e = Evidence.of(left[:, j], columns, labels)
         index = [*range(shared), *(shared + i * joints + j for i in range(len(at_joint)))]
         matrix[np.ix_(range(gaits), index, index)] += e.matrix
         vector[np.ix_(range(gaits), index)] += e.vector
-        constant, count = constant + e.constant, count + e.count
+        constant = constant + e.constant
     return Scored(Evidence(matrix, vector, constant, count), len(own), tuple((i,) for i in range(len(own), size)))
 
 
 def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect, here: Floats) -> tuple[Floats, Floats]:
-    """Of what is played, and of what is left at the best shifts in time, by one chosen effect's coordinate, in units of
-    noise (R, m); here: what all of them play."""
+    """Of what is played where it is read, and of what is left at the best shifts in time, by one chosen effect's
+    coordinate, in units of noise (R, m); here: what all of them play."""
     parameter, x = effect.effect.parameters[0], effect.coordinates[0]
     step = 1e-4 * max(abs(x), 1e-3 * abs(parameter.coordinate(parameter.typical)))
     others = [e for e in chosen if e.key != effect.key]
     moved = data.realised([*others, effect.with_coordinates([x + step])])
-    return (moved - here) / step / data.noise, data.slope(here, moved, step) / data.noise
+    return np.where(data.read, moved - here, 0.0) / step / data.noise, data.slope(here, moved, step) / data.noise

@@ -38,7 +38,7 @@ class Played:
     @cached_property
     def priced(self) -> Priced:
         """See `Explanation`."""
-        return Priced(float(self.data.chi2(self.angles).sum()), self.size, self.data.readings.size)
+        return Priced(float(self.data.chi2(self.angles).sum()), self.size, float(self.data.often.sum()))
 
     @property
     def size(self) -> int:
@@ -56,7 +56,7 @@ def choose_actuation(data: Plays) -> Stage:
             break
         tries = attempts(data, best.effects)
         singles = singles or tries
-        one_more = [Priced(float(t.chi2.sum()), best.size + 1, data.readings.size) for t in tries]
+        one_more = [Priced(float(t.chi2.sum()), best.size + 1, best.priced.count) for t in tries]
         found = cheapest(best.priced, one_more, len(tries))
         if found is None:
             break
@@ -83,7 +83,7 @@ def _law_error(best: Played, effect: ActiveEffect) -> float:
     second law at a joint may only mend the first one's); of an effect at all joints the median joint's."""
     data, place = best.data, effect.place
     bare = data.realised([e for e in best.effects if e.key != effect.key])
-    done = (((best.angles - bare) / data.level) ** 2).mean(axis=0)
+    done = (np.where(data.read, (best.angles - bare) / data.level, 0.0) ** 2).sum(axis=0) / data.often
     missed = np.maximum(data.missed(best.angles) - VISIBLE**2, 0.0)
     errors = np.sqrt(missed / np.maximum(done, 1e-12))
     return float(np.median(errors)) if place is None else float(errors[place - 1])

@@ -10,22 +10,19 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.shape_in_time import spacing
-from serpenoid.diagnose.data.smooth import SMOOTHED_ROWS, roughness
 from serpenoid.diagnose.stages.plays import Plays, unsure_start
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.servos import realise_all
 
-KNOTS = 3.5  # each way: the stretch in which readings are compared with a parabola
 WITHIN_ROW = 4  # steps in which servos are followed from row to row
 
 
 def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Recording, ...]:
-    """Recordings with what their servos are expected to do, joint by joint where readings are smoother about it."""
+    """Recordings with what their servos are expected to do: their shapes are splines about it."""
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
     pairs = zip(recordings, expected(recordings, found, effects), strict=True)
-    return tuple(_carried(r, course) for r, course in pairs)
+    return tuple(replace(r, carrier=course) for r, course in pairs)
 
 
 def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Course, ...]:
@@ -43,15 +40,6 @@ def _begun(r: Recording, course: Course) -> Course:
     inside = (r.read_at > 0) & (r.read_at < r.end)
     late = course.late(r.read_at[inside], r.position[inside], unsure_start(r))
     return Course(course.time + late, course.angles)
-
-
-def _carried(r: Recording, course: Course) -> Recording:
-    rows = 2 * int(KNOTS * spacing(r.schedule.cycle_duration_s) / np.median(np.diff(r.read_at))) + 1
-    rows = max(rows, SMOOTHED_ROWS)
-    if len(r.position) < rows:
-        return r
-    bare, about = (roughness(values, rows) for values in (r.position, r.position - course.at(r.read_at)))
-    return replace(r, carrier=replace(course, angles=np.where(about < bare, course.angles, 0.0)))
 
 
 def _between(r: Recording) -> Floats:

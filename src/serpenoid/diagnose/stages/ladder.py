@@ -102,10 +102,7 @@ def _steps(
 
 def actuation_step(data: Plays, stage: Stage) -> Step:
     """Joint by joint [rad]."""
-    sizes = [
-        np.sqrt((data.left(data.realised(effects)) ** 2).mean(axis=0))
-        for effects in ([], [n.effect for n in stage.named])
-    ]
+    sizes = [data.channels(data.realised(effects)) * data.noise for effects in ([], [n.effect for n in stage.named])]
     parts = [
         Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.held_against[j]))
         for j, (a, b) in enumerate(zip(*sizes, strict=True))

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, structure
@@ -36,10 +37,10 @@ ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 class Plays:
     """The servos' readings (R, m) [rad], trial numbers (R,), and set-points on meshes that meet every row.
 
-    noise (m,) [rad]: of a reading. known: effects that are no news; habit (R, m) [rad]: what readings are known to
-    differ by from what these make of the set-points. unsure (m,) [rad]: how much of that a change of something else may
-    change; it is no noise, but what is smaller says nothing of the servos. without: effects that are no candidates.
-    told: whether the set-points are the log's own.
+    A reading that is not there is NaN, and counts nowhere. noise (m,) [rad]: of a reading. known: effects that are no
+    news; habit (R, m) [rad]: what readings are known to differ by from what these make of the set-points. unsure (m,)
+    [rad]: how much of that a change of something else may change; it is no noise, but what is smaller says nothing of
+    the servos. without: effects that are no candidates. told: whether the set-points are the log's own.
     """
 
     recordings: tuple[Recording, ...]
@@ -73,12 +74,26 @@ class Plays:
         return [r.schedule for r in self.recordings]
 
     def left(self, played: Floats) -> Floats:
-        """Readings minus what is played (R, m), each trial's clock moved as far as that is worth it."""
-        found, speed = self.readings - played, self.speed(played)
+        """Readings minus what is played (R, m), each trial's clock moved as far as that is worth it; 0 unread."""
+        found, speed = self._missed(played), self.speed(played)
         moves = self._moves(found, speed)
         for mine, time, (shift, rate) in zip(self._rows, self.times, moves, strict=True):
             found[mine] -= (shift + rate * time)[:, None] * speed[mine]
         return found
+
+    @cached_property
+    def read(self) -> NDArray[np.bool_]:
+        """What is read (R, m)."""
+        return np.isfinite(self.readings)
+
+    @cached_property
+    def often(self) -> Floats:
+        """How many readings each joint has (m,), one at least."""
+        return np.maximum(self.read.sum(axis=0), 1.0)
+
+    def _missed(self, played: Floats) -> Floats:
+        """Readings minus what is played (R, m), 0 unread."""
+        return np.where(self.read, self.readings - played, 0.0)
 
     @cached_property
     def _rows(self) -> list[slice]:
@@ -110,9 +125,10 @@ class Plays:
         return moves
 
     def speed(self, played: Floats) -> Floats:
-        """Rates (R, m) [rad/s] of what is played."""
+        """Rates (R, m) [rad/s] of what is played; 0 unread."""
         parts = zip(self._rows, self.times, strict=True)
-        return np.concatenate([np.gradient(played[mine], time, axis=0) for mine, time in parts])
+        rates = np.concatenate([np.gradient(played[mine], time, axis=0) for mine, time in parts])
+        return np.where(self.read, rates, 0.0)
 
     def slope(self, played: Floats, moved: Floats, step: float) -> Floats:
         """By which `left` (R, m) falls with a parameter whose `step` moves what is played."""
@@ -151,11 +167,12 @@ class Plays:
 
     def channels(self, played: Floats) -> Floats:
         """RMS of what is left in units of noise, of each joint (m,)."""
-        return np.asarray(np.sqrt((self.left(played) ** 2).mean(axis=0)) / self.noise)
+        return np.asarray(np.sqrt(self.chi2(played) / self.often))
 
     def structure(self, played: Floats) -> Floats:
         """Mean square (m,) of what is left, over what it is held against; 0 where chance alone makes as much."""
-        found = structure(self.left(played) / self.noise, self.trials[1:] == self.trials[:-1])
+        left = np.where(self.read, self.left(played) / self.noise, np.nan)
+        found = structure(left, self.trials[1:] == self.trials[:-1])
         return found * (self.noise / self.held_against) ** 2
 
     @property
@@ -174,7 +191,7 @@ class Plays:
     def alone(self, played: Floats) -> Floats:
         """What is played (R, m), every joint's clock moved as far as is worth it to that joint: what most joints follow
         is not hidden by one that does not."""
-        found, speed, moved = self.readings - played, self.speed(played), played.copy()
+        found, speed, moved = self._missed(played), self.speed(played), played.copy()
         for r, mine in zip(self.recordings, self._rows, strict=True):
             pull, power = (found[mine] * speed[mine]).sum(axis=0), (speed[mine] ** 2).sum(axis=0)
             moved[mine] += np.clip(pull / np.maximum(power, 1e-12), -unsure_start(r), unsure_start(r)) * speed[mine]
@@ -189,7 +206,9 @@ class Plays:
         left = self.readings - played
         found = [scatter(left[self.trials == n], r.by_servos) for n, r in enumerate(self.recordings)]
         least = TICK / np.sqrt(12) if self.recordings[0].by_servos else 0.0
-        return replace(self, noise=np.minimum(self.noise, np.maximum(np.percentile(found, 25, axis=0), least)))
+        often = [values[np.isfinite(values)] for values in np.transpose(found)]
+        quiet = np.array([np.percentile(values, 25) if len(values) else TICK for values in often])
+        return replace(self, noise=np.minimum(self.noise, np.maximum(quiet, least)))
 
 
 def unsure_start(r: Recording) -> float:

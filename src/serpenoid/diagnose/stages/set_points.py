@@ -47,11 +47,12 @@ def _strays(r: Recording) -> tuple[Floats, Floats]:
     """Mean square (m,) of what a trial's readings miss the command by, and how much of it may be its start's."""
     time = r.read_at
     inside = (time > 0) & (time < r.promised_s)
-    if not inside.any():
-        return np.zeros(r.body.joint_count), np.full(r.body.joint_count, np.inf)
-    told = r.schedule.commanded(time[inside])
+    told, read = r.schedule.commanded(time[inside]), r.position[inside]
     late = r.schedule.commanded(time[inside] - unsure_start(r)) - told
-    return ((r.position[inside] - told) ** 2).mean(axis=0), (late**2).mean(axis=0) + TICK**2
+    known = np.isfinite(read)
+    often = known.sum(axis=0)
+    strays, unsure = (np.where(known, x**2, 0.0).sum(axis=0) / np.maximum(often, 1) for x in (read - told, late))
+    return strays, np.where(often > 0, unsure + TICK**2, np.inf)
 
 
 def _plays(recordings: Sequence[Recording], told: bool) -> Plays:

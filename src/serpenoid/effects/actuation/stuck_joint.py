@@ -18,7 +18,7 @@ class StuckJoint(ActuationEffect):
 
     def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """Where each joint is most of the time."""
-        return [np.median(readings, axis=0)]
+        return [np.nanmedian(np.where(np.isfinite(readings).any(axis=0), readings, 0.0), axis=0)]
 
 
 EFFECT = StuckJoint(
