@@ -53,3 +53,16 @@ def test_readings_that_never_change_show_no_motion():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not Signal(TIME, np.full((len(TIME), 3), 0.29090236061)).moves
+
+
+def test_motion_is_told_from_rows_in_disorder_at_the_stated_error():
+    """A wave that makes half of what 81 rows vary by, and the same rows shuffled: six joints each."""
+    rng, rows, tries = np.random.default_rng(4), np.arange(81), 400
+    seen = disorder = 0
+    for _ in range(tries):
+        wave = np.sin(2 * np.pi * (rows / 40 + rng.uniform()))[:, None] * np.array([1.0, 0, 0, 0, 0, 0])
+        values = wave + np.sqrt(0.5) * rng.normal(size=(81, 6))
+        seen += Signal(rows / 30, values).moves
+        disorder += Signal(rows / 30, rng.permutation(values)).moves
+    assert seen > 0.9 * tries
+    assert disorder < 0.03 * tries

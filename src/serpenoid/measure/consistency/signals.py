@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import rfft
+from scipy.special import ndtri
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import held
@@ -20,7 +21,7 @@ LEAST_ROWS = 8  # that can be laid over anything
 MOVING = 4.0  # times the noise's variance: with few rows motion must be as clear
 ALIKE = 0.25  # of its variance that a row shares with the next: two witnesses of such motion correlate by 0.5
 ROUNDING = 1e-12  # rad^2: of numbers that never change
-UNLIKELY = 5.0  # standard deviations of what rows in disorder share with the next by chance
+CHANCE = 0.01  # of witnesses whose rows are in disorder that are taken for motion: stated
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
@@ -44,13 +45,16 @@ class Signal:
 
     @property
     def moves(self) -> bool:
-        """Whether any joint varies by more than its own noise does by chance: in size, or alike from row to row."""
+        """Whether any joint varies by more than its own noise does by chance: in size, or alike from row to row.
+
+        What a row in disorder shares with the next, over its variance, is normal: 0, give or take 1 / sqrt(rows).
+        """
         whole = self.values[self.known]
         if len(whole) < 2:
             return False
         away = whole - whole.mean(axis=0)
         size, shared = (away**2).mean(axis=0), (away[1:] * away[:-1]).mean(axis=0)
-        alike = shared > max(ALIKE, UNLIKELY / np.sqrt(len(whole))) * size
+        alike = shared > max(ALIKE, ndtri(1 - CHANCE / len(size)) / np.sqrt(len(whole))) * size
         return bool((alike & (size > ROUNDING) | (size > MOVING * self.noise_variance)).any())
 
     @cached_property
