@@ -14,9 +14,10 @@ from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
     from serpenoid.body import Body
-    from serpenoid.diagnose.diagnose import Diagnosis, Searched
+    from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.inference.select import Selection
     from serpenoid.diagnose.stages.baseline import Baseline
+    from serpenoid.diagnose.stages.choose_motion import Searched
     from serpenoid.measure.campaign import CampaignFile
     from serpenoid.measure.trial_files import Files, Reader
     from serpenoid.parallel import Beside

@@ -9,8 +9,9 @@ from pathlib import Path
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.data.recording import read_recordings
 from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
-from serpenoid.diagnose.diagnose import Diagnosis, Searched, diagnose, diagnose_tracked
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_motion import Searched
 from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file

@@ -19,11 +19,11 @@ from serpenoid.diagnose.inference.bounds import ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage
 from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out, left_open
 from serpenoid.diagnose.inference.medium import Fit
-from serpenoid.diagnose.inference.select import Selection, unclear
+from serpenoid.diagnose.inference.select import unclear
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, ratio_interval
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_motion, ratio_interval
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.expected import carried
@@ -31,7 +31,6 @@ from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 
-Searched = Callable[[Selection], None]  # hears what the search for effects of the floor found, before all is judged
 SCORES = 20  # the best candidates, in the record
 NO_LOG = "no servo log: shapes are what the points show"
 
@@ -96,8 +95,7 @@ def diagnose(
     if all(r.by_servos for r in recordings):
         observation, seen = choose_observation(recordings, baseline.observation(), baseline.without)
     say("shape against motion")
-    motion = choose_motion(recordings, seen, baseline, say)
-    searched(motion.selection)
+    motion = choose_motion(recordings, seen, baseline, say, searched)
     motion = beside_changes(motion, (actuation, observation), baseline)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)
@@ -124,8 +122,7 @@ def diagnose_tracked(
     actuation = Stage("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")
     observation = Stage("observation", left=np.nan, skipped=NO_LOG)
     say("shape against motion")
-    motion = choose_tracked(recordings, baseline, say)
-    searched(motion.selection)
+    motion = choose_tracked(recordings, baseline, say, searched)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, baseline.observation(), stages, motion, (motion_step(motion),), say, fitted_again)
 

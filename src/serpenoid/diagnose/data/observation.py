@@ -54,6 +54,11 @@ class Observation:
         """Whether shapes are anything else than what servos read, or markers stand elsewhere."""
         return bool(np.any(self.zeros) or np.any(self.markers) or np.any(self.gaps) or self.scale or np.any(self.views))
 
+    @property
+    def numbers(self) -> Floats:
+        """One for each column: zeros, markers (along, left by vertex), scale, gaps, views."""
+        return np.concatenate([self.zeros, self.markers.ravel(), [self.scale], self.gaps, self.views])
+
     def with_middles(self) -> Observation:
         """The same of a body with vertices in the middles of its edges: see `Body`."""
         markers = np.zeros((2 * len(self.markers) - 1, 2))
@@ -176,7 +181,7 @@ def columns_of(body: Body, name: str, place: int | None) -> list[int]:
 
 def values_of(body: Body, now: Observation, name: str, place: int | None) -> list[float]:
     """Parameters of one effect in an observation model."""
-    numbers = np.concatenate([now.zeros, now.markers.ravel(), [now.scale], now.gaps, now.views])
+    numbers = now.numbers
     return [float(numbers[column]) for column in columns_of(body, name, place)]
 
 

@@ -38,6 +38,8 @@ GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
 RELATIVE = 3e-3  # what smoothing the shapes leaves
 
+Searched = Callable[[Selection], None]  # hears what is named and why, before its rivals and intervals are known
+
 
 @dataclass(frozen=True)
 class MotionFinding:
@@ -51,7 +53,11 @@ class MotionFinding:
 
 
 def choose_motion(
-    recordings: Sequence[Recording], seen: Observation, baseline: Baseline, say: Callable[[str], None]
+    recordings: Sequence[Recording],
+    seen: Observation,
+    baseline: Baseline,
+    say: Callable[[str], None],
+    searched: Searched = lambda found: None,
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
 
@@ -61,7 +67,7 @@ def choose_motion(
     def amid(about: Model) -> tuple[Track, ...]:
         return make_tracks([r.with_middles() for r in recordings], seen.with_middles(), about)
 
-    return choose_on_tracks(track, held_out_labels(recordings), baseline, say, amid=amid)
+    return choose_on_tracks(track, held_out_labels(recordings), baseline, say, amid=amid, searched=searched)
 
 
 def choose_on_tracks(
@@ -71,6 +77,7 @@ def choose_on_tracks(
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
     amid: Callable[[Model], tuple[Track, ...]] | None = None,
+    searched: Searched = lambda found: None,
 ) -> MotionFinding:
     """The same on what `track` makes about a model; labels: what is held out together.
 
@@ -87,6 +94,7 @@ def choose_on_tracks(
     law = dry_friction(chosen) if asked else ""
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
+    searched(chosen)  # what this alone shows can be drawn while rivals are fitted
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
     return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at))
 

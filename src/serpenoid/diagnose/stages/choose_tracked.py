@@ -15,19 +15,22 @@ import numpy as np
 from serpenoid.diagnose.data.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.data.untestable import fixed_to_the_room
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_on_tracks
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_on_tracks
 
 STILL = "a body that stood still would leave no more: nothing can be told of what moves this one, nor of its eps"
 
 
 def choose_tracked(
-    recordings: Sequence[TrackedRecording], baseline: Baseline, say: Callable[[str], None]
+    recordings: Sequence[TrackedRecording],
+    baseline: Baseline,
+    say: Callable[[str], None],
+    searched: Searched = lambda found: None,
 ) -> MotionFinding:
     """Calibrate eps, select effects, name them if they are worth it, say what is left."""
     track = tracker(recordings)
     tracks = track(baseline.model)
     labels = tuple(range(len(tracks)))
-    found = choose_on_tracks(track, labels, baseline, say, fixed_to_the_room(tracks))
+    found = choose_on_tracks(track, labels, baseline, say, fixed_to_the_room(tracks), searched=searched)
     return moving(found)
 
 

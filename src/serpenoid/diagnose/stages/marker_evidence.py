@@ -78,6 +78,11 @@ class Sample:
         averaged = self.noise / np.sqrt(max(AVERAGED_S / self.frame_s, 1.0))
         return averaged * np.concatenate([angle_leverage(self.body), np.full(self.body.vertices - 1, np.sqrt(2))])
 
+    @cached_property
+    def sums(self) -> dict[bytes, Evidence]:
+        """What was asked of evidence of all columns, by the numbers of the observation model that it is about."""
+        return {}
+
     def angles(self, now: Observation) -> Floats:
         """True joint angles (F, m)."""
         if not now.gaps.any():
