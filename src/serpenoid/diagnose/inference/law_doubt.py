@@ -1,16 +1,22 @@
 """What a law that is wrong leaves open about a value: gaits disagree, and so do explanations of what the law misses.
 
-    theta_g = theta + u_g,   u_g ~ N(0, T),   T = diag(tau^2 s^2)
+    b_g = A_g theta + e_g,   e_g ~ N(0, v_g A_g),   v_g = 1 + s^2 D_g^2 + t^2 E_g^2
 
-theta_g: what gait g tells, u_g: the law's error there. A law errs in proportion to what it does (discrepancy.py): an
-effect's coordinate is off by what would change windows by a share tau of what the effect does, s_i = |E| / |J_i|; eps
-by a share of itself. The two shares are those of restricted maximum likelihood, the random effects of a meta-analysis
+A_g, b_g: what the windows of gait g tell of the parameters, in units of what is left; e_g: chance and the law's error.
+A law errs in proportion to what it does (discrepancy.py), and its error is a motion: in every direction in which
+parameters move the windows of a gait it is a share of what drag (D_g) and of what the effects do there (E_g). Where two
+parameters do nearly the same (to roll forward only tells nothing of how wheels roll backward), windows that are off by
+little move a gait's values by much, which says nothing of other gaits; and of what one gait alone tells, the others say
+how far the law is off. s and t are those of restricted maximum likelihood, as in the random effects of a meta-analysis
 (DerSimonian and Laird, Controlled Clinical Trials 7, 177, 1986). An error that all gaits have in common is not seen by
-comparing them; it is expected to be as large as what they do not share, so T counts once more (the prediction interval
-of Higgins, Thompson and Spiegelhalter, J. R. Stat. Soc. A 172, 137, 2009). What one explanation of an earlier campaign
-says of the change, another one does not, nor what stands beside it below detection: the scatter of values is added,
-each explanation weighed by the inverse of what it left of the earlier campaign, and by how likely this one is with it:
-its gaits are the independent numbers, of unknown scale, so that is chi squared to the power -G / 2.
+comparing them; it is expected to be as large as what they do not share (the prediction interval of Higgins, Thompson
+and Spiegelhalter, J. R. Stat. Soc. A 172, 137, 2009), and counts once more: what gaits do not share adds in squares,
+what they have in common as it is.
+
+What one explanation of an earlier campaign says of the change, another one does not, nor what stands beside it below
+detection: the scatter of values is added, each explanation weighed by the inverse of what it left of the earlier
+campaign, and by how likely this one is with it: its gaits are the independent numbers, of unknown scale, so that is chi
+squared to the power -G / 2.
 
 Legend: G gaits, P coordinates (eps first), K explanations.
 """
@@ -28,7 +34,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.evidence import SILENT
 from serpenoid.diagnose.inference.medium import Fit, linearised, predicted_bare
 
-STARTS = ((-12.0, -12.0), (-6.0, -6.0), (-2.0, -2.0))  # ln tau^2, of eps and of effects
+STARTS = ((-12.0, -12.0), (-12.0, -3.0), (-3.0, -12.0), (-3.0, -3.0))  # ln s^2, ln t^2: small or not
 SMALLEST, LARGEST = -20.0, 6.0
 
 
@@ -74,55 +80,62 @@ def of_gaits(motion: Motion, fit: Fit, hold: bool = True) -> tuple[Floats, Float
     loose = linearised(motion, fit.model, fit.effects, near=fit.predictions, hold=False)[0] if not hold else None
     evidence = loose or fit.evidence
     matrix, vector = evidence.matrix[:, :own, :own], evidence.vector[:, :own]
-    scale = _in_proportion(motion, fit, np.diag(matrix.sum(axis=0)))
-    moved, spread = with_errors_of_gaits(matrix / inflated, vector / inflated, scale)
+    done = np.stack([fit.coordinates[0] ** 2 * matrix[:, 0, 0], _done(motion, fit)], axis=1)
+    moved, spread = with_errors_of_gaits(matrix / inflated, vector / inflated, done / inflated)
     return fit.coordinates + moved, spread
 
 
-def with_errors_of_gaits(matrix: Floats, vector: Floats, scale: Floats) -> tuple[Floats, Floats]:
+def with_errors_of_gaits(matrix: Floats, vector: Floats, done: Floats) -> tuple[Floats, Floats]:
     """How far all gaits together move the coordinates (P,) if each has an error of its own, and deviations (P,).
 
-    matrix (G, P, P), vector (G, P): of chi squared, in units of what is left; scale (P,): of the errors, 0 where the
-    data are silent. The first coordinate is eps.
+    matrix (G, P, P), vector (G, P): of chi squared, in units of what is left; done (G, 2): chi squared of what drag and
+    of what the effects do, in which errors are in proportion.
     """
-    speaks = np.flatnonzero(scale > 0)
-    size, effect = scale[speaks], (speaks > 0).astype(int)
+    told = np.diag(matrix.sum(axis=0))
+    speaks = np.flatnonzero(told > SILENT)
+    size = 1 / np.sqrt(told[speaks])
     a, b = matrix[:, speaks[:, None], speaks] * np.outer(size, size), vector[:, speaks] * size
+    known, off = _directions(a, b)
 
     def deviance(log: Floats) -> float:
-        return _restricted(a, b, np.exp(log)[effect])[0]
+        variance = 1 + done @ np.exp(log)
+        mean, covariance = _weighed(a, b, variance)
+        explained = float((b / variance[:, None]).sum(axis=0) @ mean)
+        return float((known * np.log(variance) + off / variance).sum() - np.linalg.slogdet(covariance)[1] - explained)
 
     bounds = [(SMALLEST, LARGEST)] * 2
     best = min((minimize(deviance, x, method="Nelder-Mead", bounds=bounds) for x in STARTS), key=lambda o: o.fun)
-    variance = np.exp(best.x)[effect]
-    _, mean, covariance = _restricted(a, b, variance)
-    moved, spread = np.zeros(len(scale)), np.zeros(len(scale))
-    moved[speaks], spread[speaks] = mean * size, np.sqrt(np.diag(covariance) + variance) * size
+    error = done @ np.exp(best.x)
+    mean, covariance = _weighed(a, b, 1 + error)
+    pulled = np.einsum("ip,gpq,qi->gi", covariance, a, covariance) * (error / (1 + error) ** 2)[:, None]
+    common = np.sqrt(np.maximum(pulled, 0.0)).sum(axis=0)
+    moved, spread = np.zeros(len(told)), np.zeros(len(told))
+    moved[speaks], spread[speaks] = mean * size, np.sqrt(np.diag(covariance) + common**2) * size
     return moved, spread
 
 
-def _restricted(matrix: Floats, vector: Floats, variance: Floats) -> tuple[float, Floats, Floats]:
-    """-2 ln of the restricted likelihood but for a constant, the mean of all gaits (P,) and its covariance.
-
-    matrix (G, P, P), vector (G, P): chi squared of each gait; variance (P,): of what differs between gaits.
-    """
-    same = np.eye(len(variance))
-    inverse = np.linalg.inv(same + matrix * variance)  # (1 + A T)^-1
-    weight, pull = (inverse @ matrix).sum(axis=0), (inverse @ vector[..., None])[..., 0]
-    covariance = np.linalg.inv(weight + SILENT * same)
-    mean = covariance @ pull.sum(axis=0)
-    explained = float((vector * variance * pull).sum()) + float(pull.sum(axis=0) @ mean)
-    size = -float(np.linalg.slogdet(inverse)[1].sum()) - float(np.linalg.slogdet(covariance)[1])
-    return size - explained, mean, covariance
+def _directions(matrix: Floats, vector: Floats) -> tuple[Floats, Floats]:
+    """In how many directions each gait's windows tell of parameters, and chi squared of what is off there (G,)."""
+    told, axes = np.linalg.eigh(matrix)
+    pull = np.einsum("gpi,gp->gi", axes, vector)
+    return (told > SILENT).sum(axis=1), (pull**2 / np.where(told > SILENT, told, np.inf)).sum(axis=1)
 
 
-def _in_proportion(motion: Motion, fit: Fit, curvature: Floats) -> Floats:
-    """Change of each coordinate (P,) that is worth, in the windows, as much as the effects do; 0 of what is silent."""
+def _weighed(matrix: Floats, vector: Floats, variance: Floats) -> tuple[Floats, Floats]:
+    """The mean of all gaits (P,) and its covariance; variance (G,): of each gait's errors, in units of what is left."""
+    weight = (matrix / variance[:, None, None]).sum(axis=0)
+    covariance = np.linalg.inv(weight + SILENT * np.eye(len(weight)))
+    return covariance @ (vector / variance[:, None]).sum(axis=0), covariance
+
+
+def _done(motion: Motion, fit: Fit) -> Floats:
+    """Chi squared (G,) of what the effects do in the windows of each gait."""
     bare = predicted_bare(motion, fit) if fit.effects else fit.predictions
-    done = 0.0
-    for track, white, p, q in zip(motion.tracks, motion.white, fit.predictions, bare, strict=True):
-        moved = p.displacement - q.displacement
-        done += float((white.of(moved, track.usable & np.isfinite(moved).all(axis=1)) ** 2).sum())
-    scale = np.sqrt(np.divide(done, curvature, out=np.zeros(len(curvature)), where=curvature > SILENT))
-    scale[0] = fit.coordinates[0] if curvature[0] > SILENT else 0.0
-    return np.asarray(scale)
+    done: dict[int, float] = {}
+    parts = zip(motion.tracks, motion.labels, motion.white, fit.predictions, bare, strict=True)
+    for track, label, white, p, q in parts:
+        moved, known = p.displacement - q.displacement, track.usable & np.isfinite(p.displacement).all(axis=1)
+        if known.any():
+            squares = white.of(moved, known & np.isfinite(moved).all(axis=1)) ** 2
+            done[label] = done.get(label, 0.0) + float(squares.sum())
+    return np.array([done[label] for label in sorted(done)])
