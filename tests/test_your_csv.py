@@ -31,7 +31,7 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys):
     said = capsys.readouterr().out
     assert "moves head first" in said
     ratio = float(re.search(r"K = 1 / eps +([\d.]+)", said)[1])
-    assert ratio == pytest.approx(float(re.search(r"about (\d+): three", page)[1]), abs=0.5)  # the page rounds
+    assert ratio == pytest.approx(float(re.search(r"about (\d+): four", page)[1]), abs=0.5)  # the page rounds
     share = float(re.search(r"Resim / Exp = ([\d.]+)", said)[1])
     assert round(100 * share) == int(re.search(r"move (\d+) % of the measured path", page)[1])
     assert (tmp_path / "measured" / "trial-swim-1.png").exists()

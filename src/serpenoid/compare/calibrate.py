@@ -120,10 +120,16 @@ def anisotropy(campaign: Campaign, model: Model) -> Estimate:
 def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
     """K = 1 / eps and its 95 % interval, of noise or robust, whichever is wider; within the bounds of eps."""
     i = found.names.index("anisotropy_ratio")
-    eps, wider = float(found.values[i]), Z95 * float(found.robust_sd[i])
-    least, most = (float(bound[i]) for bound in bounds(found.names, model))  # those of the fit: it may end there
-    low, high = found.interval[i]
-    return 1 / eps, 1 / min(max(float(high), eps + wider), most), 1 / max(min(float(low), eps - wider), least)
+    low, high = wider_intervals(found, model)[i]
+    return 1 / float(found.values[i]), 1 / float(high), 1 / float(low)
+
+
+def wider_intervals(found: Estimate, model: Model) -> Floats:
+    """95 % intervals (P, 2), of noise or robust, whichever end is farther; within the bounds of the fit."""
+    least, most = bounds(found.names, model)
+    away = Z95 * found.robust_sd
+    low, high = np.fmin(found.interval[:, 0], found.values - away), np.fmax(found.interval[:, 1], found.values + away)
+    return np.column_stack([np.fmax(low, least), np.fmin(high, most)])
 
 
 def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], others: Others = GIVEN) -> Estimate:

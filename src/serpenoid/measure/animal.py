@@ -20,6 +20,8 @@ from serpenoid.measure.trial import Motion
 SHORT = 2.0  # periods: under that, nothing shows what one beat has of its own
 LEAST_EDGES = 5.0  # a wave: docs/measuring.md has what K comes out as with fewer
 LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
+SLOWEST = 2.0  # seconds between frames: of an animal that moves slower films are asked about their clock
+FINER = {'milliseconds (`time_unit = "ms"`)': 1e-3, 'microseconds (`time_unit = "us"`)': 1e-6}
 SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and its points do not only scatter
 
 
@@ -118,12 +120,23 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
     way = "from head to tail" if run > 0 else "from tail to head"
+    if not Signal(motion.time_s, motion.poses[:, :2]).moves:
+        return ("stays where it is: by its points, no farther away than their noise", *_clock(motion), *_length(motion))
     found = [f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
     if head_first < 0.5 and run < 0:
         found.append(
             "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
         )
-    return (*found, *_sampling(motion), *_stretching(body, motion), *_length(motion))
+    return (*found, *_clock(motion), *_sampling(motion), *_stretching(body, motion), *_length(motion))
+
+
+def _clock(motion: Motion) -> list[str]:
+    """Frames that are farther apart than any film of a moving animal has them."""
+    apart = float(np.median(np.diff(motion.time_s)))
+    unit = next((words for words, seconds in FINER.items() if apart * seconds <= SLOWEST), None)
+    if apart <= SLOWEST or unit is None:
+        return []
+    return [f"its frames are {apart:.3g} s apart: are times in {unit}?"]
 
 
 def _sampling(motion: Motion) -> list[str]:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import Floats, block, read_rows
+from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.tracks import METRES, Tracks
 
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
@@ -81,7 +81,7 @@ def _deeplabcut_csv(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
         raise InputError(f"{path}: its header rows differ in length. Was the file edited?")
     columns = [tuple(rows[r][c].strip() for r in range(heads + 1)) for c in range(1, width)]
     data = block(rows, heads + 1, range(width), ["frame", *(", ".join(c[-2:]) for c in columns)], path)
-    return columns, data[:, 0], data[:, 1:]
+    return columns, increasing_times(data[:, 0], heads + 1, 0, path, "frame"), data[:, 1:]
 
 
 def _pandas_table(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:

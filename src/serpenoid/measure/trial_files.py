@@ -25,6 +25,7 @@ from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")
+FEWEST_FRAMES = 8  # less is no motion
 UNSEEN = "Give `edge_lengths`, or is `minimum_score` in [motion] too high (DeepLabCut: 0.6 unless given)?"
 
 
@@ -123,6 +124,8 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
     labelled = None
     if tracks is not None:
+        if len(tracks.time_s) < FEWEST_FRAMES:
+            raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body)
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None

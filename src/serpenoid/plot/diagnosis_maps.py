@@ -38,7 +38,7 @@ PALE = 4.0  # times chance: the darkest colour at least
 LENGTHS = {"m": "m", "bl": "body lengths"}
 SPEEDS = {"m": ("mm/s", 1e3), "bl": ("body lengths/s", 1.0)}
 AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
-    ("phase", "phase [cycles], 1 = pause", by_phase),
+    ("phase", "phase [cycles]{pause}", by_phase),
     ("speed", "RMS speed of the vertices [{}/s]", by_speed),
     ("time", "time [s]", by_time),
 )
@@ -65,12 +65,12 @@ def directions(w: Windows) -> tuple[tuple[str, str, float], ...]:
 def _grid(w: Windows, kinds: list[tuple[Floats, str, str]]) -> Figure:
     fig = figure(9.6, 6.0)
     axes = fig.subplots(3, 3, sharex="col", sharey="row")
+    pause = ", 1 = pause" if (w.phase >= 1).any() else ""  # no animal has one
     for column, (field, label, bins) in enumerate(AGAINST):
+        words = label.format(LENGTHS[w.length_unit], pause=pause)
         for row in range(3):
             against(w, kinds, row, getattr(w, field), bins(w), axes[row, column])
-            axes[row, column].set_xlabel(
-                label.format(LENGTHS[w.length_unit]) if row == 2 else "", fontsize=SMALL, color=INK
-            )
+            axes[row, column].set_xlabel(words if row == 2 else "", fontsize=SMALL, color=INK)
     for row, (name, unit, _) in enumerate(directions(w)):
         axes[row, 0].set_ylabel(f"{name} [{unit}]", fontsize=SMALL, color=INK)
     handles, labels = axes[0, 0].get_legend_handles_labels()

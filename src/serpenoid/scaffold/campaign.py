@@ -47,7 +47,8 @@ def write(path: Path, answers: Answers) -> str:
     if not result.trajectory.status.ok:
         raise InputError(f"{problem.name}: its gait cannot be simulated: {result.trajectory.status.value}.")
     folder, duration = path.parent, problem.task.cycle_duration_s or 5.0
-    write_table(folder / EXAMPLE / "joint_table.csv", result.table)
+    if not problem.body.is_animal:
+        write_table(folder / EXAMPLE / "joint_table.csv", result.table)
     steps = result.trajectory.steps_per_cycle
     cycle = result.trajectory.vertices[: steps + 1] * problem.body.total_length_m
     poses = result.trajectory.poses[[0, steps]]
@@ -81,10 +82,12 @@ def _write_motion(path: Path, cycle: Floats, poses: Floats, duration: float, len
 def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -> str:
     """The commented file."""
     mass = [] if body.mass_kg is None else [f"mass_kg = {body.mass_kg:g}"]
+    measure = "along the body; without them they are estimated" if body.is_animal else "measure them"
     joints = [] if body.joints is None else [f"joints = {list(body.joints)}"]
     lengths = ", ".join(f"{edge:.6g}" for edge in body.edges_m)
     weights = ", ".join(f"{weight:.6g}" for weight in body.vertex_weights)
-    names = ", ".join(f'"Robot:{label}"' for label in _labels(body))
+    prefix = "" if body.is_animal else "Robot:"
+    names = ", ".join(f'"{prefix}{label}"' for label in _labels(body))
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
     by_name = answers["format"] in BY_NAME
     rigid = len(corners(body)) < body.vertices
@@ -94,8 +97,7 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             hint,
             f"# {name}: recordings of one robot or animal (docs/campaign-format.md).",
             "# Every key: serpenoid schema campaign",
-            "#   serpenoid play RESULTS --robot ROBOT.toml --cycles 3 --pause 2 --log trials/first",
-            f"#   serpenoid campaign add {name} trials/first MOTION-FILE",
+            *(() if body.is_animal else _robot_steps(name)),
             f"#   serpenoid measure {name} ; serpenoid compare {name} ; serpenoid diagnose {name} --model PROBLEM.toml",
             "format = 1",
             f'name = "{name}"',
@@ -103,8 +105,8 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             "[body]",
             f"vertices = {body.vertices}",
             f'{"" if body.kind else "# "}kind = "{body.kind or "wheeled robot"}"   # or swimming robot, or an animal',
-            f"edge_lengths = [{lengths}]   # metres, tail to head: measure them",
-            f"weights = [{weights}]",
+            f"edge_lengths = [{lengths}]   # metres, tail to head: {measure}",
+            *(() if body.is_animal and body.weights is None else (f"weights = [{weights}]",)),
             *joints,
             *mass,
             "",
@@ -121,15 +123,28 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             "[[trial]]",
             f'name = "{EXAMPLE}"',
             f'gait = "{EXAMPLE}"',
-            f'joint_table = "{EXAMPLE}/joint_table.csv"',
-            f"cycle_duration_s = {duration:g}",
-            f"cycles = {CYCLES}",
-            f"pause_s = {PAUSE_S:g}",
+            *(() if body.is_animal else _commanded(duration)),
             f'motion = "{EXAMPLE}/motion.csv"',
             'format = "tidy"',
             END,
             "",
         ]
+    )
+
+
+def _robot_steps(name: str) -> tuple[str, ...]:
+    return (
+        "#   serpenoid play RESULTS --robot ROBOT.toml --cycles 3 --pause 2 --log trials/first",
+        f"#   serpenoid campaign add {name} trials/first MOTION-FILE",
+    )
+
+
+def _commanded(duration: float) -> tuple[str, ...]:
+    return (
+        f'joint_table = "{EXAMPLE}/joint_table.csv"',
+        f"cycle_duration_s = {duration:g}",
+        f"cycles = {CYCLES}",
+        f"pause_s = {PAUSE_S:g}",
     )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from serpenoid.compare.calibrate import Calibration, calibrate, drag_ratio
+from serpenoid.compare.calibrate import Calibration, calibrate, drag_ratio, wider_intervals
 from serpenoid.compare.start import compared_model, neutral_model
 from serpenoid.compare.study import NOTHING, Study, compare_campaign
 from serpenoid.diagnose.campaign import diagnose_campaign
@@ -50,10 +50,11 @@ class Fitted(Shown):
         return drag_ratio(self.calibration.together, self.model)
 
     def summary(self) -> str:
-        """Every number with its 95 % interval."""
+        """Every number with its 95 % interval, of noise or robust: the wider; and what is to be said against it."""
         best = self.calibration.together
-        numbers = zip(best.names, best.values, best.interval, strict=True)
-        return ", ".join(f"{name} {value:.4g} (95 %: {ends[0]:.4g} .. {ends[1]:.4g})" for name, value, ends in numbers)
+        numbers = zip(best.names, best.values, wider_intervals(best, self.model), strict=True)
+        said = ", ".join(f"{name} {value:.4g} (95 %: {low:.4g} .. {high:.4g})" for name, value, (low, high) in numbers)
+        return "; ".join([said, *best.warnings])
 
 
 @dataclass(frozen=True, repr=False)

@@ -160,7 +160,8 @@ def ratio(record: Record) -> str:
         said.append(f"{eps['after']:.4g} with what is {'named' if record['effects'] else 'below detection'}")
     low, high = eps["interval"]
     warning = " (at its bound: a warning that the law is another)" if eps["at_bound"] else ""
-    return f"{', '.join(said)} (95 %: {low:.4g} .. {high:.4g}){warning}"
+    how = ", by windows of smoothed points" if record.get("drag_ratio") else ""  # `fit` goes from frame to frame
+    return f"{', '.join(said)} (95 %: {low:.4g} .. {high:.4g}{how}){warning}"
 
 
 def ratio_change(record: Record) -> list[str]:
@@ -185,7 +186,7 @@ def drag_ratio(record: Record) -> str:
     """K of an animal with its interval, if drag is all there is."""
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
-    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) if drag is all there is"
+    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) if drag is all there is: frame by frame, as in `fit`"
 
 
 def lines(record: Record) -> list[str]:
