@@ -47,7 +47,7 @@ def emptied(folder: Path) -> None:
         (replaced("servo.csv", lambda text: text.splitlines()[0] + "\n"), "has a header and no data rows"),
         (replaced("servo.csv", lambda text: text.replace("play,0,5,", "play,0,5,x", 1)), "must be a number or empty"),
         (replaced("servo.csv", lambda text: text[: len(text) // 4]), "follow neither its servo log"),
-        (replaced("motion.csv", cut_after(3)), "in 3 of 3 frames the same markers are seen together"),
+        (replaced("motion.csv", cut_after(3)), "3 frame(s); a motion takes 8 or more"),
         (replaced("motion.csv", cut_after(20)), "the markers show no motion beyond their noise"),
         (replaced("campaign.toml", lambda text: text.replace("edge_lengths", "#")), "needs `edge_lengths`"),
     ],
