@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.geometry import relative, travel, turn
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import path_error, residuals
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.diagnose import choose_observation

@@ -30,7 +30,7 @@ from blind.score import REQUIRED, Name
 from blind.strength import strength
 from blind.study import Study, commit
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import Played, _law_error

@@ -10,7 +10,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.report.write import write
 from serpenoid.diagnose.stages.baseline import Baseline

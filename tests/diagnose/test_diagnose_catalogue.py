@@ -17,7 +17,8 @@ from blind.folder import write
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of
 from serpenoid.diagnose.data.paths import path_noise
-from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import fit_eps
 from serpenoid.diagnose.inference.ranking import score

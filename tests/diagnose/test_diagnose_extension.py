@@ -10,7 +10,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
 from serpenoid.diagnose.data.paths import total
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
 from serpenoid.diagnose.inference.held_out import held_out
 from serpenoid.diagnose.report.write import PREDICTION, role, write

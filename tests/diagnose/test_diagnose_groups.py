@@ -17,7 +17,8 @@ from blind.folder import write
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import strength
-from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.inference.finding import Stage, excludable
 from serpenoid.diagnose.inference.groups import band

@@ -11,7 +11,8 @@ from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.recording import held_out_labels, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference import laws
 from serpenoid.diagnose.inference.laws import dry_friction, on_dry_friction

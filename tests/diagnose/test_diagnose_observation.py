@@ -14,7 +14,7 @@ from blind.folder import write
 from serpenoid.body import Body
 from serpenoid.diagnose.data.geometry import register, shapes, turn
 from serpenoid.diagnose.data.observation import Observation, across, all_keys, columns_of
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, misfit_beside, sample
 from serpenoid.effects.active import ActiveEffect

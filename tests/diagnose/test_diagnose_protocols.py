@@ -16,7 +16,8 @@ from blind.folder import write
 from blind.protocol import COMBINATIONS, Protocol, usual
 from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks

@@ -15,7 +15,8 @@ from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.reference import Reference, in_other_cycles
 from serpenoid.diagnose.stages.actuation import plays

@@ -16,7 +16,7 @@ from blind.folder import write
 from blind.protocol import COMBINATIONS, usual
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import window_noise
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.repeats import chance_from, repeats
 from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.used import CHANCE, remarks

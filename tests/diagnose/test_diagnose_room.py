@@ -16,7 +16,7 @@ from blind.protocol import COMBINATIONS, Protocol, usual
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import Fit, fit_eps
 from serpenoid.diagnose.inference.ranking import score

@@ -20,7 +20,8 @@ from blind.protocol import usual
 from blind.schedule import lagged
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import TICK
-from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays

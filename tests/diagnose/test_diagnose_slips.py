@@ -13,7 +13,8 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
 from serpenoid.diagnose.data.observation import Observation, columns_of
-from serpenoid.diagnose.data.recording import Recording, read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced
 from serpenoid.diagnose.stages.choose_observation import choose_observation

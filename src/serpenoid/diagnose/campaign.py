@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
-from serpenoid.diagnose.data.recording import read_recordings
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline

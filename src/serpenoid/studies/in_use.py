@@ -89,7 +89,7 @@ def play(
 ) -> dict[str, Floats]:
     """Displacements per trial [body lengths a cycle], by gait."""
     from serpenoid.arena.campaign import run_campaign
-    from serpenoid.diagnose.data.recording import read_recordings
+    from serpenoid.diagnose.data.reading import read_recordings
 
     tables = {name: gait.table for name, gait in gaits.items()}
     for name, table in tables.items():

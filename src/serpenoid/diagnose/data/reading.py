@@ -1,0 +1,134 @@
+"""From a campaign's files to recordings: clocks aligned, the beginning of the motion found, contradictions refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
+from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
+from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
+from serpenoid.diagnose.data.still import refuse_still
+from serpenoid.errors import InputError
+from serpenoid.files.store import remember
+from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
+from serpenoid.measure.consistency.claims import believe
+from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.servo_alignment import MIN_CORRELATION
+from serpenoid.measure.trial_files import Files, Progress, Reader, content, neighbour_ratio, of_every_trial, read_files
+
+
+def read_recordings(
+    path: str | Path, progress: Progress | None = None, files: Reader = read_files
+) -> tuple[CampaignFile, tuple[Recording, ...]]:
+    """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not.
+
+    What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
+    files: reads what the campaign names, or has read it.
+    """
+    file, folder = load_campaign_file(path)
+    if not file.lengths_given:
+        raise InputError(
+            f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart."
+        )
+
+    def aligned() -> tuple[Recording, ...]:
+        return _aligned(file, *files(file, folder), folder, progress)
+
+    return file, remember(aligned, "recordings", file, content(file, folder))
+
+
+def _aligned(
+    file: CampaignFile, body: Body, read: Sequence[Files], folder: Path, progress: Progress | None
+) -> tuple[Recording, ...]:
+    """Every trial's clocks aligned; each is kept as soon as it is done."""
+    said = believe(file, folder, body, read)
+    files = {one.entry.name: one for one in read}
+
+    def kept(entry: TrialEntry) -> Recording:
+        own = files[entry.name]
+        found = remember(lambda: read_recording(file, own), "recording", file, own)
+        _refuse_short(found)
+        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found)))
+
+    return with_one_rate(of_every_trial(file.trial, kept, progress))
+
+
+def _missing(r: Recording) -> list[str]:
+    """Cycles that were promised and not even begun while anything was recorded."""
+    first, last = r.schedule.cycles, r.schedule.cycles + r.missing_cycles
+    return [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
+
+
+def _refuse_short(r: Recording) -> None:
+    if r.end < r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE:
+        raise InputError(
+            f"the recording ends {max(r.end, 0.0):.3g} s after the motion begins: before the first of "
+            f"{WINDOWS_PER_CYCLE} windows of a cycle of {r.schedule.cycle_duration_s:g} s. Leave this trial out."
+        )
+
+
+def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """The rate between two devices' clocks is one in all trials; noisy markers tell little of it in each."""
+    if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings):
+        return tuple(recordings)
+    weight = np.array([1 / r.clock.rate_sd**2 for r in recordings])
+    rate = float(weight @ [r.clock.rate for r in recordings] / weight.sum())
+    return tuple(_at_rate(r, rate) for r in recordings)
+
+
+def _at_rate(r: Recording, rate: float) -> Recording:
+    """The clock turned about the middle of the film, where it is known best; t0 is the servos'."""
+    middle = float(r.time.mean())
+    shift = (r.clock.rate - rate) / (1 + rate) * middle
+    return replace(r, time=r.time + shift, clock=replace(r.clock, rate=rate))
+
+
+def read_recording(file: CampaignFile, files: Files) -> Recording:
+    """One trial, its clocks aligned."""
+    entry, tracks, schedule, log = files.entry, files.tracks, files.schedule, files.servo_log
+    if tracks is None or files.labelled is None or schedule is None:
+        raise InputError("a diagnosis needs `motion`, `joint_table` and `cycle_duration_s`.")
+    markers = files.labelled.vertices / (
+        1.0 if tracks.scale_known else neighbour_ratio(files.labelled.vertices, file.body)
+    )
+    if log is None:
+        return _by_markers(file, entry, schedule, tracks.time_s, markers)
+    if log.position.shape[1] != file.body.joint_count:
+        raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
+    clock = align(file.body, tracks.time_s, markers, log)
+    start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
+    t0 = (start[0] - clock.zero) / (1 + clock.rate)
+    time, log_time = tracks.time_s - t0, log.time_s - start[0]
+    shown = schedule.until(max(time[-1], log_time[-1]))
+    return Recording(
+        entry.name, entry.gait or entry.name, file.body, shown, time, markers, log_time, log.position, clock, start[1],
+        commands=log.command, missing_cycles=schedule.cycles - shown.cycles,
+    )  # fmt: skip
+
+
+def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time: Floats, markers: Floats) -> Recording:
+    """A trial without a servo log: joint angles are the markers', and the cameras' clock is the only one."""
+    refuse_still(time, markers)
+    known, shapes_known = angles_shown(file.body, markers)
+    t0, spread = _start_by_shape(schedule, time[known], shapes_known)
+    filmed = schedule.until(time[-1] - t0)
+    return Recording(
+        entry.name, entry.gait or entry.name, file.body, filmed, time - t0, markers, time - t0,
+        angles_read(file.body, markers, known, shapes_known),
+        Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, missing_cycles=schedule.cycles - filmed.cycles,
+    )  # fmt: skip
+
+
+def _start_by_shape(schedule: Schedule, time: Floats, angles: Floats) -> tuple[float, float]:
+    found = start_by_shape(schedule, time, angles)
+    if found is None or found.correlation < MIN_CORRELATION:
+        raise InputError(
+            "nothing says when the motion began, and the joint table is not found in the recorded shapes. Another "
+            "gait's table, joints in another order, or markers not tail first?"
+        )
+    return found.offset_s, UNSURE_CYCLE * schedule.cycle_duration_s
