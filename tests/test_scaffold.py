@@ -46,7 +46,14 @@ def satisfies(kind: str, path: Path) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [[], SIX, ["--joints", "1"], ["--joints", "16", "--length", "1.4", "--mass", "2"], [*SIX, "--wheels", "middles"]],
+    [
+        [],
+        SIX,
+        ["--joints", "1"],
+        ["--joints", "16", "--length", "1.4", "--mass", "2"],
+        [*SIX, "--wheels", "middles"],
+        [*SIX, "--dissipation", "edge"],
+    ],
 )
 def test_a_new_problem_file_is_valid_and_its_gait_moves_within_its_limits(tmp_path: Path, words: list[str]) -> None:
     path = new("problem", tmp_path / "mine.toml", *words)
@@ -259,3 +266,20 @@ def test_a_new_campaign_of_any_format_is_read_and_says_which_keys_the_format_nee
     assert ("up_axis" in text) == (kind == "c3d")
     assert "kind = " in text
     assert len(read_files(*load_campaign_file(tmp_path / "camp"))[1]) == 1
+
+
+def test_a_campaign_of_a_smooth_body_fits_its_drag_where_the_problem_has_it(tmp_path: Path) -> None:
+    path = new("problem", tmp_path / "mine.toml", *SIX, "--dissipation", "edge", "--kind", "swimming robot")
+    body = load(path).body
+    assert body.joint_count == 6
+    assert body.vertices == 4 * 7 + 1
+    folder = new("campaign", tmp_path / "c" / "campaign.toml", "--problem", str(path), "--format", "deeplabcut").parent
+    campaign = load_campaign(folder)
+    assert campaign.file.medium is not None
+    assert campaign.file.medium.dissipation == "edge"
+    motion = campaign.trials[0].motion
+    assert motion is not None
+    assert motion.hidden_share == 0  # what cuts a link into edges has no marker, and is none that is hidden
+    assert len(motion.never_seen) == body.vertices - 8
+    angle = np.abs(motion.smooth_angles).max()
+    assert angle == pytest.approx(np.abs(read_table(folder / "example" / "joint_table.csv")).max(), abs=0.01)

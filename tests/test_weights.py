@@ -27,7 +27,7 @@ def test_edges_of_a_body_without_weights_weigh_as_much_as_they_are_long(body: Bo
     model = at_edges(body)
     np.testing.assert_allclose(symbolic_weights(model), body.edges, atol=1e-15)
     assert model.body.vertex_weights.sum() == pytest.approx(1)
-    assert not model.remarks
+    assert not [remark for remark in model.remarks if "weigh" in remark]
 
 
 def test_equal_weights_given_for_edges_burden_the_end_edges_by_half_and_that_is_said() -> None:
@@ -50,3 +50,18 @@ def test_edge_weights_by_numbers_and_by_symbols_agree_and_keep_the_sum() -> None
     model = uneven("edge")
     np.testing.assert_allclose(model.body.edge_weights, symbolic_weights(model), atol=1e-15)
     assert symbolic_weights(model).sum() == pytest.approx(1)
+
+
+@pytest.mark.parametrize("edges", [(1.0,) * 3, (2.0, 3.0, 3.0, 4.0, 3.0, 2.0), (1.0,) * 20])
+def test_drag_in_the_middles_of_edges_says_what_resistance_to_turning_it_leaves_out(edges: tuple[float, ...]) -> None:
+    body = Body(vertices=len(edges) + 1, edge_lengths=edges)
+    ends = np.concatenate([[0.0], np.cumsum(body.edges)])
+    middles = (ends[1:] + ends[:-1]) / 2 - 0.5
+    left_out = 1 - 12 * (body.edges * middles**2).sum()  # of a straight rod's 1/12
+    remarks = Model(body, Medium(anisotropy_ratio=0.3, dissipation="edge")).remarks
+    said = [remark for remark in remarks if "resists turning" in remark]
+    assert len(said) == (left_out > 0.02)
+    assert all(f"{left_out:.1%}" in remark for remark in said)
+    wheels = body.changed(kind="wheeled robot")
+    assert not [r for r in Model(wheels, Medium(anisotropy_ratio=0.3, dissipation="edge")).remarks if "turning" in r]
+    assert not [r for r in Model(body, Medium(anisotropy_ratio=0.3)).remarks if "turning" in r]

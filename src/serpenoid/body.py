@@ -27,6 +27,7 @@ PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
 }  # fmt: skip
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
 MOST_VERTICES = 1000  # compiling takes minutes beyond
+SPARSE = 0.02  # of a straight body's resistance to turning: ten equal edges, as in the paper, leave out 0.01
 Kind = Literal["wheeled robot", "swimming robot", "swimmer", "crawler"]
 Part = Literal["servos", "wheels", "ground", "water"]
 PARTS: dict[Kind, frozenset[Part]] = {
@@ -93,6 +94,21 @@ class Body(Record):
         meant = next((unit for unit, metre in SMALLER.items() if low <= length * metre <= high), None)
         unit = f" Lengths are in metres: were they given in {meant}?" if length > high and meant else ""
         return f"the body is {length:.4g} m long, where {low:g} to {high:g} m is plausible.{unit}"
+
+    @property
+    def sparse_edges(self) -> str | None:
+        """A sentence where drag at the middles of the edges is not that of a smooth body.
+
+        An edge does not resist its own turning: of a straight body's resistance sum (edge / length)^3 is left out.
+        """
+        left_out = float((self.edges**3).sum())
+        if self.kind == "wheeled robot" or left_out <= SPARSE:
+            return None
+        return (
+            f"drag in the middles of edges lacks {left_out:.1%} of what a smooth straight body resists turning by: "
+            "turns come out wrong, a diagnosis finds causes that are not there. Cut links into more edges (`vertices`, "
+            '`joints`; n a link leave out 1 / n^2 of it), or say kind = "wheeled robot" if wheels are there'
+        )
 
     @cached_property
     def edges(self) -> Floats:

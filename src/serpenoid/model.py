@@ -75,8 +75,8 @@ class Model:
     def remarks(self) -> tuple[str, ...]:
         """What its author may not expect, as sentences."""
         seen = [f"`{e.name}` changes what cameras record, not how the body moves" for e in self.observation_effects]
-        odd = self.body.odd_length
-        return (*([odd] if odd else []), *self._odd_weights, *seen)
+        sparse = self.body.sparse_edges if self.medium.dissipation == "edge" else None
+        return (*(said for said in (self.body.odd_length, sparse) if said), *self._odd_weights, *seen)
 
     @property
     def _odd_weights(self) -> tuple[str, ...]:

@@ -56,7 +56,7 @@ def test_without_a_log_a_vertex_that_is_never_seen_is_named(never: list[int]) ->
     """The tail may be anywhere about its joint, and a joint be bent to either side."""
     body, time, _, markers, _ = _trial()
     markers[:, never] = np.nan
-    words = f"never seen: vertices {', '.join(map(str, never))}, counted from the tail.*Where a servo log"
+    words = f"never seen: vertices {', '.join(map(str, never))}; 0 is the tail.*Where a servo log"
     with pytest.raises(InputError, match=words):
         build_motion(body, time, markers, None, ((), ()))
 

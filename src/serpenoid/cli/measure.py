@@ -92,9 +92,7 @@ def trial_lines(trial: Trial) -> list[str]:
     motion = trial.motion
     if motion is not None:
         length = motion.time_s[-1] - motion.time_s[0]
-        lines.append(
-            f"  frames            {len(motion.time_s)} in {length:.2f} s, {motion.hidden_share:.1%} of markers hidden"
-        )
+        lines.append(f"  frames            {len(motion.time_s)} in {length:.2f} s, {motion.hidden_said}")
         lines.append(f"  body              {_body_words(trial, motion)}")
         lines += _beat_lines(trial, motion)
         unit = metric(trial.metres * motion.marker_sd) if trial.metres else f"{motion.marker_sd:.5f} body lengths"

@@ -241,7 +241,8 @@ def _fit_trial(
 
 
 def _complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:
-    found = []
+    sparse = model.body.sparse_edges if model.medium.dissipation == "edge" and not model.body.is_animal else None
+    found = [sparse] if sparse else []
     lows, highs = bounds(solution.names, model)
     if not solution.converged:
         found.append("the fit did not converge: the data may not determine these numbers")

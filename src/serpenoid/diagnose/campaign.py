@@ -56,6 +56,8 @@ def diagnose_campaign(
     check_body(model, file)
     middles = at_middles(model, file)
     body = file.body.with_middles() if middles else file.body
+    if middles and file.body.sparse_edges:
+        notice(file.body.sparse_edges)
     known = earlier or taken_for_granted(baseline(model, file, body), without, notice)
     known.check(body)
     _, recordings = read_recordings(campaign, reading, files)

@@ -52,8 +52,21 @@ class Motion:
 
     @property
     def hidden_share(self) -> float:
-        """Share of marker positions that were not seen."""
-        return float(1 - np.isfinite(self.markers[..., 0]).mean())
+        """Share of positions that were not seen, of vertices that are seen at all."""
+        seen = np.isfinite(self.markers[..., 0])
+        return float(1 - seen[:, seen.any(axis=0)].mean()) if seen.any() else 1.0
+
+    @property
+    def never_seen(self) -> NDArray[np.int64]:
+        """Vertices that no frame shows; inside a link they may have no marker."""
+        return np.flatnonzero(~np.isfinite(self.markers[..., 0]).any(axis=0))
+
+    @property
+    def hidden_said(self) -> str:
+        """Both in words."""
+        never = len(self.never_seen)
+        unmarked = f"; {never} of {self.markers.shape[1]} vertices are never seen" if never else ""
+        return f"{self.hidden_share:.1%} of markers hidden{unmarked}"
 
 
 @dataclass(frozen=True)
@@ -129,7 +142,7 @@ def build_motion(
 
 def _counted(never: NDArray[np.int64]) -> str:
     names = ", ".join(str(k) for k in never)
-    return f" (never seen: vertices {names}, counted from the tail, 0)" if len(never) else ""
+    return f" (never seen: vertices {names}; 0 is the tail)" if len(never) else ""
 
 
 def _cuts(estimate: ChainEstimate, time_s: Floats) -> tuple:

@@ -95,7 +95,7 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
             ax.axvline(jump.time_s, color=RED, lw=1.0)
         else:
             ax.plot(jump.time_s, jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
-    title = f"Hidden (dark): {motion.hidden_share:.1%} of marker positions"
+    title = f"Dark: {motion.hidden_said}"
     title += "\norange: too long to bridge" if any(not gap.short for gap in motion.gaps) else ""
     title += "\nred: jumps (cross: one marker, line: the body)" if motion.jumps else ""
     return dress(ax, title, "time [s]", "vertex", grid=False)

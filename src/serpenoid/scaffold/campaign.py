@@ -11,6 +11,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
 from serpenoid.measure.links import corners
 from serpenoid.measure.readers import NAMES
+from serpenoid.medium import Medium
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of
 from serpenoid.table_file import write_table
@@ -22,6 +23,8 @@ CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
 BY_NAME = ("motive", "c3d", "deeplabcut", "sleap")  # formats whose points have names
 AXES = {"motive": ['up_axis = "y"                # motive: usually "y"'], "c3d": ['up_axis = "z"']}
+METRES = ['length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl']
+PIXELS = ['length_unit = "px"', "# metres_per_pixel = 0.0005   # of your camera: what follows is then in metres"]
 COLUMNS = {
     "long": ['columns = { time = "t", point = "point", x = "x", y = "y" }   # your names: one row per frame and point'],
     "tidy": ['# columns = { time = "t_s", x = "x_*", y = "y_*" }   # names of your own, two columns per point'],
@@ -52,9 +55,10 @@ def write(path: Path, answers: Answers) -> str:
     steps = result.trajectory.steps_per_cycle
     cycle = result.trajectory.vertices[: steps + 1] * problem.body.total_length_m
     poses = result.trajectory.poses[[0, steps]]
-    _write_motion(folder / EXAMPLE / "motion.csv", cycle, poses, duration, problem.body.total_length_m)
+    shown = cycle[:, _marked(problem.body, problem.medium)]
+    _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, problem.body.total_length_m)
     hint = write_schema(folder, "campaign")
-    write_text(path, _text(hint, folder.absolute().name, problem.body, duration, answers))
+    write_text(path, _text(hint, folder.absolute().name, problem.body, problem.medium, duration, answers))
     return f"serpenoid measure {folder}"
 
 
@@ -79,7 +83,7 @@ def _write_motion(path: Path, cycle: Floats, poses: Floats, duration: float, len
     write_csv(path, header, np.column_stack([grid, shown]).tolist())
 
 
-def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -> str:
+def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, answers: Answers) -> str:
     """The commented file."""
     mass = [] if body.mass_kg is None else [f"mass_kg = {body.mass_kg:g}"]
     measure = "along the body; without them they are estimated" if body.is_animal else "measure them"
@@ -87,11 +91,13 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
     lengths = ", ".join(f"{edge:.6g}" for edge in body.edges_m)
     weights = ", ".join(f"{weight:.6g}" for weight in body.vertex_weights)
     prefix = "" if body.is_animal else "Robot:"
-    names = ", ".join(f'"{prefix}{label}"' for label in _labels(body))
+    marked, labels = _marked(body, medium), _labels(body)
+    names = ", ".join(f'"{prefix}{labels[vertex]}"' for vertex in marked)
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
     by_name = answers["format"] in BY_NAME
     rigid = len(corners(body)) < body.vertices
-    seen = [f"# vertices = {corners(body)}   # those with a marker, where not all have one"] * rigid
+    some = "" if len(marked) < body.vertices else "# "
+    seen = [f"{some}vertices = {corners(body)}   # those with a marker, where not all have one"] * rigid
     return "\n".join(
         [
             hint,
@@ -110,9 +116,10 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             *joints,
             *mass,
             "",
+            *_medium(medium),
             "[motion]                     # how the motion files are to be read; a trial may override any key",
             f'format = "{answers["format"]}"',
-            'length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl',
+            *(PIXELS if answers["format"] in ("deeplabcut", "sleap") else METRES),
             *AXES.get(answers["format"], []),
             f"frames_per_second = {answers['frames-per-second']:g}",
             *COLUMNS.get(answers["format"], []),
@@ -126,9 +133,27 @@ def _text(hint: str, name: str, body: Body, duration: float, answers: Answers) -
             *(() if body.is_animal else _commanded(duration)),
             f'motion = "{EXAMPLE}/motion.csv"',
             'format = "tidy"',
+            'length_unit = "m"',
             END,
             "",
         ]
+    )
+
+
+def _marked(body: Body, medium: Medium) -> list[int]:
+    """Vertices that have a marker: of a smooth body's links their ends, what cuts them into edges is nothing to see."""
+    return corners(body) if medium.dissipation == "edge" else list(range(body.vertices))
+
+
+def _medium(medium: Medium) -> tuple[str, ...]:
+    """Where drag sits is part of what is fitted; at vertices it need not be said."""
+    if medium.dissipation == "vertex":
+        return ()
+    return (
+        "[medium]",
+        f"anisotropy_ratio = {medium.anisotropy_ratio:g}   # of the problem file: `fit` says what the recordings tell",
+        f'dissipation = "{medium.dissipation}"',
+        "",
     )
 
 

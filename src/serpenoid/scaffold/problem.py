@@ -1,7 +1,8 @@
 """`serpenoid new problem`: a chain of equal links with half links at its ends, or of given edges.
 
 Wheels in the middles of links stand at vertices of their own, which do not bend; what stands at the joints then weighs
-next to nothing.
+next to nothing. Drag along a smooth body sits in the middles of edges, and a link of one edge would turn freely: links
+are cut into `PIECES`.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, whole
 
 KINDS = get_args(Kind)
+PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its own turning
 QUESTIONS = (
     Question("kind", f"What is it: {', '.join(KINDS)} (empty: not said)?", "", one_of("", *KINDS)),
     Question("joints", "How many joints?", "6", whole(1, 98)),
@@ -107,10 +109,21 @@ def _chain(answers: Answers, edges: list[float]) -> str:
 joints = {list(body.joint_vertices)}   # the others are rigid
 edge_lengths = {_listed(body.edges_m)}   # metres, tail to head
 weights = {_listed(body.vertex_weights)}   # what each carries, on any scale; a joint next to nothing"""
-    weights = [(before + after) / 2 for before, after in pairwise([0.0, *edges, 0.0])]
+    if answers["dissipation"] == "edge" and answers["kind"] != "wheeled robot":
+        pieces = [edge / PIECES for edge in edges for _ in range(PIECES)]
+        joints = list(range(PIECES, len(pieces), PIECES))
+        return f"""vertices = {len(pieces) + 1}             # {PIECES} edges a link: drag sits in the middles of edges
+joints = {joints}   # the others are rigid
+edge_lengths = {_listed(pieces)}   # metres, tail to head
+weights = {_listed(_halves(pieces))}   # what each vertex carries, on any scale, or weigh them"""
     return f"""vertices = {len(edges) + 1}             # tail marker, joints, head marker
 edge_lengths = {_listed(edges)}   # metres, tail to head
-weights = {_listed(weights)}   # what each vertex carries, on any scale: half of each of its links, or weigh them"""
+weights = {_listed(_halves(edges))}   # what each vertex carries, on any scale: half of its links, or weigh them"""
+
+
+def _halves(edges: list[float]) -> list[float]:
+    """Half of each edge at either end."""
+    return [(before + after) / 2 for before, after in pairwise([0.0, *edges, 0.0])]
 
 
 def _listed(values: Iterable[float]) -> str:
