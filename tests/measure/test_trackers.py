@@ -283,6 +283,17 @@ def test_pixels_with_a_scale_are_metres_and_a_length_takes_no_scale(tmp_path):
         load_campaign(campaign(tmp_path, keys.replace("px", "mm")))
 
 
+def test_a_mirrored_film_bends_the_other_way(tmp_path):
+    tidy(tmp_path, 4.0)
+    keys = 'format = "tidy"\nlength_unit = "px"'
+    plain, mirrored = (
+        load_campaign(campaign(tmp_path, keys + more)).trials[0].motion.joint_angles
+        for more in ("", "\nmirrored = true")
+    )
+    assert np.abs(plain).max() > 0.1
+    np.testing.assert_allclose(mirrored, -plain, atol=1e-9)
+
+
 @pytest.mark.parametrize(("waves", "reverse"), [(1.0, False), (0.6, False), (1.0, True)])
 def test_the_gait_of_a_worm_is_its_frequency_amplitudes_and_waves(tmp_path, waves, reverse):
     """Made with 1 Hz, 0.5 rad of each edge, and so many waves on the body, which run from head to tail."""

@@ -33,6 +33,9 @@ class MotionKeys(Record):
     metres_per_pixel: Positive | None = Field(
         default=None, description="what a pixel is on the floor, where points are in pixels: lengths are then in metres"
     )
+    mirrored: bool | None = Field(
+        default=None, description="true: left and right are exchanged (seen from below, or rows counted the other way)"
+    )
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
     markers: tuple[Line, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
     vertices: tuple[int, ...] | None = Field(
@@ -178,6 +181,8 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
     if keys.format is None:
         raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
     tracks = in_metres(READERS[keys.format](path, keys), keys.metres_per_pixel)
+    if keys.mirrored:
+        tracks = replace(tracks, floor=tracks.floor * (1.0, -1.0))
     if trial.from_s is not None or trial.to_s is not None:
         tracks = tracks.between(trial.from_s, trial.to_s)
     return tracks

@@ -87,7 +87,7 @@ def turned(course: Course, label: str) -> list[Fault]:
     """All signs flipped, joints counted from the other end, head and tail exchanged: alike in every trial."""
     made: list[tuple[str, str, str, Callable[[Floats], Floats]]] = [
         ("signs", f"follow `{label}` with all signs flipped",
-         "check `up_axis` (a mirrored floor) and the direction of the joints", lambda angles: -angles),
+         "check `up_axis` and the direction of the joints, or is the film `mirrored`?", lambda angles: -angles),
         ("order", f"follow `{label}` with its joints in reversed order",
          "`joint_1` is the joint next to the tail: reverse the columns", lambda angles: angles[:, ::-1]),
         ("ends", f"follow `{label}` with head and tail exchanged",
