@@ -10,7 +10,18 @@ import pytest
 from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
-from serpenoid.diagnose.report.words import lines, meaning, parameter, ratio, reference, shown, times, title, undetected
+from serpenoid.diagnose.report.words import (
+    lines,
+    meaning,
+    parameter,
+    ratio,
+    reference,
+    rows,
+    shown,
+    times,
+    title,
+    undetected,
+)
 from serpenoid.diagnose.stages.choose_motion import finding, ratio_interval
 from serpenoid.model import Model
 
@@ -62,6 +73,14 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     repeated = {"verdict": "nothing", "reference": None, "noise_from": "trials"}
     assert "has changed" in meaning(repeated | {"reference": {"campaign": "healthy"}})
     assert "drag alone explains" in meaning(repeated)
+
+
+def test_it_is_told_how_rows_were_taken_and_who_said_so() -> None:
+    assert rows({"rows_held": True, "rows_from": "readings"}) == [
+        "held until the next is due (what servos read fits this best)"
+    ]
+    assert "the log's commands" in rows({"rows_held": False, "rows_from": "commands"})[0]
+    assert not rows({"rows_held": False, "rows_from": None})  # of an animal
 
 
 @pytest.mark.parametrize("verdict", ["nothing", "explained"])

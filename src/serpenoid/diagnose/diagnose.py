@@ -177,6 +177,13 @@ def _scored(scores: Sequence[tuple[str, int | None, float]]) -> list[tuple[str, 
     return [score for i, score in enumerate(scores) if i < SCORES or first[score[0]] == i]
 
 
+def _rows(recordings: Sequence[Recording]) -> dict[str, Any]:
+    """Whether the tables' rows are held, and who says so: the logs' commands, or what servos follow best."""
+    held = any(r.schedule.held for r in recordings)
+    told = bool(recordings) and all(r.held_as_told is held for r in recordings)
+    return {"rows_held": held, "rows_from": ("commands" if told else "readings") if recordings else None}
+
+
 def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
@@ -202,7 +209,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "left_open_m": left_open(found.motion, d.extension),
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),
-        "rows_held": any(t.recording.schedule.held for t in found.motion.tracks if isinstance(t.recording, Recording)),
+        **_rows([t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)]),
         "left": {stage.name: None if stage.skipped else stage.left for stage in d.stages},
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},

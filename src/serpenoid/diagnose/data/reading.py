@@ -13,6 +13,7 @@ from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.still import refuse_still
+from serpenoid.diagnose.data.told import told_by_commands
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
@@ -101,13 +102,15 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
-    start = start_on_log(log, schedule, clock.rate) or _start_by_shape(schedule, log.time_s, log.position)
+    told = told_by_commands(log, schedule, clock.rate)
+    start = (told.start_s, told.spread_s) if told else start_on_log(log, schedule, clock.rate)
+    start = start or _start_by_shape(schedule, log.time_s, log.position)
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     time, log_time = tracks.time_s - t0, log.time_s - start[0]
     shown = schedule.until(max(time[-1], log_time[-1]))
     return Recording(
         entry.name, entry.gait or entry.name, file.body, shown, time, markers, log_time, log.position, clock, start[1],
-        commands=log.command, missing_cycles=schedule.cycles - shown.cycles,
+        commands=log.command, missing_cycles=schedule.cycles - shown.cycles, held_as_told=told.held if told else None,
     )  # fmt: skip
 
 

@@ -35,7 +35,8 @@ class Recording:
     what the markers show on every frame.
     remarks: of the campaign's check against itself.
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
-    as each reading was taken, where the log says it.
+    as each reading was taken, where the log says it; held_as_told: whether these hold the table's rows, None where they
+    do not say.
     schedule: no more cycles than the recording may show; missing_cycles: how many more the campaign promises.
     """
 
@@ -54,6 +55,7 @@ class Recording:
     carrier: Course | None = None
     commands: Floats | None = None
     missing_cycles: int = 0
+    held_as_told: bool | None = None
 
     @property
     def length_unit(self) -> str:

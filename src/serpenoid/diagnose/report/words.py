@@ -182,6 +182,13 @@ def seconds(record: Record) -> str:
     return f"{record['used_s']:.4g} s used, {record['dropped_s']:.4g} s dropped"
 
 
+def rows(record: Record) -> list[str]:
+    """How the tables' rows were taken, and who said so; nothing of animals."""
+    who = {"commands": "the log's commands say so", "readings": "what servos read fits this best"}
+    how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
+    return [f"{how} ({who[record['rows_from']]})"] if record.get("rows_from") else []
+
+
 def drag_ratio(record: Record) -> str:
     """K of an animal with its interval, if drag is all there is."""
     ratio = record["drag_ratio"]
@@ -205,6 +212,7 @@ def lines(record: Record) -> list[str]:
         found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
     found += [f"not tested        {text}" for text in untestable(record)]
     found.append(f"seconds           {seconds(record)}")
+    found += [f"rows              {text}" for text in rows(record)]
     found += [f"note              {text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
     before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))

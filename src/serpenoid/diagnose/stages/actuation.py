@@ -116,7 +116,7 @@ def fit_everywhere(
 
     without = data.realised(base)
 
-    said = all(r.start_said for r in data.recordings)
+    said = all(data.begun(r) for r in data.recordings)
     shared = kind.place is None or (only is not None and not said)  # one joint moves when the trial began for all
 
     def play(x: Floats) -> Floats:

@@ -14,7 +14,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, e
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
 from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
-from serpenoid.diagnose.stages.plays import Plays, unsure_start
+from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
@@ -150,8 +150,9 @@ def _unsure(data: Plays, speed: np.ndarray) -> np.ndarray:
     """Standard deviation [s] of each trial's beginning: by a log's labels; without any, as readings show it by their
     rates (R, m) in units of noise."""
     by_rates = [float((speed[data.trials == t] ** 2).sum()) for t in range(len(data.recordings))]
-    pairs = zip(data.recordings, by_rates, strict=True)
-    return np.array([unsure_start(r) / np.sqrt(3) if r.start_said else 1 / np.sqrt(max(v, 1e-12)) for r, v in pairs])
+    shown = 1 / np.sqrt(np.maximum(by_rates, 1e-12))
+    known, most = (np.array([f(r) for r in data.recordings]) for f in (data.begun, data.unsure_start))
+    return np.where(known, most / np.sqrt(3), shown)
 
 
 def _rounding(best: Played, slope: np.ndarray) -> float:

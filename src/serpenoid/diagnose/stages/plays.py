@@ -62,6 +62,14 @@ class Plays:
         """Whether the rows of the tables jump."""
         return self.recordings[0].schedule.held
 
+    def unsure_start(self, r: Recording) -> float:
+        """How far what a trial was told may be off in time [s]: the log's own commands have the readings' clock."""
+        return ACTED_ON_S if self.told else unsure_start(r)
+
+    def begun(self, r: Recording) -> bool:
+        """Whether it is known when what a trial was told began."""
+        return self.told or r.start_said
+
     @property
     def quickest(self) -> Floats:
         """Largest speed (m,) [rad/s] of each joint from one row of a table to the next."""
@@ -117,10 +125,11 @@ class Plays:
             power, pull = (v**2).sum(axis=1), (v * miss).sum(axis=1)
             once, late, later = (max(float((power * time**n).sum()), 1e-12) for n in range(3))
             now, then = float(pull.sum()), float((pull * time).sum())
-            most = NORMAL * float(np.hypot(r.clock.rate, r.clock.rate_sd))  # whose clock commands follow is not known
+            # whose clock commands follow is not known, but where the log has them
+            most = 0.0 if self.told else NORMAL * float(np.hypot(r.clock.rate, r.clock.rate_sd))
             apart = max(once * later - late**2, 1e-9 * once * later)
             rate = float(np.clip((then * once - now * late) / apart, -most, most))
-            near = unsure_start(r) + abs(rate) * float(time[-1])  # labels bound both together
+            near = self.unsure_start(r) + abs(rate) * float(time[-1])  # labels bound both together
             moves.append((float(np.clip((now - rate * late) / once, -near, near)), rate))
         return moves
 
@@ -144,15 +153,15 @@ class Plays:
         """What a trial's mesh plays (K, m) when it is read; from where readings are met best if nothing says when it
         began."""
         recording, time = self.recordings[number], self.times[number]
-        if recording.start_said:
+        if self.begun(recording):
             return angles[self.where[number]]
         course = Course(self.meshes[number], angles)
-        late = course.late(time, self.readings[self._rows[number]], unsure_start(recording))
+        late = course.late(time, self.readings[self._rows[number]], self.unsure_start(recording))
         return course.at(time - late)
 
     def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
         """The same where one joint (1 = next to the tail) alone reads anything else than `others` (R, m)."""
-        if not all(r.start_said for r in self.recordings):  # when a trial began depends on all joints
+        if not all(self.begun(r) for r in self.recordings):  # when a trial began depends on all joints
             return self.realised(effects)
         found, columns = others.copy(), slice(joint - 1, joint)
         played = realise_all(self.model(effects), self.setpoints, self.meshes, columns)
@@ -194,7 +203,8 @@ class Plays:
         found, speed, moved = self._missed(played), self.speed(played), played.copy()
         for r, mine in zip(self.recordings, self._rows, strict=True):
             pull, power = (found[mine] * speed[mine]).sum(axis=0), (speed[mine] ** 2).sum(axis=0)
-            moved[mine] += np.clip(pull / np.maximum(power, 1e-12), -unsure_start(r), unsure_start(r)) * speed[mine]
+            near = self.unsure_start(r)
+            moved[mine] += np.clip(pull / np.maximum(power, 1e-12), -near, near) * speed[mine]
         return moved
 
     def missed(self, played: Floats) -> Floats:

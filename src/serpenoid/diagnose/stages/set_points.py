@@ -16,7 +16,7 @@ from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.plays import Plays, unsure_start
+from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, unsure_start
 
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 
@@ -25,6 +25,9 @@ def ways(recordings: Sequence[Recording]) -> Iterator[Plays]:
     """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them."""
     recordings = _telling(recordings)
     yield _plays(recordings, told=False)
+    # commands that jump may be goals of a profile, which runs; those that run leave no doubt
+    if all(r.held_as_told is False for r in recordings):
+        return
     jumping = [replace(r, schedule=replace(r.schedule, held=True)) for r in recordings]
     yield _plays(jumping, told=False)
     if all(r.commands is not None for r in recordings):
@@ -60,7 +63,7 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
     for number, r in enumerate(recordings):
         time = r.read_at
         inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
-        mesh = np.unique(np.concatenate([[0.0], time[inside], [] if told else corners(r)]))
+        mesh = np.unique(np.concatenate([[0.0], time[inside], *([] if told else [corners(r), _whenever(r)])]))
         course = Course(time, r.commands) if told and r.commands is not None else None
         setpoints.append(r.schedule.commanded(mesh) if course is None else course.at(mesh))
         times.append(time[inside])
@@ -74,6 +77,11 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
         tuple(setpoints), tuple(where), noise, told=told,
     )  # fmt: skip
     return found.measured(np.zeros_like(found.readings)).measured(found.realised([]))
+
+
+def _whenever(r: Recording) -> Floats:
+    """Times at which a trial is followed whose beginning its readings tell: they may lie anywhere between two rows."""
+    return np.arange(0.0, 0.0 if r.start_said else r.schedule.cycles * r.schedule.period_s, ACTED_ON_S)
 
 
 def corners(r: Recording) -> Floats:

@@ -1,0 +1,106 @@
+"""What a log's own commands tell: when a trial began, whether rows are held, and with these how late servos are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.folder import write
+from blind.schedule import lagged
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.noise import TICK
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
+from serpenoid.diagnose.data.told import told_by_commands
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.set_points import ways
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.schedule import Schedule
+
+CYCLE_S, PAUSE_S, CYCLES, START_S, ROWS = 4.0, 1.0, 2, 1.2345, 40
+FINE_S = 1e-3
+
+
+@pytest.fixture(scope="module")
+def trial(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    folder = tmp_path_factory.mktemp("commands")
+    write(make(72, [], combinations=COMBINATIONS[:1]), folder)
+    return read_recordings(folder)[1][0]
+
+
+def square(joints: int, held: bool = False) -> Schedule:
+    """Strokes of one half of the joints after the other; t0 is START_S."""
+    corners = 0.7 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
+    two = np.stack([np.interp(4 * np.arange(ROWS) / ROWS, range(5), c) for c in corners.T], axis=1)
+    return Schedule(two[:, np.arange(joints) % 2], CYCLE_S, CYCLES, PAUSE_S, START_S, held)
+
+
+def logged(schedule: Schedule, hertz: float, command: Floats | None = None) -> ServoLog:
+    time = np.arange(0, schedule.end_s + 0.5, 1 / hertz)
+    told = np.round(schedule.commanded(time) / TICK) * TICK if command is None else command
+    return ServoLog(time, told, told, None, None, None, {}, "log.csv")
+
+
+def slow(r: Recording, hertz: float, lag: float, says_commands: bool) -> Recording:
+    """A trial of straight strokes, and servos that follow them late, in a log without labels."""
+    plan = square(r.body.joint_count)
+    log, fine = logged(plan, hertz), np.arange(0, plan.end_s + 1, FINE_S)
+    late = lagged(fine, plan.commanded(fine), np.full(len(fine) - 1, lag))
+    read = np.stack([np.interp(log.time_s, fine, c) for c in late.T], axis=1)
+    read = read + np.random.default_rng(3).normal(0, TICK, read.shape)
+    told = told_by_commands(log, replace(plan, start_s=0.0), 0.0) if says_commands else None
+    start, spread = (told.start_s, told.spread_s) if told else (START_S + lag, UNSURE_CYCLE * CYCLE_S)
+    return replace(
+        r, schedule=replace(plan, start_s=0.0), log_time=log.time_s - start, position=read, t0_spread=spread,
+        commands=log.command if says_commands else None, held_as_told=told.held if told else None,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("held", "hertz", "open_s"), [(False, 10, 1e-3), (False, 20, 1e-3), (True, 20, 0.026), (True, 33, 2e-3)]
+)
+def test_commands_say_when_a_trial_began_and_whether_rows_are_held(held: bool, hertz: float, open_s: float) -> None:
+    plan = square(2, held)
+    told = told_by_commands(logged(plan, hertz), replace(plan, start_s=0.0, held=False), 0.0)
+    assert told is not None
+    assert told.held == held
+    assert abs(told.start_s - START_S) < told.spread_s < open_s
+
+
+def test_commands_that_are_not_the_table_or_are_it_in_both_ways_say_nothing() -> None:
+    plan = square(2)
+    asked, log = replace(plan, start_s=0.0), logged(plan, 50)
+    assert log.command is not None
+    clipped = logged(plan, 50, np.clip(log.command, -0.6, 0.6))
+    assert told_by_commands(clipped, asked, 0.0) is None
+    rows = logged(replace(plan, held=True, start_s=1.2), ROWS / CYCLE_S)  # one row of the log for one of the table
+    assert told_by_commands(rows, asked, 0.0) is None
+    assert told_by_commands(replace(log, command=None), asked, 0.0) is None
+
+
+@pytest.mark.parametrize("lag", [0.03, 0.08])
+def test_the_commands_of_a_slow_log_tell_a_lag_from_a_late_start_and_from_held_rows(
+    trial: Recording, lag: float
+) -> None:
+    data = plays([slow(trial, 20, lag, True)])
+    assert not data.held
+    (named,) = choose_actuation(data).named
+    assert named.effect.key == ("servo_lag", None)
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < lag < high
+    assert high - low < 0.012
+
+
+def test_servos_are_followed_between_the_rows_of_a_slow_log_that_does_not_say_when_a_trial_began(
+    trial: Recording,
+) -> None:
+    data, lag = next(ways([slow(trial, 10, 0.05, False)])), 0.05
+    left = data.left(data.realised([ActiveEffect.of("servo_lag", None, lag=lag)]))
+    np.testing.assert_allclose(left.std(), TICK, rtol=0.05)  # the noise of a reading
