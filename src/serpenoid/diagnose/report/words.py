@@ -183,10 +183,12 @@ def seconds(record: Record) -> str:
 
 
 def rows(record: Record) -> list[str]:
-    """How the tables' rows were taken, and who said so; nothing of animals."""
+    """How the tables' rows were taken, and who said so; nothing of animals, nor of records that do not say."""
+    if not record.get("rows_from"):
+        return []
     who = {"commands": "the log's commands say so", "readings": "what servos read fits this best"}
     how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
-    return [f"{how} ({who[record['rows_from']]})"] if record.get("rows_from") else []
+    return [f"{how} ({who[record['rows_from']]})"]
 
 
 def drag_ratio(record: Record) -> str:
