@@ -129,6 +129,11 @@ class Body(Record):
         return np.asarray(self.edges * (share[1:] + share[:-1]))
 
     @property
+    def corners(self) -> list[int]:
+        """Vertices (m + 2) where links end: tail, joints, head."""
+        return [0, *self.joint_vertices, self.vertices - 1]
+
+    @property
     def is_animal(self) -> bool:
         """Whether it has no wheels, servos or mounted weights."""
         return self.kind in ANIMALS

@@ -27,15 +27,15 @@ def nodes_along(body: Body, cuts: int = 1, degree: int = SMOOTH) -> tuple[Floats
 
     Every edge is cut into `cuts` pieces of NODES nodes each.
     """
-    return _nodes_along(tuple(body.edges.tolist()), body.joint_vertices, cuts, degree)
+    return _nodes_along(tuple(body.edges.tolist()), tuple(body.corners), cuts, degree)
 
 
 @lru_cache(maxsize=64)
-def _nodes_along(edges: tuple[float, ...], joints: tuple[int, ...], cuts: int, degree: int) -> tuple[Floats, Floats]:
+def _nodes_along(edges: tuple[float, ...], corners: tuple[int, ...], cuts: int, degree: int) -> tuple[Floats, Floats]:
     from scipy.interpolate import make_interp_spline  # as long to import as all the rest, and robots need it not
 
     place = np.concatenate([[0.0], np.cumsum(edges)])
-    ends = place[[0, *joints, len(edges)]]
+    ends = place[list(corners)]
     piece = np.repeat(np.array(edges) / cuts, cuts)
     at, weight = np.polynomial.legendre.leggauss(NODES)
     begin = np.concatenate([[0.0], np.cumsum(piece)])[:-1]
@@ -62,12 +62,12 @@ def curve(body: Body, directions: Floats, cuts: int = 1, degree: int = SMOOTH) -
 
 def _shares(body: Body) -> Floats:
     """Share of the edges that each link has (L,)."""
-    return np.diff([0, *body.joint_vertices, body.vertices - 1]) / (body.vertices - 1)
+    return np.diff(body.corners) / (body.vertices - 1)
 
 
 def directions_of(body: Body, vertices: Floats) -> Floats:
     """Directions (F, L) of the links between vertices (F, N, 2), continuous along the body and from row to row."""
-    chords = np.diff(vertices[:, [0, *body.joint_vertices, body.vertices - 1]], axis=1)
+    chords = np.diff(vertices[:, body.corners], axis=1)
     along = np.unwrap(np.arctan2(chords[..., 1], chords[..., 0]), axis=1)
     turns = np.round(np.diff(along[:, 0]) / (2 * np.pi))
     along[1:] -= 2 * np.pi * np.cumsum(turns)[:, None]

@@ -75,8 +75,12 @@ class Model:
     def remarks(self) -> tuple[str, ...]:
         """What its author may not expect, as sentences."""
         seen = [f"`{e.name}` changes what cameras record, not how the body moves" for e in self.observation_effects]
-        sparse = self.body.sparse_edges if self.medium.dissipation == "edge" else None
-        return (*(said for said in (self.body.odd_length, sparse) if said), *self._odd_weights, *seen)
+        return (*(said for said in (self.body.odd_length, self.sparse_drag) if said), *self._odd_weights, *seen)
+
+    @property
+    def sparse_drag(self) -> str | None:
+        """See `Body.sparse_edges`; nothing where drag sits at vertices."""
+        return self.body.sparse_edges if self.medium.dissipation == "edge" else None
 
     @property
     def _odd_weights(self) -> tuple[str, ...]:

@@ -241,8 +241,7 @@ def _fit_trial(
 
 
 def _complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:
-    sparse = model.body.sparse_edges if model.medium.dissipation == "edge" and not model.body.is_animal else None
-    found = [sparse] if sparse else []
+    found = [model.sparse_drag] if model.sparse_drag and not model.body.is_animal else []
     lows, highs = bounds(solution.names, model)
     if not solution.converged:
         found.append("the fit did not converge: the data may not determine these numbers")

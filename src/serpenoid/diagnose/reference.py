@@ -29,6 +29,7 @@ from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
 from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
 
 UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
@@ -144,7 +145,7 @@ class Reference(Baseline):
                 if earlier.setting == r.setting and np.array_equal(earlier.schedule.table, r.schedule.table):
                     mine, theirs = now.trials == number, then.trials == other
                     at, known = now.times[number], then.times[other]
-                    habit[mine] = np.stack([_between(at, known, c) for c in left[theirs].T], axis=1)
+                    habit[mine] = bridged(known, left[theirs], at)
                     new[mine] = False
         return replace(
             now,
@@ -154,12 +155,6 @@ class Reference(Baseline):
             noise=np.sqrt(now.noise**2 + then.noise**2 + new.mean() * spread**2),
             unsure=spread,
         )
-
-
-def _between(at: Floats, time: Floats, values: Floats) -> Floats:
-    """Values (R,), NaN unknown, straight in between; 0 where none is known."""
-    known = np.isfinite(values)
-    return np.interp(at, time[known], values[known]) if known.any() else np.zeros_like(at)
 
 
 def reference_of(d: Diagnosis) -> Reference:

@@ -18,7 +18,7 @@ from scipy.special import gammainc, gammaincinv
 from serpenoid.body import Body
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.links import corners, laid_over, link_directions, link_of_edge, vertices_by_links
+from serpenoid.measure.links import laid_over, link_directions, link_of_edge, vertices_by_links
 
 Flags = NDArray[np.bool_]
 ITERATIONS = 60
@@ -171,7 +171,7 @@ def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     """Link directions from seen vertices, else bent from a neighbour as servos say, else as in frames before and after;
     a frame that shows no two neighbours is turned to meet the vertices that it shows; centroid to match them."""
     link, edge = link_of_edge(body), np.diff(vertices, axis=1)
-    psi = _directions(np.diff(vertices[:, corners(body)], axis=1))
+    psi = _directions(np.diff(vertices[:, body.corners], axis=1))
     for its_link in range(psi.shape[1]):
         parts = _directions(np.nansum(edge[:, link == its_link], axis=1))
         psi[:, its_link] = np.where(np.isfinite(psi[:, its_link]), psi[:, its_link], parts)

@@ -34,6 +34,17 @@ def interpolate(time_s: Floats, values: Floats, at_s: Floats) -> Floats:
     return np.stack(columns, axis=1)
 
 
+def bridged(time_s: Floats, values: Floats, at_s: Floats | None = None) -> Floats:
+    """Columns of `values` (R, m), NaN unknown, at other times, else at their own: straight across holes, ends held; 0
+    where nothing of a column is known."""
+    at_s = time_s if at_s is None else at_s
+    columns = []
+    for column in values.T:
+        known = np.isfinite(column)
+        columns.append(np.interp(at_s, time_s[known], column[known]) if known.any() else np.zeros(len(at_s)))
+    return np.stack(columns, axis=1)
+
+
 def held(time_s: Floats, values: Floats, at_s: Floats) -> Floats:
     """All columns of `values` (R, m) at other times, linear in between; the ends are held outside the record."""
     right = np.clip(np.searchsorted(time_s, at_s), 1, len(time_s) - 1)

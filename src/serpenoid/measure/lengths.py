@@ -15,6 +15,7 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.body_curve import curve
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.clock import bridged
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.smooth import cross_validated, smooth
 
@@ -42,11 +43,6 @@ def steadied(time_s: Floats, points: Floats) -> Floats:
 
 def chord_shares(body: Body, points: Floats) -> Floats:
     """Chord over arc (F, N - 1), at most 1; bends that a frame does not show are those of frames before and after."""
-    bends = np.stack([_bridged(column) for column in marker_angles(body, points).T], axis=1)
+    bends = bridged(np.arange(float(len(points))), marker_angles(body, points))
     drawn = curve(body, np.concatenate([np.zeros((len(bends), 1)), np.cumsum(bends, axis=1)], axis=1))
     return np.asarray(np.linalg.norm(np.diff(drawn, axis=1), axis=2) / body.edges)
-
-
-def _bridged(angle: Floats) -> Floats:
-    known = np.flatnonzero(np.isfinite(angle))
-    return np.interp(np.arange(len(angle)), known, angle[known]) if len(known) else np.zeros_like(angle)

@@ -21,14 +21,9 @@ def link_of_edge(body: Body) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(is_joint)]).astype(np.int64)
 
 
-def corners(body: Body) -> list[int]:
-    """Vertices (m + 2) where links end: tail, joints, head."""
-    return [0, *body.joint_vertices, body.vertices - 1]
-
-
 def marker_angles(body: Body, markers: Floats) -> Floats:
     """Joint angles (F, m) between the links that markers (F, N, 2) show; NaN where an end of one is hidden."""
-    return bends(markers[:, corners(body)])
+    return bends(markers[:, body.corners])
 
 
 def bends(points: Floats) -> Floats:

@@ -13,7 +13,7 @@ from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate
-from serpenoid.measure.links import bends, chain_vertices, corners, marker_angles
+from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import ServoLog
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
@@ -67,7 +67,7 @@ def seen_share(markers: Floats) -> Floats:
 def seen_corners(body: Body, markers: Floats) -> list[int]:
     """Vertices whose markers are seen often enough: ends and joints."""
     share = seen_share(markers)
-    return [k for k in corners(body) if share[k] > OFTEN]
+    return [k for k in body.corners if share[k] > OFTEN]
 
 
 def _offset_by_corners(body: Body, ends: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:

@@ -59,7 +59,7 @@ class Motion:
     @property
     def never_seen(self) -> NDArray[np.int64]:
         """Vertices that no frame shows; inside a link they may have no marker."""
-        return np.flatnonzero(~np.isfinite(self.markers[..., 0]).any(axis=0))
+        return _never_seen(self.markers)
 
     @property
     def hidden_said(self) -> str:
@@ -125,7 +125,7 @@ def build_motion(
             sd = estimate.marker_sd if estimate.determined.any() else None
             estimate = estimate_chain(body, markers, servo.angles, servo.sd, sd, estimate.determined)
     cuts = _cuts(estimate, time_s) if like is None else (like.gaps, like.jumps, like.runs)
-    never = np.flatnonzero(~np.isfinite(markers[..., 0]).any(axis=0))
+    never = _never_seen(markers)
     # the polygon of the others fits as well with such a joint bent to the other side
     either_way = [] if servo is not None else sorted({*never} & {*body.joint_vertices})
     if either_way or not cuts[2]:
@@ -138,6 +138,10 @@ def build_motion(
         longest = float((time_s[holes] - time_s[holes - 1]).max())
         notes.append(f"frames are missing from the file in {len(holes)} places, for {longest:.3g} s at most")
     return _motion(body, time_s, markers, servo, estimate, cuts, labels), servo, notes
+
+
+def _never_seen(markers: Floats) -> NDArray[np.int64]:
+    return np.flatnonzero(~np.isfinite(markers[..., 0]).any(axis=0))
 
 
 def _counted(never: NDArray[np.int64]) -> str:

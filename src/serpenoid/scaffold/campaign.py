@@ -9,7 +9,6 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
-from serpenoid.measure.links import corners
 from serpenoid.measure.readers import NAMES
 from serpenoid.medium import Medium
 from serpenoid.scaffold.json_schema import write_schema
@@ -95,9 +94,9 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     names = ", ".join(f'"{prefix}{labels[vertex]}"' for vertex in marked)
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
     by_name = answers["format"] in BY_NAME
-    rigid = len(corners(body)) < body.vertices
+    rigid = len(body.corners) < body.vertices
     some = "" if len(marked) < body.vertices else "# "
-    seen = [f"{some}vertices = {corners(body)}   # those with a marker, where not all have one"] * rigid
+    seen = [f"{some}vertices = {body.corners}   # those with a marker, where not all have one"] * rigid
     return "\n".join(
         [
             hint,
@@ -142,7 +141,7 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
 
 def _marked(body: Body, medium: Medium) -> list[int]:
     """Vertices that have a marker: of a smooth body's links their ends, what cuts them into edges is nothing to see."""
-    return corners(body) if medium.dissipation == "edge" else list(range(body.vertices))
+    return body.corners if medium.dissipation == "edge" else list(range(body.vertices))
 
 
 def _medium(medium: Medium) -> tuple[str, ...]:

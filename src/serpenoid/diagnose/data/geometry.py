@@ -6,7 +6,6 @@ Pose: weighted centroid and mean edge angle. Legend: F rows, N vertices, m joint
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
 from serpenoid.body_curve import curve
@@ -51,13 +50,3 @@ def turn(angle: Floats, vectors: Floats) -> Floats:
     c, s = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
-
-
-def filled(values: NDArray[np.float64]) -> Floats:
-    """Columns (F, c) with holes bridged by straight lines, ends held."""
-    rows = np.arange(len(values))
-    columns = []
-    for column in values.T:
-        known = np.isfinite(column)
-        columns.append(np.interp(rows, rows[known], column[known]) if known.any() else np.zeros(len(rows)))
-    return np.stack(columns, axis=1)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.geometry import filled, register, shapes
+from serpenoid.diagnose.data.geometry import register, shapes
 from serpenoid.errors import InputError
 from serpenoid.measure.chain import estimate_chain
+from serpenoid.measure.clock import bridged
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.smooth import WINDOWS, cross_validated, smooth
 
@@ -70,8 +71,9 @@ class Smoothed:
 
 def from_points(body: Body, time: Floats, markers: Floats) -> Smoothed:
     """Smooth states of points (F, N, 2) [m], short holes bridged."""
-    angles = filled(np.unwrap(filled(marker_angles(body, markers)), axis=0))
-    poses = filled(register(shapes(body, angles), markers)[0])
+    rows = np.arange(float(len(markers)))
+    angles = bridged(rows, np.unwrap(bridged(rows, marker_angles(body, markers)), axis=0))
+    poses = bridged(rows, register(shapes(body, angles), markers)[0])
     smooth_poses, pose_noise, pose_weights = _smoothed(time, poses, np.array([1.0, 1.0, body.total_length_m / 4]))
     smooth_angles, angle_noise, angle_weights = _smoothed(time, angles, np.ones(angles.shape[1]))
     return Smoothed(

@@ -12,11 +12,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import GYRATION, filled, register, shapes
+from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, predicted_path
 from serpenoid.group import relative
+from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
@@ -83,8 +84,7 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     hidden = r.time[~np.isfinite(plan[:, 0])]
     most = GAP_S / r.frame_s
     gaps = np.array([_crossed(hidden, most, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
-    bridged = filled(around)
-    path = guess + np.stack([np.interp(time, time[bounds], c) for c in bridged.T], axis=1)
+    path = guess + bridged(time[bounds], around, time)
     some = slice(None, None, COARSER)
     rough = predicted_path(model, vertices[some], time[some], guess[0])
     coarse = bounds // COARSER

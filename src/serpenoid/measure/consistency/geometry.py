@@ -108,7 +108,7 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
     if plan.edges is None:
         return []
     order = range(plan.points.shape[1])
-    distances = plan.distance[:, np.arange(len(plan.edges)), np.arange(1, len(plan.edges) + 1)]
+    distances = plan.neighbours
     ever = np.asarray(np.isfinite(distances).any(axis=0))  # neighbours that are never seen together say nothing
     measured = np.full(len(plan.edges), np.nan)
     measured[ever] = np.nanmedian(distances[:, ever], axis=0)
@@ -138,7 +138,7 @@ def _elsewhere(plan: Layout, names: Sequence[str]) -> list[MarkerFault]:
     Its edges have a miss of their own, the others one together; a marker that is badly placed misses by less.
     """
     count = plan.points.shape[1]
-    distances = plan.distance[:, np.arange(count - 1), np.arange(1, count)]
+    distances = plan.neighbours
     ever = np.flatnonzero(np.isfinite(distances).any(axis=0))
     distances = distances[:, ever]
     usual = np.nanmedian(distances, axis=0)

@@ -29,6 +29,11 @@ class Layout:
     distance: Floats
     edges: Floats | None
 
+    @property
+    def neighbours(self) -> Floats:
+        """Distances (F, N - 1) along the body."""
+        return np.diagonal(self.distance, 1, axis1=1, axis2=2)
+
 
 def layout(points: Floats, edges: Floats | None) -> Layout:
     """Of vertices (F, N, 2) in the unit of `edges`."""
@@ -64,7 +69,7 @@ def flatness(plan: Layout) -> float:
     chain = np.arange(plan.points.shape[1])
     if plan.edges is not None:
         return evidence(plan, chain.tolist())
-    distance = plan.distance[:, chain[:-1], chain[1:]]
+    distance = plan.neighbours
     distance = distance[:, np.isfinite(distance).any(axis=0)]
     mean = np.nanmean(distance, axis=0)
     miss = np.sqrt(np.nanmean((distance - mean) ** 2) / mean.mean() ** 2 + PLACED**2)
