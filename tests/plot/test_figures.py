@@ -14,9 +14,12 @@ from serpenoid.gaits import EllipseGait, TableGait
 from serpenoid.plot import figures, optima, sweep
 from serpenoid.plot.animate import animation
 from serpenoid.plot.hero import hero
+from serpenoid.plot.motion import over_cycles
+from serpenoid.plot.space import repeated
 from serpenoid.plot.world import targets
 from serpenoid.problem import Problem
 from serpenoid.status import Status
+from serpenoid.trajectory import LiftedTrajectory
 
 GAIT = EllipseGait(sigma=0.6, theta=0.5, a=6, xi=1)
 
@@ -101,6 +104,33 @@ def test_a_motion_that_is_played_once_has_no_cycles_and_its_many_legend_entries_
     seen = []
     animation(tmp_path / "a.gif", trajectory, None, world=lambda ax: seen.append(targets(once, ax)))
     assert seen
+
+
+def test_a_motion_is_drawn_until_what_is_asked_for_has_been_reached(problem, trajectory):
+    task = {"steps": 20, "objectives": ({"kind": "position", "target": (1.4, 0.5), "cycles": 3},)}
+    asked = Problem.model_validate(problem.model_dump(exclude_unset=True) | {"task": task})
+    ax = figures.motion_figure(trajectory, asked).axes[0]
+    path = next(line for line in ax.lines if line.get_label() == "centre of mass")
+    poses, _ = over_cycles(trajectory, 3)
+    np.testing.assert_array_equal(path.get_xydata(), poses[:, :2])
+    assert ax.get_title(loc="left").endswith("; 3 cycles")
+
+
+def test_no_minus_stands_before_a_zero_and_it_is_as_long_as_a_plus():
+    assert [figures.rounded(v, 1) for v in (-0.01, 2.0, -3.14)] == ["0.0", "2.0", "−3.1"]
+
+
+def test_what_rests_and_repeats_in_space_goes_on_from_where_it_came():
+    c, s = np.cos(0.3), np.sin(0.3)
+    way, heading = np.array([[0, 0], [0.3, 0.1], [0.6, 0.2]]), np.array([0, 0.15, 0.3])
+    poses = np.column_stack([way, heading, np.zeros((3, 3))])
+    chains = np.concatenate([way, np.zeros((3, 1))], 1)[:, None] + np.zeros((3, 2, 1))
+    moved = LiftedTrajectory(Status.SOLVED, poses, chains, np.ones(2), 0.0, 2, contact=np.ones((3, 2)))
+    vertices, places = repeated(moved, 3)
+    assert len(vertices) == len(places) == 7
+    turned = way[-1] + way[-1] @ np.array([[c, s], [-s, c]])
+    np.testing.assert_allclose(places[4], [*turned, 0], atol=1e-12)  # rounding of O(1) numbers
+    np.testing.assert_allclose(vertices[:, 0], places, atol=1e-12)
 
 
 def test_hero_is_written(tmp_path, problem, trajectory, table):

@@ -18,7 +18,7 @@ from serpenoid.plot.motion import over_cycles
 from serpenoid.plot.style import BLUE, FAINT, GREY, INK, NORMAL, RED, around, dress, figure
 from serpenoid.trajectory import Trajectory
 
-FRAMES_PER_CYCLE = 50
+FRAMES_PER_CYCLE, FRAMES = 50, 400  # at most
 DEFAULT_CYCLE_S = 2.5
 WIDTH = 4.8  # inches at 100 dots
 
@@ -36,7 +36,7 @@ def animation(
     world: draws what stands still.
     """
     poses, chains = over_cycles(trajectory, cycles or 1)
-    stride = -(-trajectory.steps_per_cycle // FRAMES_PER_CYCLE)
+    stride = max(-(-trajectory.steps_per_cycle // FRAMES_PER_CYCLE), -(-len(poses) // FRAMES))
     rows = np.arange(0, len(poses) - 1, stride)
     fig = figure(WIDTH, WIDTH)
     fig.set_dpi(100)

@@ -19,7 +19,7 @@ from serpenoid.plot.gait import gait_curve, shapes_around, start_label
 from serpenoid.plot.motion import motion
 from serpenoid.plot.style import PHASE_MAP, colour_bar, figure, legend_above
 from serpenoid.plot.sweep import costs_figure, family_figure, front_figure
-from serpenoid.plot.world import obstacles, targets
+from serpenoid.plot.world import cycles_asked, obstacles, targets
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
@@ -43,7 +43,7 @@ def simulation_figures(
         if gait.curve(np.zeros(1)) is not None:
             names += save(gait_figure(gait, trajectory), folder, "gait")
         duration, joint_vertices = problem.task.cycle_duration_s, problem.body.joint_vertices
-        cycles = None if problem.task.transient else ANIMATED_CYCLES
+        cycles = None if problem.task.transient else max(ANIMATED_CYCLES, cycles_asked(problem))
         film, dots = Path(folder) / "animation.gif", _countable(joint_vertices)
         animation(film, trajectory, cycles, duration, dots, lambda ax: obstacles(problem, targets(problem, ax)))
         names.append("animation.gif")
@@ -104,11 +104,12 @@ def gait_figure(gait: Gait, trajectory: Trajectory) -> Figure:
 
 def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None = None) -> Figure:
     """Bodies along the path: eight a cycle, fewer of each where cycles are several."""
-    cycles = cycles or problem.task.cycles
+    cycles = cycles or cycles_asked(problem)
     fig = figure(8.6, 4.0)
     ax = fig.add_subplot()
     one = "The motion" if problem.task.transient else "A cycle"
-    title = f"{trajectory_words(trajectory, one)}{contact_words(trajectory)}"
+    shown = f"; {cycles} cycles" if cycles > 1 else ""
+    title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}"
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
     motion(trajectory, ax, cycles, bodies, title, metres(problem), dots)
@@ -116,7 +117,7 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     obstacles(problem, ax)
     legend_above(ax, 5)
     when = joints.ONCE if problem.task.transient else joints.X_LABEL
-    colour_bar(ax, PHASE_MAP, 0, 1, when, pad=0.02, aspect=25)
+    colour_bar(ax, PHASE_MAP, 0, 1, when, cax=ax.inset_axes((1.02, 0.0, 0.02, 1.0)))
     slope = float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
     width = min(6.9, 5.0 / slope)
     fig.set_size_inches(max(width + 1.7, 5.4), max(width * slope, 1.2) + 1.15)
@@ -128,8 +129,13 @@ def trajectory_words(trajectory: Trajectory, one: str = "A cycle") -> str:
     steps = trajectory.steps_per_cycle
     dx, dy, turn = trajectory.poses[steps] - trajectory.poses[0]
     dissipation = steps * trajectory.step_energy[:steps].sum()
-    turns = f"{round(np.rad2deg(turn), 1) + 0.0:.1f}°".replace("-", "−")  # + 0.0: no minus before a zero
-    return f"{one} moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}, dissipates {dissipation:.3f}"
+    turns, spent = (rounded(*v) for v in ((np.rad2deg(turn), 1), (dissipation, 3)))
+    return f"{one} moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}°, dissipates {spent}"
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number with its sign as printers set it, and none before a zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
 
 
 def contact_words(trajectory: Trajectory) -> str:

@@ -15,7 +15,7 @@ from serpenoid.objectives.position import Position
 from serpenoid.objectives.reach import Reach
 from serpenoid.plot.animate import write_gif
 from serpenoid.plot.style import BLUE, FAINT, GREY, INK, LARGE, PHASE_MAP, RED, colour_bar, dress, figure
-from serpenoid.plot.world import targets
+from serpenoid.plot.world import cycles_asked, targets
 from serpenoid.problem import Problem
 from serpenoid.trajectory import RESTING, LiftedTrajectory
 
@@ -29,25 +29,27 @@ def lifted_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
     """Bodies along the way over their shadows; dots where they rest. Heights are drawn three times as large."""
     fig = figure(7.4, 5.6)
     ax: Any = fig.add_subplot(projection="3d")
-    rows = np.linspace(0, len(motion.vertices) - 1, BODIES).round().astype(int)
-    for row in rows:
-        colour = PHASE_MAP(row / (len(motion.vertices) - 1))
-        points = motion.vertices[row]
+    every, places = repeated(motion, cycles_asked(problem))
+    for row in np.linspace(0, len(every) - 1, BODIES).round().astype(int):
+        colour = PHASE_MAP(row / (len(every) - 1))
+        points = every[row]
         ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
         ax.plot(*points.T, color=colour, linewidth=2.6)
         ax.scatter(*points[_rests(motion, row)].T, color=colour, s=14, depthshade=False)
         ax.scatter(*points[-1:].T, color=colour, s=40, depthshade=False)
-    ax.plot(*_places(motion).T, color=INK, linewidth=1.2)
+    ax.plot(*places.T, color=INK, linewidth=1.2)
     for target in _targets(problem):
         ax.plot(*target, "x", zs=0, color=RED, markersize=9)
-    _room(ax, motion.vertices)
+    _room(ax, every)
     x, y, turn = (motion.poses[motion.steps_per_cycle] - motion.poses[0])[:3]
     way = f"moves {np.hypot(x, y):.3f} body lengths, {motion.sideways_deg:.0f}° off the axis"
     words = f"A cycle {way}, turns {np.rad2deg(turn):.1f}°".replace("-", "−")
     fig.suptitle(
         f"{words}\nDots rest on the floor; large dot: head; heights threefold", fontsize=LARGE, x=0.02, ha="left"
     )
-    colour_bar(ax, PHASE_MAP, 0, _cycles(motion), "phase [cycles]", pad=0.02, aspect=25, shrink=0.8)
+    colour_bar(
+        ax, PHASE_MAP, 0, (len(every) - 1) / motion.steps_per_cycle, "phase [cycles]", pad=0.02, aspect=25, shrink=0.8
+    )
     return fig
 
 
@@ -68,15 +70,20 @@ def prints_figure(motion: LiftedTrajectory, problem: Problem) -> Figure:
     return fig
 
 
+def repeated(motion: LiftedTrajectory, cycles: int) -> tuple[Floats, Floats]:
+    """Vertices (R, N, 3) and places of the frame (R, 3) of so many cycles: what the motion lacks repeats all of it."""
+    last, turn = _places(motion)[-1], motion.rotations[-1]
+    chains, places = [motion.vertices], [_places(motion)]
+    for _ in range(-(-cycles * motion.steps_per_cycle // len(motion.step_energy)) - 1):
+        for parts in (chains, places):
+            parts.append(parts[-1][-len(motion.step_energy) :] @ turn.T + last)
+    return np.concatenate(chains), np.concatenate(places)
+
+
 def film(path: Path, motion: LiftedTrajectory) -> None:
     """Cycles one after the other, as a GIF."""
-    steps = len(motion.vertices) - 1
-    rows = np.linspace(0, CYCLES * steps, FRAMES, endpoint=False).round().astype(int)
-    last, turn = _places(motion)[-1], motion.rotations[-1]
-    chains = [motion.vertices[:-1]]
-    for _ in range(CYCLES - 1):
-        chains.append(chains[-1] @ turn.T + last)
-    every = np.concatenate(chains)
+    every, _ = repeated(motion, CYCLES)
+    rows = np.linspace(0, len(every) - 1, FRAMES, endpoint=False).round().astype(int)
     fig = figure(5.2, 4.2)
     fig.set_dpi(80)
     canvas = FigureCanvasAgg(fig)
@@ -87,7 +94,7 @@ def film(path: Path, motion: LiftedTrajectory) -> None:
         points = every[row]
         ax.plot(*points[:, :2].T, zs=0, color=FAINT, linewidth=2.0)
         ax.plot(*points.T, color=BLUE, linewidth=3.0)
-        ax.scatter(*points[_rests(motion, row % steps)].T, color=INK, s=16, depthshade=False)
+        ax.scatter(*points[_rests(motion, row)].T, color=INK, s=16, depthshade=False)
         _room(ax, every, zoom=0.9)
         canvas.draw()
         images.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
@@ -110,7 +117,7 @@ def _targets(problem: Problem) -> list[tuple[float, float]]:
 
 
 def _rests(motion: LiftedTrajectory, row: int) -> np.ndarray:
-    share = motion.contact[row]
+    share = motion.contact[(row - 1) % len(motion.step_energy) + 1 if row else 0]
     return np.asarray(share > RESTING * share.max())
 
 

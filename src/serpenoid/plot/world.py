@@ -31,6 +31,12 @@ def obstacles(problem: Problem, ax: Axes) -> Axes:
     return ax
 
 
+def cycles_asked(problem: Problem) -> int:
+    """Cycles until all that is asked for has been reached: those of the task, or more where a goal counts more."""
+    asked = [*problem.task.objectives, *problem.task.demands]
+    return max([problem.task.cycles, *(getattr(goal, "cycles", 1) for goal in asked)])
+
+
 def targets(problem: Problem, ax: Axes) -> Axes:
     """Mark what is asked for: a place by a cross, in a circle where being near is enough; a line to follow, dashed."""
     asked = [*problem.task.objectives, *problem.task.demands]
