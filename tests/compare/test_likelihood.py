@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rehearsal import EPS, serpenoid_table, snake
-from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood
+from serpenoid.body import Body
+from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood, rms_of
 from serpenoid.compare.intervals import mean_intervals
 from serpenoid.compare.likelihood import Segment
 from serpenoid.compare.linearise import linearise, relative_poses
@@ -21,9 +22,10 @@ ONLY_EPS = ("anisotropy_ratio",)
 
 
 def recorded(
-    model: Model, seed: int, frames: int = 241, hidden: float = 0.05, sd: float = MARKER_SD, **gait: float
-) -> Segment:
-    """One cycle seen by cameras with 0.2 mm noise and drop-outs, at `frames` frames a cycle."""
+    model: Model, seed: int, frames: int = 241, hidden: float = 0.05, sd: float = MARKER_SD,
+    body: Body | None = None, **gait: float,
+) -> Segment:  # fmt: skip
+    """One cycle seen by cameras with 0.2 mm noise and drop-outs, `frames` frames a cycle; body: as it is described."""
     rng = np.random.default_rng(seed)
     table = serpenoid_table(frames - 1, **gait)
     angles = np.concatenate([table, table[:1]])
@@ -31,11 +33,12 @@ def recorded(
     seen = truth.vertices + rng.normal(scale=sd, size=truth.vertices.shape)
     seen[rng.random(seen.shape[:2]) < hidden] = np.nan
     time = np.arange(frames) / 60
-    motion, _, _ = build_motion(model.body, time, seen, None, ((), ()))
+    weights = (body or model.body).vertex_weights
+    motion, _, _ = build_motion(body or model.body, time, seen, None, ((), ()))
     rows = motion.runs[0]
     return Segment(
         time[rows], motion.joint_angles[rows], motion.poses[rows], motion.covariance[rows],
-        motion.smooth_angles[rows], motion.smooth_poses[rows],
+        motion.smooth_angles[rows], motion.smooth_poses[rows], weights,
     )  # fmt: skip
 
 
@@ -81,6 +84,15 @@ def test_derivative_of_the_defect_is_exact_where_the_model_is_wrong():
     np.testing.assert_allclose(exact, (up - down) / (2 * h), atol=1e-8)  # h^2 plus rounding over h
 
 
+def test_derivative_by_weights_is_exact_where_poses_are_of_another_centroid():
+    angles, names, h = serpenoid_table(20)[:3], ("end_weight",), 1e-5
+    poses, about = np.array([[0, 0, 0], [0.1, -0.05, 0.2], [0.1, 0.1, -0.1]]), snake().body.vertex_weights
+    model = changed(snake(), names, np.array([1.4]))
+    up, down = (linearise(changed(snake(), names, np.array([1.4 + s * h])), angles, poses, about) for s in (1, -1))
+    exact = (linearise(model, angles, poses, about).by_parameters @ direction(snake(), names, np.array([1.4])))[..., 0]
+    np.testing.assert_allclose(exact, (up.defect - down.defect) / (2 * h), atol=1e-8)  # h^2 plus rounding over h
+
+
 def test_exact_data_give_back_eps_to_rounding():
     found = estimate(snake(0.4), (recorded(snake(), 0, hidden=0.0),), ONLY_EPS)
     exact = recorded(snake(), 0, hidden=0.0)
@@ -111,10 +123,24 @@ def test_profile_rises_to_the_95_percent_level_at_the_interval():
 
 def test_two_gaits_jointly_recover_eps_and_end_weight():
     truth = changed(snake(), ("anisotropy_ratio", "end_weight"), np.array([EPS, 1.5]))
-    segments = tuple(recorded(truth, 1, xi=xi, a=a) for xi, a in ((1.0, 6.0), (1.6, 9.0)))
+    gaits = ((1.0, 6.0), (1.6, 9.0))
+    segments = tuple(recorded(truth, 1, xi=xi, a=a, body=snake().body) for xi, a in gaits)
     found = estimate(snake(0.3), segments, ("anisotropy_ratio", "end_weight"))
     np.testing.assert_allclose(found.values, [EPS, 1.5], atol=4 * found.sd.max())
     assert found.sd[1] < 0.05
+    assert found.noise_scale == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_recording_about_another_centroid_is_the_same_motion():
+    """Drag at edges weighs lengths where no weights are given; poses are of the body as it is described."""
+    even = snake(dissipation="edge").body.changed(weights=None)
+    model = Model(even, snake(dissipation="edge").medium)
+    assert not np.allclose(even.vertex_weights, model.body.vertex_weights)
+    found = estimate(model, (recorded(model, 2, body=even),), ONLY_EPS)
+    assert found.values[0] == pytest.approx(EPS, abs=4 * found.sd[0])
+    assert found.noise_scale == pytest.approx(1.0, abs=0.1)
+    segment = recorded(model, 2, body=even, sd=1e-7, hidden=0.0)
+    assert rms_of(model, (segment,)) < 1e-5
 
 
 def test_a_motion_that_hardly_moves_does_not_determine_eps_as_well():

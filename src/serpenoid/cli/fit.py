@@ -123,10 +123,10 @@ def draw(folder: Path, campaign: Campaign, model: Model, calibration: Calibratio
 
     centre = first.best_rms_eps
     grid = np.geomspace(max(centre / 4, 1e-3), min(centre * 4, 1.0), 25)
-    curves = np.array([displacement_curve(at(eps), segment.smooth_angles) for eps in grid])
+    curves = np.array([displacement_curve(at(eps), segment) for eps in grid])
     rms = np.array([rms_of(at(eps), (segment,)) for eps in grid])
     measured = np.hypot(*(segment.smooth_poses - segment.smooth_poses[0]).T[:2])
-    best = (centre, displacement_curve(at(centre), segment.smooth_angles))
+    best = (centre, displacement_curve(at(centre), segment))
     fig = figure(7.4, 4.4)
     fig.suptitle(first.trial, x=0.01, ha="left", fontsize="medium")
     displacement_for_eps(segment.time_s - segment.time_s[0], measured, grid, curves, rms, best, fig.add_subplot())

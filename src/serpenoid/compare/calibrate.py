@@ -203,9 +203,9 @@ def profile_likelihood(
     return np.array(rows)
 
 
-def displacement_curve(model: Model, joint_angles: Floats) -> Floats:
-    """Distance of the centroid from where it began, (R,) [body lengths]."""
-    poses = simulate_path(model, joint_angles, np.zeros(3)).poses
+def displacement_curve(model: Model, segment: Segment) -> Floats:
+    """Distance of the recorded body's centroid from where it began, were the model right, (R,) [body lengths]."""
+    poses = simulate_path(model, segment.smooth_angles, segment.weights, np.zeros(3)).poses
     return np.asarray(np.hypot(poses[:, 0] - poses[0, 0], poses[:, 1] - poses[0, 1]))
 
 
@@ -214,7 +214,7 @@ def rms_of(model: Model, segments: tuple[Segment, ...]) -> float:
     squares = []
     for s in segments:
         measured = np.hypot(*(s.smooth_poses - s.smooth_poses[0]).T[:2])
-        squares.append((displacement_curve(model, s.smooth_angles) - measured) ** 2)
+        squares.append((displacement_curve(model, s) - measured) ** 2)
     return float(np.sqrt(np.concatenate(squares).mean()))
 
 

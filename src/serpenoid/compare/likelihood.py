@@ -40,6 +40,7 @@ class Segment:
     covariance: Floats
     smooth_angles: Floats  # z~
     smooth_poses: Floats
+    weights: Floats  # (N,) of the recorded body: poses are of its centroid
     trial: str = ""
     phase: Floats | None = None  # (R,) cycles
 
@@ -118,11 +119,11 @@ def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float
 
 
 def _whiten(model: Model, segment: Segment, along: Floats, noise: Model | None, degree: int) -> Whitened:
-    lin = linearise(model, segment.smooth_angles, segment.smooth_poses, degree)
+    lin = linearise(model, segment.smooth_angles, segment.smooth_poses, segment.weights, degree)
     pose_away = segment.poses - segment.smooth_poses
     away = np.concatenate([pose_away, segment.joint_angles - segment.smooth_angles], axis=1)
     shifted = np.einsum("siq,sq->si", lin.by_before, away[:-1]) + np.einsum("siq,sq->si", lin.by_after, away[1:])
-    spread = lin if noise is None else linearise(noise, segment.smooth_angles, segment.smooth_poses)
+    spread = lin if noise is None else linearise(noise, segment.smooth_angles, segment.smooth_poses, segment.weights)
     lower = cholesky_banded(_banded(spread, segment.covariance), lower=True)
     right = np.concatenate([(lin.defect + shifted)[..., None], lin.by_parameters @ along], axis=2)
     white = np.asarray(solve_banded((BAND, 0), lower, right.reshape(-1, right.shape[2]))).reshape(right.shape)

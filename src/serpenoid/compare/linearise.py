@@ -3,8 +3,9 @@
 The modelled relative pose xi of a step from shape alpha to alpha' is the root of mu(alpha, alpha', xi; theta) = 0. The
 defect is measured minus modelled,  e = g^-1 g' - xi,  and by the implicit function theorem, with J = d mu / d xi,
 de = d(g^-1 g') + J^-1 (mu_alpha d alpha + mu_alpha' d alpha' + mu_theta d theta): exact, however large e is.
+A pose is that of a point of the body: the centroid by weights that are the recording's, whatever the model weighs.
 
-Legend: S steps, m joints, P parameters.
+Legend: S steps, N vertices, m joints, P parameters.
 """
 
 from __future__ import annotations
@@ -38,23 +39,30 @@ class Linearised:
 
 @lru_cache(maxsize=16)
 def step_derivatives(structure: Structure) -> ca.Function:
-    """(angles (m), angles_after (m), relative pose (3), parameters (2 N)) -> the four Jacobians of the momentum."""
-    m, p = len(structure.joints), 2 * structure.vertices
+    """(angles (m), angles_after (m), relative pose (3), parameters (2 N), weights (N) of the centroid whose pose it is)
+    -> the four Jacobians of the momentum."""
+    m, n = len(structure.joints), structure.vertices
     before, after = ca.SX.sym("angles", m), ca.SX.sym("angles_after", m)
-    pose, parameters = ca.SX.sym("pose", 3), ca.SX.sym("parameters", p)
-    mu = _momentum(structure, before, after, pose, parameters)
-    inputs = [before, after, pose, parameters]
+    pose, parameters, about = ca.SX.sym("pose", 3), ca.SX.sym("parameters", 2 * n), ca.SX.sym("about", n)
+    mu = _momentum(structure, before, after, pose, parameters, about)
+    inputs = [before, after, pose, parameters, about]
     outputs = [ca.densify(ca.jacobian(mu, x)) for x in (pose, before, after, parameters)]
     names = ["by_pose", "by_angles", "by_angles_after", "by_parameters"]
-    return ca.Function(
-        "step_derivatives", inputs, outputs, ["angles", "angles_after", "pose", "parameters"], names, {"cse": True}
-    )
+    said = ["angles", "angles_after", "pose", "parameters", "about"]
+    return ca.Function("step_derivatives", inputs, outputs, said, names, {"cse": True})
 
 
-def _momentum(structure: Structure, before: ca.SX, after: ca.SX, pose: ca.SX, parameters: ca.SX) -> ca.SX:
-    shape = functions.shape(structure)
-    elements = [shape(angles, parameters)[1] for angles in (before, after)]
+def _momentum(structure: Structure, before: ca.SX, after: ca.SX, pose: ca.SX, parameters: ca.SX, about: ca.SX) -> ca.SX:
+    shape, elements = functions.shape(structure), []
+    for angles in (before, after):
+        points, own = shape(angles, parameters)
+        elements.append(ca.vertcat(own[:2, :] - points @ about, own[2:, :]))
     return functions.step_momentum(structure)(*elements, pose, parameters)
+
+
+def about_centroid(poses: Floats, vertices: Floats, weights: Floats) -> Floats:
+    """Poses (R, 3) of chains (R, N, 2) with the place of their centroid by weights (N,), sum 1."""
+    return np.column_stack([np.einsum("rni,n->ri", vertices, weights), poses[:, 2]])
 
 
 def relative_poses(poses: Floats) -> Floats:
@@ -62,13 +70,20 @@ def relative_poses(poses: Floats) -> Floats:
     return group.relative(poses[:-1], poses[1:])
 
 
-def linearise(model: Model, joint_angles: Floats, poses: Floats, degree: int = SMOOTH) -> Linearised:
-    """Defects of the steps between successive rows of joint angles (R, m) and poses (R, 3) [body lengths]."""
+def linearise(
+    model: Model, joint_angles: Floats, poses: Floats, weights: Floats | None = None, degree: int = SMOOTH
+) -> Linearised:
+    """Defects of the steps between successive rows of joint angles (R, m) and poses (R, 3) [body lengths].
+
+    weights (N,), sum 1: of the centroid whose poses these are; default the model's.
+    """
+    weights = model.body.vertex_weights if weights is None else weights
     steps = len(poses) - 1
     relative = relative_poses(poses)
     motion = simulate_joint_angles(model, joint_angles, closed=False)
-    modelled = relative_poses(motion.poses)
-    inputs = (joint_angles[:-1].T, joint_angles[1:].T, modelled.T, np.tile(model.parameters[:, None], steps))
+    modelled = relative_poses(about_centroid(motion.poses, motion.vertices, weights))
+    alike = (np.tile(column[:, None], steps) for column in (model.parameters, weights))
+    inputs = (joint_angles[:-1].T, joint_angles[1:].T, modelled.T, *alike)
     results = _mapped(model.structure, steps)(*inputs)
     by_pose, by_angles, by_after, by_parameters = (_stack(result, steps) for result in results)
     widths = np.cumsum([by_angles.shape[2], by_after.shape[2]])
@@ -76,7 +91,8 @@ def linearise(model: Model, joint_angles: Floats, poses: Floats, degree: int = S
     before, after, parameters = np.split(root_by, widths, axis=2)
     pose_before, pose_after = _relative_derivatives(poses, relative)
     if model.body.is_animal:
-        modelled = relative_poses(simulate_curve(model, motion.vertices, degree=degree).poses)
+        curve = simulate_curve(model, motion.vertices, degree=degree)
+        modelled = relative_poses(about_centroid(curve.poses, curve.vertices, weights))
     return Linearised(
         relative - modelled,
         np.concatenate([pose_before, -before], axis=2),

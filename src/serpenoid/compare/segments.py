@@ -34,5 +34,5 @@ def _segment(trial: Trial, motion: Motion, rows: slice) -> Segment:
         )
     return Segment(
         time, motion.joint_angles[rows], motion.poses[rows], motion.covariance[rows],
-        motion.smooth_angles[rows], motion.smooth_poses[rows], trial.name, phase,
+        motion.smooth_angles[rows], motion.smooth_poses[rows], trial.body.vertex_weights, trial.name, phase,
     )  # fmt: skip

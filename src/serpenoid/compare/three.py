@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.compare.linearise import relative_poses
+from serpenoid.compare.linearise import about_centroid, relative_poses
 from serpenoid.files.store import remember
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.smooth import best_window, smooth, smoother
@@ -105,12 +105,13 @@ def _compare(trial: Trial, passage: Passage, model: Model, seed: int) -> Compari
         Path(p, chain_vertices(trial.body, p, a), np.full(len(p) - 1, np.nan))
         for p, a in zip(poses, angles, strict=True)
     ]
-    resim = [simulate_path(model, a, p[0]) for p, a in zip(poses, angles, strict=True)]
+    weights = trial.body.vertex_weights
+    resim = [simulate_path(model, a, weights, p[0]) for p, a in zip(poses, angles, strict=True)]
     sim = None
     if trial.schedule is not None and trial.start_source != "none":
         commanded = [trial.schedule.commanded(motion.time_s[rows]) for rows in pieces]
-        sim = joined([simulate_path(model, a, p[0]) for p, a in zip(poses, commanded, strict=True)])
-    sds, biases = np.transpose([resimulation_error(model, motion, rows, seed) for rows in pieces])
+        sim = joined([simulate_path(model, a, weights, p[0]) for p, a in zip(poses, commanded, strict=True)])
+    sds, biases = np.transpose([resimulation_error(model, motion, rows, weights, seed) for rows in pieces])
     return Comparison(
         trial.name, trial.gait, passage.cycle, time, joined(measured), joined(resim), sim,
         float(np.sqrt(np.sum(sds**2))), float(np.sum(biases)), _measured_error(motion, pieces), len(pieces),
@@ -146,15 +147,22 @@ def joined(paths: list[Path]) -> Path:
     return first
 
 
-def simulate_path(model: Model, joint_angles: Floats, start: Floats) -> Path:
-    """Shapes (R, m) played once from a pose; an animal's as the smooth curves that its points stand for."""
+def simulate_path(model: Model, joint_angles: Floats, weights: Floats, start: Floats) -> Path:
+    """Shapes (R, m) played once; an animal's as the smooth curves that its points stand for.
+
+    start (3,): the first pose, of the centroid by weights (N,), sum 1, as all poses of the path.
+    """
     found = simulate_joint_angles(model, joint_angles, start=start, closed=False)
     if model.body.is_animal:
         found = simulate_curve(model, found.vertices, start)
-    return Path(found.poses, found.vertices, found.step_energy)
+    poses = about_centroid(found.poses, found.vertices, weights)
+    away = start[:2] - poses[0, :2]
+    return Path(poses + np.append(away, 0.0), found.vertices + away, found.step_energy)
 
 
-def resimulation_error(model: Model, motion: Motion, rows: slice, seed: int, draws: int = DRAWS) -> tuple[float, float]:
+def resimulation_error(
+    model: Model, motion: Motion, rows: slice, weights: Floats, seed: int, draws: int = DRAWS
+) -> tuple[float, float]:
     """SD and bias of the resimulated displacement: the smooth shapes with noise drawn anew, smoothed as the data were.
 
     The bias is what noise that smoothing leaves, and motion that it takes, add on average: displacement goes with the
@@ -166,7 +174,7 @@ def resimulation_error(model: Model, motion: Motion, rows: slice, seed: int, dra
     usable = variance.max(axis=1) < 0.05  # a state that nothing measured is bridged, not drawn
     if usable.sum() < 8:
         return float("nan"), float("nan")
-    weights, where = smoother(
+    smoothing, where = smoother(
         motion.time_s[rows], best_window(motion.time_s[rows], motion.joint_angles[rows], np.maximum(variance, 1e-24))
     )
     root = np.linalg.cholesky(covariance + 1e-18 * np.eye(covariance.shape[1]))
@@ -174,8 +182,8 @@ def resimulation_error(model: Model, motion: Motion, rows: slice, seed: int, dra
     found = []
     for _ in range(draws):
         noise = np.einsum("rab,rb->ra", root, rng.normal(size=base.shape)) * usable[:, None]
-        found.append(simulate_path(model, smooth(base + noise, weights, where), np.zeros(3)).displacement)
-    true = simulate_path(model, base, np.zeros(3)).displacement
+        found.append(simulate_path(model, smooth(base + noise, smoothing, where), weights, np.zeros(3)).displacement)
+    true = simulate_path(model, base, weights, np.zeros(3)).displacement
     return float(np.std(found, ddof=1)), float(np.mean(found)) - true
 
 
