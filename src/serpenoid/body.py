@@ -170,6 +170,11 @@ class Body(Record):
             weights=tuple(weights.tolist()),
         )
 
+    @property
+    def has_middles(self) -> bool:
+        """Whether every other vertex is the middle of an edge, as `with_middles` makes them."""
+        return self.weights is not None and all(w == BARE for w in self.weights[::2])
+
     @cached_property
     def joint_vertices(self) -> tuple[int, ...]:
         """The vertices that bend, `joint_1` (next to the tail) first."""

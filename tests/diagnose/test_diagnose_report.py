@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.quiver import Quiver
 
 from serpenoid.diagnose.diagnose import Diagnosis
@@ -16,8 +18,8 @@ from serpenoid.diagnose.report.animate import animated
 from serpenoid.diagnose.report.cards import cards, worse
 from serpenoid.diagnose.report.pages import write_pages
 from serpenoid.diagnose.residuals import maps
-from serpenoid.diagnose.residuals.maps import ACROSS, cell_side, windows
-from serpenoid.plot import diagnosis, diagnosis_ladder, diagnosis_maps
+from serpenoid.diagnose.residuals.maps import ACROSS, Windows, cell_side, windows
+from serpenoid.plot import diagnosis, diagnosis_ladder, diagnosis_maps, diagnosis_ranking, diagnosis_trials
 from serpenoid.plot.style import figure
 from serpenoid.report.animated import ALL_FRAMES, animation_data
 from serpenoid.report.glossary import glossed
@@ -84,15 +86,44 @@ def test_all_axes_are_labelled_with_units(diagnosed: tuple[Diagnosis, dict[str, 
         diagnosis_maps.body_figure(w, True, found.scores),
         diagnosis_maps.floor_figure(w, True),
     ]
-    unlike = {"joint", "vertex", "vertex (0 = tail)", "chi squared to first order", "RMS over chance", ""}
+    unlike = {"joint", "vertex", "vertex (0 = tail)", "chi squared to first order, thousands", "RMS over chance", ""}
     for fig in figures:
         shown = [ax for ax in fig.axes if ax.axison]
         labels = {text for ax in shown for text in (ax.get_xlabel(), ax.get_ylabel())}
         assert all(ax.get_ylabel() for ax in shown)
         assert all(re.search(r"\[.+\]$", text) for text in labels - unlike), labels
     grid = diagnosis_maps.residuals_figure(w, True).axes
-    assert [ax.get_ylabel() for ax in grid[::3]] == ["forward [mm/s]", "to the left [mm/s]", "turning left [°/s]"]
-    assert all(ax.get_xlabel() for ax in grid[6:])
+    assert [ax.get_ylabel() for ax in grid[::2]] == ["forward [mm/s]", "to the left [mm/s]", "turning left [°/s]"]
+    assert [ax.get_xlabel() for ax in grid[4:]] == ["phase [cycles], 1 = pause", "RMS speed of the vertices [mm/s]"]
+
+
+def test_every_trial_has_a_line_of_its_own_in_time_and_settings_are_not_mixed(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path],
+) -> None:
+    found = diagnosed[0].motion.selection
+    tracks = found.motion.tracks
+    backwards = replace(found.motion, tracks=tracks[::-1])  # the order of files says nothing about settings
+    kinds = [("baseline", found.null.predictions[::-1]), ("extended", found.best.predictions[::-1])]
+    grid = diagnosis_trials.trials_figure(backwards, kinds).axes[:6]
+    assert [t.get_text() for t in grid[0].get_yticklabels()] == sorted(
+        {f"{gait}, {seconds:.3g} s" for gait, seconds in (t.recording.setting for t in tracks)}
+    )
+    for ax, predictions in zip(grid[::3], (found.null.predictions, found.best.predictions), strict=True):
+        over = diagnosis_trials.in_chance(found.motion, tracks, predictions)
+        (boxes,) = (c for c in ax.collections if isinstance(c, PolyCollection))
+        assert len(boxes.get_paths()) == sum(np.isfinite(r[:, 0]).sum() for r in over)
+        lines = {round(path.vertices[:4, 1].mean()) for path in boxes.get_paths()}
+        assert lines == set(range(len(tracks)))
+    large = [
+        np.nanmax(np.abs(np.concatenate(diagnosis_trials.in_chance(found.motion, tracks, p))))
+        for p in (found.null.predictions, found.best.predictions)
+    ]
+    assert large[0] > 10 > 5 > large[1]
+
+
+@pytest.mark.parametrize(("settings", "columns"), [(1, 1), (3, 3), (5, 3), (8, 4), (9, 3)])
+def test_as_few_places_for_paths_as_can_be_stay_empty(settings: int, columns: int) -> None:
+    assert diagnosis.columns_of(settings) == columns
 
 
 def test_the_lead_is_three_cards_and_says_what_became_worse(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> None:
@@ -163,19 +194,59 @@ def test_terms_are_explained_once_and_names_stay_text() -> None:
     assert "&lt;b&gt;" in text
 
 
-def test_gains_are_joined_only_between_neighbouring_vertices_and_every_vertex_has_a_tick() -> None:
+def test_gains_are_joined_only_between_neighbouring_vertices_that_were_tried() -> None:
     ax = figure(4.0, 3.0).add_subplot()
     diagnosis_maps.vertex_scores([("load", k, 5.0 + k) for k in (0, 1, 4, 7)], ax)
     (line,) = ax.lines
     assert np.isnan(line.get_ydata()[[2, 3, 5, 6]]).all()
-    assert ax.get_xticks().tolist() == list(range(8))
+
+
+@pytest.mark.parametrize(
+    ("gain", "drawn", "words"), [(500.0, 500.0, ""), (7e4, 70.0, ", thousands"), (3e6, 3.0, ", millions")]
+)
+def test_large_gains_are_in_thousands_or_millions_and_say_so(gain: float, drawn: float, words: str) -> None:
+    ax = figure(4.0, 3.0).add_subplot()
+    diagnosis_maps.vertex_scores([("load", 0, gain), ("inertia", None, 9e9)], ax)
+    assert ax.lines[0].get_ydata()[0] == pytest.approx(drawn)
+    assert ax.get_ylabel() == f"chi squared to first order{words}"
+
+
+@pytest.mark.parametrize("vertices", [5, 12, 41])
+def test_vertices_have_ticks_that_do_not_touch_and_middles_of_edges_are_named(vertices: int) -> None:
+    still = np.zeros((3, 3))
+    points = np.zeros((3, vertices, 2))
+    w = Windows(still, still, still + 1, np.zeros(3), np.zeros(3), np.zeros(3), still, points, points[..., 0])
+    for middles in (False, True):
+        axes = diagnosis_maps.body_figure(w, True, [("load", 1, 3.0)], middles).axes
+        for ax in axes:
+            assert len(ax.get_xticks()) <= diagnosis_maps.MOST_TICKS
+            assert ("middles of edges" in ax.get_xlabel()) == middles
 
 
 @pytest.mark.parametrize(("gain", "scale"), [(40.0, "linear"), (5e5, "log")])
 def test_what_chance_gains_is_seen_beside_any_gain(gain: float, scale: str) -> None:
     best = SimpleNamespace(effects=())
     found = SimpleNamespace(scores=[("load", 1, gain), ("load", 2, 3.0)], best=best)
-    fig = diagnosis.ranking_figure(found)  # type: ignore[arg-type]
+    fig = diagnosis_ranking.ranking_figure(found)  # type: ignore[arg-type]
     (ax,) = fig.axes
     assert ax.get_xscale() == scale
     assert "chosen" not in ax.get_legend_handles_labels()[1]
+
+
+def test_what_was_chosen_has_a_row_of_its_own_and_the_places_of_a_scan_have_one_together() -> None:
+    scan = [("friction_patch", None, 900.0 - k) for k in range(100)]
+    others = [("load", k, 100.0 + k) for k in range(20)]
+    harmful = [("worn_wheel", 3, -2.0)]
+    keys = [("friction_patch", None), ("worn_wheel", 3), ("toe", None)]
+    best = SimpleNamespace(effects=[SimpleNamespace(key=key) for key in keys])
+    found = SimpleNamespace(scores=scan + others + harmful, best=best)
+    rows = diagnosis_ranking.ranked(found)  # type: ignore[arg-type]
+    assert list(rows)[:2] == [("friction_patch", None), ("load", 19)]
+    assert rows["friction_patch", None] == 900.0
+    assert len(rows) == diagnosis_ranking.MOST + 2
+    (ax,) = diagnosis_ranking.ranking_figure(found).axes  # type: ignore[arg-type]
+    names = [t.get_text() for t in ax.get_yticklabels()]
+    assert names[:2] == ["friction_patch", "load at vertex 19"]
+    assert set(names[-2:]) == {"worn_wheel at vertex 3", "toe"}
+    assert len(ax.patches) == len(rows)
+    assert [t.get_text() for t in ax.texts] == ["gains nothing alone"] * 2

@@ -1,10 +1,11 @@
-"""Where and when residual motion is: along the phase, against speed and time, along the body, on the floor."""
+"""Where and when residual motion is: along the phase, against speed, along the body, on the floor."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.prices import gained_by_chance
-from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, by_time, cell_side, on_floor
+from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, cell_side, on_floor
 from serpenoid.effects.catalogue import motion_effects
 from serpenoid.plot.style import (
     BLUE,
@@ -32,22 +33,21 @@ from serpenoid.plot.style import (
 )
 
 HEAT = colormaps["YlOrRd"]
-MOST_TICKS = 14  # of vertices, one each, that stand beside each other without touching
+MOST_TICKS = 14  # of vertices, that stand beside each other without touching
+LARGE_GAINS = ((1e6, ", millions"), (1e3, ", thousands"), (0.0, ""))
 TURN = 180 / np.pi
 PALE = 4.0  # times chance: the darkest colour at least
-LENGTHS = {"m": "m", "bl": "body lengths"}
 SPEEDS = {"m": ("mm/s", 1e3), "bl": ("body lengths/s", 1.0)}
 AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
     ("phase", "phase [cycles]{pause}", by_phase),
-    ("speed", "RMS speed of the vertices [{}/s]", by_speed),
-    ("time", "time [s]", by_time),
+    ("speed", "RMS speed of the vertices [{speed}]", by_speed),
 )
 LINES = ((GREEN, "s"), (PURPLE, "^"), (BLUE, "o"), (ORANGE, "D"))  # of effects that have a vertex
 Scores = Sequence[tuple[str, int | None, float]]
 
 
 def residuals_figure(w: Windows, extended: bool) -> Figure:
-    """Three directions against phase, speed and time."""
+    """Three directions against phase and speed."""
     kinds = [(w.before, ORANGE, "baseline")] + ([(w.after, BLUE, "extended")] if extended else [])
     return _grid(w, kinds)
 
@@ -63,19 +63,26 @@ def directions(w: Windows) -> tuple[tuple[str, str, float], ...]:
 
 
 def _grid(w: Windows, kinds: list[tuple[Floats, str, str]]) -> Figure:
-    fig = figure(9.6, 6.0)
-    axes = fig.subplots(3, 3, sharex="col", sharey="row")
+    fig = figure(8.6, 6.0)
+    axes = fig.subplots(3, len(AGAINST), sharex="col", sharey="row")
     pause = ", 1 = pause" if (w.phase >= 1).any() else ""  # no animal has one
+    speed, per = SPEEDS[w.length_unit]
     for column, (field, label, bins) in enumerate(AGAINST):
-        words = label.format(LENGTHS[w.length_unit], pause=pause)
+        words = label.format(speed=speed, pause=pause)
+        scale = per if field == "speed" else 1.0
         for row in range(3):
-            against(w, kinds, row, getattr(w, field), bins(w), axes[row, column])
+            against(w, kinds, row, scale * getattr(w, field), _scaled(bins(w), scale), axes[row, column])
             axes[row, column].set_xlabel(words if row == 2 else "", fontsize=SMALL, color=INK)
     for row, (name, unit, _) in enumerate(directions(w)):
         axes[row, 0].set_ylabel(f"{name} [{unit}]", fontsize=SMALL, color=INK)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     fig.legend(handles, labels, loc="outside upper left", ncols=4, frameon=False, fontsize=SMALL)
     return fig
+
+
+def _scaled(bins: list[Bin], scale: float) -> list[Bin]:
+    """With ends in another unit."""
+    return [replace(b, low=scale * b.low, high=scale * b.high) for b in bins]
 
 
 def against(
@@ -89,7 +96,8 @@ def against(
     for residual, colour, label in kinds:
         mean = [b.before[direction] if label == "baseline" else b.after[direction] for b in bins]
         ax.plot(x, scale * residual[:, direction], ".", color=colour, ms=4, alpha=0.45, mew=0)
-        ax.plot(at, scale * np.array(mean), "-o", color=colour, ms=3.5, lw=1.2, label=f"{label}, mean")
+        mark = "o" if label == "baseline" else "s"
+        ax.plot(at, scale * np.array(mean), "-", marker=mark, color=colour, ms=3.5, lw=1.2, label=f"{label}, mean")
     largest = max(np.abs(scale * r[:, direction]).max() for r, _, _ in kinds)
     reach = 1.1 * max(largest, noise.max())
     ax.set_ylim(-reach, reach)
@@ -98,16 +106,24 @@ def against(
     return dress(ax, "", "", "")
 
 
-def body_figure(w: Windows, extended: bool, scores: Scores) -> Figure:
-    """Residual velocity of every vertex across and along the body; what an effect at each vertex would gain."""
+def body_figure(w: Windows, extended: bool, scores: Scores, middles: bool = False) -> Figure:
+    """Residual velocity of every vertex across and along the body; what an effect at each vertex would gain.
+
+    middles: every other vertex is the middle of an edge.
+    """
     placed = any(place is not None for _, place, _ in scores)
-    fig = figure(9.6 if placed else 6.6, 2.9)
+    fig = figure(9.6 if placed else 6.6, 3.2)
     axes = fig.subplots(1, 3 if placed else 2)
     for ax, component, name in ((axes[0], 1, "across the body"), (axes[1], 0, "along the body")):
         vertex_speeds(w, extended, component, name, ax)
-    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False, fontsize=SMALL)
+    style: dict[str, Any] = {"ncols": 3, "frameon": False, "fontsize": SMALL}
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", **style)
     if placed:
         vertex_scores(scores, axes[2])
+        fig.legend(*axes[2].get_legend_handles_labels(), loc="outside upper right", **style)
+    for ax in axes:
+        ax.set_xticks(np.arange(0, w.points.shape[1], -(-w.points.shape[1] // MOST_TICKS)))
+        ax.set_xlabel("vertex (0 = tail; odd: middles of edges)" if middles else "vertex (0 = tail)")
     return fig
 
 
@@ -119,29 +135,26 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
     ax.fill_between(vertices, 0, noise, color=FAINT, lw=0, label="noise level")
     ax.plot(vertices, scale * w.along_body(w.before)[:, component], "-o", color=ORANGE, ms=4, label="baseline")
     if extended:
-        ax.plot(vertices, scale * w.along_body(w.after)[:, component], "-o", color=BLUE, ms=4, label="extended")
+        ax.plot(vertices, scale * w.along_body(w.after)[:, component], "-s", color=BLUE, ms=4, label="extended")
     ax.set_ylim(bottom=0)
-    ax.set_xticks(vertices if len(vertices) <= MOST_TICKS else vertices[::2])
-    return dress(ax, f"Residual {name}", "vertex (0 = tail)", f"RMS [{unit}]")
+    return dress(ax, f"Residual {name}", "", f"RMS [{unit}]")
 
 
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
     """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
-    largest, last = gained_by_chance(len(scores)), 0
-    names = (kind.name for kind in motion_effects() if kind.place == "vertex")
+    names = [kind.name for kind in motion_effects() if kind.place == "vertex"]
+    largest = max([gained_by_chance(len(scores)), *(s for n, _, s in scores if n in names)])
+    unit, words = next((least or 1.0, words) for least, words in LARGE_GAINS if largest >= least)
     for name, (colour, mark) in zip(names, cycle(LINES), strict=False):
-        mine = sorted((p, max(s, 0.0)) for n, p, s in scores if n == name and p is not None)
+        mine = sorted((p, max(s, 0.0) / unit) for n, p, s in scores if n == name and p is not None)
         if mine:
             places, gains = zip(*mine, strict=True)
             every = np.arange(places[0], places[-1] + 1)
             at = np.full(len(every), np.nan)  # no line across vertices that were not tried
             at[np.subtract(places, places[0])] = gains
             ax.plot(every, at, "-", marker=mark, color=colour, ms=4, label=name)
-            last, largest = max(last, places[-1]), max(largest, *gains)
-    ax.set_xticks(np.arange(0, last + 1, 1 if last < MOST_TICKS else 2))
-    ax.set_ylim(0, 1.1 * largest)
-    ax.legend(frameon=False, fontsize=SMALL)
-    return dress(ax, "Gain of an effect there", "vertex (0 = tail)", "chi squared to first order")
+    ax.set_ylim(0, 1.1 * largest / unit)
+    return dress(ax, "Gain of an effect there", "", f"chi squared to first order{words}")
 
 
 def floor_figure(w: Windows, extended: bool) -> Figure:

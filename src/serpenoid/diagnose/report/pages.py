@@ -39,6 +39,8 @@ CAPTIONS = {
     "residuals": "Residual body velocity of every window (an eighth of a cycle, or half a pause), seen from the body: "
     "measured minus predicted. Lines: means. Grey: where 95 % of windows lie if only chance is left.",
     "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
+    "residuals-in-time": "The same window by window, over what chance makes of it: a line for each trial, repeats of a "
+    "setting between two strokes. Grey: no usable window.",
     "along-body": "Left and middle: the residual motion as each vertex makes it. Right: chi squared that an effect at "
     "that vertex would gain, to first order (0: nothing).",
     "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
@@ -50,7 +52,8 @@ CAPTIONS = {
 }
 FIGURES = {
     "paths": ("paths",), "ladder": ("ladder",), "ranking": ("ranking",), "shape": ("joints", "markers"),
-    "motion": ("residuals", "residuals-left", "along-body", "on-floor"), "experiment": ("next-experiment",),
+    "motion": ("residuals", "residuals-left", "residuals-in-time", "along-body", "on-floor"),
+    "experiment": ("next-experiment",),
 }  # fmt: skip
 
 

@@ -1,0 +1,73 @@
+"""What each candidate of the stage of motion would gain to first order, and which of them were chosen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from serpenoid.diagnose.inference.prices import gained_by_chance
+from serpenoid.effects.catalogue import find
+from serpenoid.plot.style import BLUE, INK, SMALL, dress, figure, legend_above
+
+if TYPE_CHECKING:
+    from serpenoid.diagnose.inference.names import Key
+    from serpenoid.diagnose.inference.select import Selection
+
+MOST = 12  # and what was chosen
+PALE = "#9CC3DB"
+WIDE = 30.0  # times what chance gains: beyond, the line of chance would touch the axis
+
+
+def ranking_figure(found: Selection) -> Figure:
+    """A bar for each of the best candidates and of what was chosen, beside what the best of so many gains by chance."""
+    gains = ranked(found)
+    fig = figure(7.4, 1.3 + 0.24 * max(len(gains), 3))
+    ax = fig.add_subplot()
+    dress(ax, "", "chi squared gained to first order, less its parameters' price", "")
+    bars(gains, [e.key for e in found.best.effects], ax)
+    chance(list(gains.values()), len(found.scores), ax)
+    legend_above(ax, 1)
+    ax.grid(visible=False, axis="y")
+    return fig
+
+
+def ranked(found: Selection) -> dict[Key, float]:
+    """The most that a candidate gains alone, wherever a scan put it, best first; 0 of what was chosen and has none."""
+    most: dict[Key, float] = dict.fromkeys((e.key for e in found.best.effects), 0.0)
+    for name, place, gain in found.scores:
+        most[name, place] = max(most.get((name, place), 0.0), gain)
+    order = sorted(most, key=lambda key: -most[key])
+    chosen = {e.key for e in found.best.effects}
+    return {key: most[key] for i, key in enumerate(order) if key in chosen or (i < MOST and most[key] > 0)}
+
+
+def bars(gains: dict[Key, float], chosen: list[Key], ax: Axes) -> Axes:
+    """One below the other; a word in the place of a bar that has no length."""
+    names = [name if place is None else f"{name} at {find(name).place} {place}" for name, place in gains]
+    ax.barh(names, list(gains.values()), color=[BLUE if key in chosen else PALE for key in gains])
+    for row, gain in enumerate(gains.values()):
+        if not gain:
+            at = (0.01, row)
+            ax.text(*at, "gains nothing alone", transform=ax.get_yaxis_transform(), fontsize=SMALL, va="center")
+    ax.invert_yaxis()
+    if chosen:
+        ax.plot([], [], "s", color=BLUE, label="chosen")
+    if set(gains) - set(chosen):
+        ax.plot([], [], "s", color=PALE, label="not chosen: less in full, or another explains it")
+    return ax
+
+
+def chance(gains: list[float], tries: int, ax: Axes) -> Axes:
+    """What chance gains, on a scale on which it is seen."""
+    needed = gained_by_chance(tries)
+    shown = [needed, *(g for g in gains if g > 0)]
+    if max(shown) > WIDE * needed:
+        ax.set_xscale("log")
+        ax.set_xlim(0.5 * min(shown), 2 * max(shown))
+    else:
+        ax.ticklabel_format(axis="x", style="plain")
+        ax.set_xlim(0, 1.05 * max(shown))
+    ax.axvline(needed, color=INK, lw=1.0, ls="--", label=f"{needed:.0f}: what the best of {tries} gains by chance")
+    return ax
