@@ -74,7 +74,25 @@ def test_multistart_figures_show_failures_too(tmp_path):
     result = SimpleNamespace(solutions=(end(-0.4), end(-0.3), end(-0.4), failed), optima=distinct)
     costs, optimum = optima.start_costs(result)
     assert optimum.tolist() == [0, 1, 0, -1]
+    (ax,) = optima.optima_figure(result).axes
+    assert [t.get_text() for t in ax.texts] == ["−0.400000: 2 of 4", "−0.300000: 1 of 4"]
+    assert ax.get_title(loc="left") == "Cost reached from each start: 2 distinct optima"
+    assert ax.get_legend_handles_labels()[1] == ["failed (1)"]
     check(tmp_path, figures.multistart_figures(tmp_path, result))
+
+
+def test_names_of_optima_stand_apart_in_their_order_and_within_the_axes():
+    for places in ([0.5], [0.0, 0.01, 0.02, 0.9], [0.97, 0.98, 0.99], []):
+        moved = optima.apart(np.array(places), 0.1)
+        assert (np.diff(moved) >= 0.1 - 1e-12).all()
+        assert moved.size == 0 or (moved.min() >= 0 and moved.max() <= 1)
+    np.testing.assert_array_equal(optima.apart(np.array([0.1, 0.5]), 0.1), [0.1, 0.5])
+
+
+def test_beyond_a_dozen_optima_are_counted_together():
+    levels, words = optima.names(np.arange(15) / 100, np.arange(15))
+    assert len(levels) == len(words) == optima.SHOWN + 1
+    assert words[-1] == "3 more: 3 of 15"
 
 
 def test_all_axes_are_labelled_with_units(problem, trajectory, table, family):

@@ -82,12 +82,7 @@ def sweep_figures(folder: str | Path, data: Family) -> list[str]:
 
 def multistart_figures(folder: str | Path, result: MultiStart) -> list[str]:
     """Costs of all starts, and the distinct optima."""
-    fig = figure(8.6, 3.4)
-    left, right = fig.subplots(1, 2, width_ratios=[3, 2])
-    costs, optimum = optima.start_costs(result)
-    optima.strip(costs, optimum, left)
-    optima.counts(costs, optimum, right)
-    return save(fig, folder, "optima")
+    return save(optima.optima_figure(result), folder, "optima")
 
 
 def gait_figure(gait: Gait, trajectory: Trajectory) -> Figure:

@@ -6,16 +6,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
-from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, RED, SMALL, dress, legend_above
+from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, RED, SMALL, dress, figure, legend_above
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
 
 COST_LABEL = "cost (the objective)"
 SHOWN = 12  # optima named one by one
+LINE = 0.19  # height of a name [inches]
+
+
+def optima_figure(result: MultiStart) -> Figure:
+    """As high as the names of the optima need."""
+    costs, optimum = start_costs(result)
+    fig = figure(8.6, max(2.6, 1.5 + LINE * min(optimum.max(initial=-1) + 1, SHOWN + 1)))
+    strip(costs, optimum, fig.add_subplot())
+    return fig
 
 
 def start_costs(result: MultiStart) -> tuple[Floats, np.ndarray]:
@@ -26,8 +36,8 @@ def start_costs(result: MultiStart) -> tuple[Floats, np.ndarray]:
     return costs, np.where([s.status.ok for s in result.solutions], nearest, -1)
 
 
-def strip(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Cost reached from each start") -> Axes:
-    """A dot per start; failures are crosses, at the top where they have no cost."""
+def strip(costs: Floats, optimum: np.ndarray, ax: Axes) -> Axes:
+    """A dot per start, with the distinct optima's names; failures are crosses, at the top where they have no cost."""
     ok = optimum >= 0
     starts = np.arange(1, costs.size + 1)
     known = np.isfinite(costs)
@@ -40,36 +50,59 @@ def strip(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Cost reach
         ax.plot(starts[~known], np.ones((~known).sum()), "x", transform=ax.get_xaxis_transform(), **cross)
     if known.any() and np.ptp(costs[known]) < 1e-6:  # one optimum: do not magnify rounding errors into a pattern
         ax.set_ylim(costs[known].max() - 0.05, costs[known].max() + 0.05)
+        ax.set_yticks([])
     ax.set_xlim(0.4, costs.size + 0.6)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    count = int(optimum.max(initial=-1)) + 1
+    title = f"Cost reached from each start: {count} distinct optim{'um' if count == 1 else 'a'}"
     dress(ax, title, "start [number]", COST_LABEL)
+    _name_optima(costs, optimum, ax)
     if not ok.all():
         legend_above(ax, 1)
     return ax
 
 
-def counts(costs: Floats, optimum: np.ndarray, ax: Axes, title: str = "Distinct optima") -> Axes:
-    """A bar per distinct optimum, the best on top, with its count; failures last."""
+def names(costs: Floats, optimum: np.ndarray) -> tuple[list[float], list[str]]:
+    """Level of each distinct optimum, the best first, and in words: its cost, and how many starts ended there."""
     found = int(optimum.max(initial=-1)) + 1
-    names, sizes, colours = [], [], []
-    for k in range(min(found, SHOWN)):
-        names.append(f"{costs[optimum == k].min():.6f}".replace("-", "−"))
-        sizes.append(int((optimum == k).sum()))
-        colours.append(_colours(optimum)[k])
-    for name, size in ((f"{found - SHOWN} more", int((optimum >= SHOWN).sum())), ("failed", int((optimum < 0).sum()))):
-        if size:
-            names.append(name)
-            sizes.append(size)
-            colours.append(GREY if name != "failed" else RED)
-    bars = ax.barh(np.arange(len(names)), sizes, color=colours, height=0.6)
-    ax.bar_label(bars, [f"{size} of {costs.size}" for size in sizes], padding=4, fontsize=SMALL, color=INK)
-    ax.set_yticks(np.arange(len(names)), names)
-    ax.set_ylim(max(len(names), 3) - 0.4, -0.6)
-    ax.set_xlim(0, 1.25 * max(sizes, default=1))
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    dress(ax, title, "starts [count]", COST_LABEL)
-    ax.yaxis.grid(False)
-    return ax
+    levels = [float(costs[optimum == k].min()) for k in range(min(found, SHOWN))]
+    words = [f"{level:.6f}: {(optimum == k).sum()} of {costs.size}" for k, level in enumerate(levels)]
+    if found > SHOWN:
+        levels.append(float(costs[optimum == SHOWN].min()))
+        words.append(f"{found - SHOWN} more: {(optimum >= SHOWN).sum()} of {costs.size}")
+    return levels, [text.replace("-", "−") for text in words]
+
+
+def apart(places: Floats, gap: float) -> Floats:
+    """Places in [0, 1], rising, moved up and down until they are `gap` apart."""
+    moved = np.array(places, dtype=float)
+    for i in range(1, moved.size):
+        moved[i] = max(moved[i], moved[i - 1] + gap)
+    moved[-1:] = np.minimum(moved[-1:], 1.0)
+    for i in range(moved.size - 2, -1, -1):
+        moved[i] = min(moved[i], moved[i + 1] - gap)
+    return moved
+
+
+def _name_optima(costs: Floats, optimum: np.ndarray, ax: Axes) -> None:
+    """Beside their levels, on the right."""
+    levels, words = names(costs, optimum)
+    low, high = ax.get_ylim()
+    places = (np.array(levels) - low) / (high - low)
+    height = ax.get_figure(root=True).get_size_inches()[1] - 1.0  # type: ignore[union-attr] # without title, labels
+    for place, at, text in zip(places, apart(places, LINE / height), words, strict=True):
+        line: dict[str, Any] = {
+            "arrowstyle": "-",
+            "color": GREY,
+            "linewidth": 0.6,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "relpos": (0, 0.5),
+        }
+        ax.annotate(
+            text, (1.0, place), xytext=(1.03, at), xycoords="axes fraction", va="center", fontsize=SMALL, color=INK,
+            arrowprops=line,
+        )  # fmt: skip
 
 
 def _colours(optimum: np.ndarray) -> Floats:
