@@ -51,6 +51,8 @@ def trial_values(calibration: Calibration, ax: Axes) -> Axes:
     ax.errorbar(values, rows, xerr=noise, fmt="o", color=INK, ms=4, lw=1.2, label="likelihood, 95 %")
     if calibration.names[0] == "anisotropy_ratio":
         ax.plot([f.best_rms_eps for f in calibration.trials], rows, "D", color=ORANGE, ms=4, label="best RMS")
+        low, high = ax.get_xlim()
+        ax.set_xlim(max(low, 0.0), min(high, 1.0))  # what it can be
     ax.set_yticks(rows, names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     dress(ax, "", calibration.names[0].replace("_", " "), "")
@@ -67,7 +69,7 @@ def profile(calibration: Calibration, ax: Axes) -> Axes:
     ax.text(0.99, 3.95, "95 %", transform=ax.get_yaxis_transform(), ha="right", fontsize=SMALL, color=GREY)
     ax.ticklabel_format(axis="x", useOffset=False)
     ax.tick_params(axis="x", rotation=30)
-    return dress(ax, "Profile", calibration.names[0].replace("_", " "), "chi2 - minimum")
+    return dress(ax, "Profile", calibration.names[0].replace("_", " "), "chi squared above its least")
 
 
 def left_over(calibration: Calibration, ax: Axes) -> Axes:
@@ -80,7 +82,12 @@ def left_over(calibration: Calibration, ax: Axes) -> Axes:
     ax.axhline(0, color=GREY, lw=0.8)
     low = min(-0.1, 1.1 * float(calibration.together.autocorrelation.min()))
     ax.set_ylim(low, max(0.1, 1.1 * float(calibration.together.autocorrelation.max())))
-    return dress(ax, f"What is left: {calibration.together.noise_scale:.2f} x noise", "lag [frames]", "autocorrelation")
+    return dress(
+        ax,
+        f"What is left: {calibration.together.noise_scale:.2f} \N{MULTIPLICATION SIGN} noise",
+        "lag [frames]",
+        "autocorrelation",
+    )
 
 
 def calibration_figure(calibration: Calibration) -> Figure:

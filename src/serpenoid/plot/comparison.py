@@ -30,7 +30,8 @@ def comparison_figure(comparison: Comparison) -> Figure:
     displacements(comparison, fig.add_subplot(grid[0, 1]))
     residual_in_time(comparison, fig.add_subplot(grid[1, 0]))
     residual_along_body(comparison, fig.add_subplot(grid[1, 1]))
-    fig.suptitle(f"{comparison.trial}, cycle {comparison.cycle + 1}", fontsize=11, x=0.01, ha="left")
+    cycle = f", cycle {comparison.cycle + 1}" if comparison.sim is not None else ""  # nothing commanded: no cycles
+    fig.suptitle(f"{comparison.trial}{cycle}", fontsize=11, x=0.01, ha="left")
     return fig
 
 
@@ -78,7 +79,7 @@ def residual_in_time(comparison: Comparison, ax: Axes) -> Axes:
     for column, name, colour in ((0, "forward", INK), (1, "left", RED)):
         ax.plot(time, residual[:, column], color=colour, lw=1.2, label=name)
     ax.axhline(0, color=GREY, lw=0.8)
-    dress(ax, "", "time [s]", "Exp - Resim velocity\n[body lengths / s]")
+    dress(ax, "", "time [s]", "Exp − Resim velocity\n[body lengths / s]")
     legend_above(ax, 2)
     return ax
 
@@ -88,12 +89,12 @@ def residual_along_body(comparison: Comparison, ax: Axes) -> Axes:
     values = comparison.residual_along_body()
     ax.bar(np.arange(len(values)), values, color=BLUE, width=0.7)
     ax.set_xticks(np.arange(len(values))[:: 1 + len(values) // LETTERED])
-    return dress(ax, "Exp - Resim", "vertex (0 = tail)", "RMS velocity residual\n[body lengths / s]")
+    return dress(ax, "Exp − Resim", "vertex (0 = tail)", "RMS velocity residual\n[body lengths / s]")
 
 
 def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
     """Xi of every pair of classes on one logarithmic scale, with what is published and what it hides below."""
-    fig = figure(4.1 * len(statistics) + 0.9, 5.5)
+    fig = figure(4.1 * len(statistics) + 0.9, 5.1)
     axes = fig.subplots(1, len(statistics), squeeze=False)[0]
     reach = max(1.25, max(float(np.exp(np.abs(np.log(s.quotients)).max())) for s in statistics))
     image = None

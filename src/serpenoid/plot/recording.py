@@ -54,7 +54,8 @@ def floor(trial: Trial, ax: Axes) -> Axes:
             ax.plot(*motion.poses[jump.frame, :2], marker="x", color=RED, ms=8, mew=2)
     ax.set_aspect("equal", adjustable="datalim")
     if trial.passages:
-        for colour, label in ((GREY, "body as a cycle begins"), (BLUE, "as it ends")):
+        what = "cycle" if trial.schedule else "recording"
+        for colour, label in ((GREY, f"body as a {what} begins"), (BLUE, "as it ends")):
             ax.plot([], [], color=colour, lw=2.4, label=label)
     if any(jump.vertex is None for jump in motion.jumps):
         ax.plot([], [], "x", color=RED, ms=8, mew=2, label="the body jumps")
@@ -95,7 +96,7 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
             ax.axvline(jump.time_s, color=RED, lw=1.0)
         else:
             ax.plot(jump.time_s, jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
-    title = f"Dark: {motion.hidden_said}"
+    title = f"Dark: {motion.hidden_said}".replace("; ", ";\n")
     title += "\norange: too long to bridge" if any(not gap.short for gap in motion.gaps) else ""
     title += "\nred: jumps (cross: one marker, line: the body)" if motion.jumps else ""
     return dress(ax, title, "time [s]", "vertex", grid=False)

@@ -1,0 +1,48 @@
+"""Pictures of recordings and of what is compared with them: words that fit an animal, titles within the figure."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from serpenoid.measure.load import load_campaign
+from serpenoid.measure.schedule import Schedule
+from serpenoid.plot import calibration, recording
+
+LAMPREY = Path(__file__).parents[2] / "problems" / "campaigns" / "lamprey.toml"
+
+
+@pytest.fixture(scope="module")
+def trial():
+    return load_campaign(LAMPREY).trials[0]
+
+
+def test_an_animal_has_no_cycles_and_a_robot_has(trial):
+    table = np.zeros((20, trial.body.joint_count))
+    for schedule, word in ((None, "recording"), (Schedule(table, 1.0, 1, 0.0), "cycle")):
+        ax = recording.floor(replace(trial, schedule=schedule), Figure().add_subplot())
+        assert f"body as a {word} begins" in ax.get_legend_handles_labels()[1]
+
+
+def test_what_is_said_of_hidden_markers_is_within_the_figure(trial):
+    markers = trial.motion.markers.copy()
+    markers[:, 3] = np.nan
+    fig = recording.trial_figure(replace(trial, motion=replace(trial.motion, markers=markers)))
+    FigureCanvasAgg(fig).draw()
+    (title,) = (ax._left_title for ax in fig.axes if ax.get_title(loc="left").startswith("Dark"))
+    assert "never seen" in title.get_text()
+    assert title.get_window_extent().x1 < fig.bbox.x1
+
+
+def test_no_ratio_is_drawn_that_cannot_be():
+    fit = SimpleNamespace(values=[0.5], robust_sd=[0.6], sd=[0.1])
+    trials = [SimpleNamespace(trial="a", estimate=fit, best_rms_eps=0.5)]
+    together = SimpleNamespace(interval=[(0.4, 0.6)], values=[0.5])
+    found = SimpleNamespace(trials=trials, together=together, names=["anisotropy_ratio"])
+    low, high = calibration.trial_values(found, Figure().add_subplot()).get_xlim()
+    assert 0 <= low < 0.4
+    assert 0.6 < high <= 1
