@@ -124,6 +124,12 @@ def test_without_a_log_a_joint_that_is_never_read_has_no_name_and_is_as_it_was_t
     assert angle_error(blind, carried(recordings, found, [])) < 1e-2
 
 
+def test_without_a_log_joints_that_no_frame_shows_are_named_as_assumed(tmp_path: Path) -> None:
+    recordings = recorded(make(SEED, 0, protocol=protocol(log_hertz=0.0, unseen=(5,))), tmp_path)
+    for r in recordings:
+        assert any("no frame shows joints 4, 5, 6" in text and "assumed" in text for text in r.remarks)
+
+
 @pytest.mark.parametrize("vertex", [0, 5])
 def test_a_marker_that_is_never_seen_hides_nothing_else(vertex: int, tmp_path: Path) -> None:
     one = make(SEED, 0, protocol=protocol(unseen=(vertex,)))

@@ -44,14 +44,17 @@ def track(gait: str, cycles: int, noise: object = None) -> Any:
 def test_trials_tell_chance_before_cycles_do_and_what_is_poor_is_remarked() -> None:
     once = [track("a", 1), track("b", 1)]
     assert (chance_from(once), repeats(once)) == ("residuals", [])
-    assert remarks(once) == (CHANCE["residuals"], "a: seen", "b: seen")
+    assert remarks(once) == (
+        CHANCE["residuals"],
+        "a, b: seen",
+    )
     (found,) = repeats([track("a", 2), track("b", 1)])
     assert (found.one, found.other, *found.here[[0, -1]], *found.there[[0, -1]]) == (0, 0, 0, 9, 10, 19)
     assert remarks([track("a", 2)]) == (CHANCE["cycles"], "a: seen")
     again = [track("a", 3), track("b", 3), track("a", 2)]
     (found,) = repeats(again)
     assert (found.one, found.other, len(found.here), chance_from(again)) == (0, 2, 20, "trials")
-    assert remarks(again) == ("a: seen", "b: seen")
+    assert remarks(again) == ("a, b: seen",)
     assert chance_from([track("a", 3, noise=1.0)]) == "points"  # an animal's windows bring their own
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from serpenoid.measure.clock import find_offset
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.servo_alignment import lasting
 from serpenoid.measure.trial import build_motion
 
 SD = 0.001  # of the markers [body lengths]
@@ -59,6 +62,40 @@ def test_without_a_log_a_vertex_that_is_never_seen_is_named(never: list[int]) ->
     words = f"never seen: vertices {', '.join(map(str, never))}; 0 is the tail.*Where a servo log"
     with pytest.raises(InputError, match=words):
         build_motion(body, time, markers, None, ((), ()))
+
+
+@pytest.mark.parametrize("never", [[0], [5], [3, 8]], ids=str)
+@pytest.mark.parametrize("late_s", [0.0, 0.06])
+def test_without_a_log_joints_that_cameras_never_show_do_as_the_table_says(never: list[int], late_s: float) -> None:
+    """Rigid links allow two places of a hidden vertex; the table says which, and is late as the others are."""
+    body, time, _, markers, _ = _trial()
+    told = Schedule(serpenoid_table(50), 2.0, 3, 1.0)
+    angles = replace(told, start_s=10.0 + late_s).commanded(time)
+    markers += chain_vertices(body, np.zeros((len(time), 3)), angles) - chain_vertices(
+        body, np.zeros((len(time), 3)), replace(told, start_s=10.0).commanded(time)
+    )
+    markers[:, never] = np.nan
+    motion, servo, notes = build_motion(body, time, markers, None, ((), ()), told=told)
+    assert servo is None  # nobody read them
+    inside = (time > 10.1) & (time < 18.0)
+    assert motion.measured[inside].mean() > 0.9
+    miss = (motion.joint_angles - angles)[inside]
+    assert np.sqrt(np.nanmean(miss**2, axis=0)).max() < 0.035  # markers alone: 0.027 rad
+    unseen = sorted({j for j in range(1, 11) if {j - 1, j, j + 1} & set(never)})
+    one = f"no frame shows joint{'s' * (len(unseen) > 1)} {', '.join(map(str, unseen))}, and no servo log"
+    assert any(note.startswith(one) and "assumed" in note for note in notes)
+
+
+def test_errors_that_last_leave_less_in_a_frame() -> None:
+    """White readings a sixth as often as frames, joined by lines: what a mean of many frames scatters by."""
+    rng, k, count = np.random.default_rng(0), 6, 1200
+    frames, at = np.arange(k * count), k * np.arange(count + 1)
+    errors = np.stack([np.interp(frames, at, column) for column in rng.normal(size=(40, count + 1))], axis=1)
+    own = np.sqrt(errors.var() + np.mean([lasting(one[:, None]) for one in errors.T]))
+    assert own == pytest.approx(np.sqrt(len(frames)) * errors.mean(axis=0).std(), rel=0.3)  # of 40 means: 11 %
+    assert own == pytest.approx(np.sqrt(k), rel=0.1)
+    white = rng.normal(size=(len(frames), 10))
+    assert lasting(white) < 0.05  # a pair of lags is known to 0.01
 
 
 @pytest.mark.parametrize("end_s", [17.0, 13.0, 12.0, 10.5, 9.0])

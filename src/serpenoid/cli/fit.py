@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.compare.records import calibration_record
     from serpenoid.compare.start import neutral_model
     from serpenoid.files.writing import provenance, write_json
-    from serpenoid.measure.usage import total, usage
+    from serpenoid.measure.usage import said_once, total, usage
 
     names = tuple(args.parameter or ("anisotropy_ratio",))
     campaign = campaigns.read(args)
@@ -55,9 +55,11 @@ def run(args: argparse.Namespace) -> int:
         advance(len(campaign.trials) + 1)
     record = calibration_record(calibration, model.medium.dissipation)
     used = total(usage(trial) for trial in campaign.trials)
+    notes = said_once((trial.name, trial.notes) for trial in campaign.trials)
     record |= {
         "used_s": used.used_s,
         "dropped_s": used.dropped_s,
+        "notes": notes,
         "campaign": campaign.file.name,
         "source": campaign.file.source,
         "provenance": provenance(),
@@ -66,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
     write_json(folder / "fit.json", record)
     if not args.no_figures:
         draw(folder, campaign, model, calibration)
-    said = [f"seconds           {used}"]
+    said = [f"seconds           {used}", *(f"note              {note}" for note in notes)]
     options.report(args, record, [*lines(calibration, model), *said, f"written to        {folder}"], folder)
     complaints = calibration.together.warnings
     for complaint in complaints:

@@ -13,7 +13,7 @@ from serpenoid.compare.ratios import RatioStatistics, ratio_statistics
 from serpenoid.compare.three import Comparison, compare_passage
 from serpenoid.compare.transport import CostPoint, CyclePower, PowerModel, cost_points, cycle_power, fit_power
 from serpenoid.measure.load import Campaign
-from serpenoid.measure.usage import total, usage
+from serpenoid.measure.usage import said_once, total, usage
 from serpenoid.model import Model
 
 PAIRS = (("Exp", "Sim"), ("Exp", "Resim"), ("Sim", "Resim"))
@@ -56,7 +56,7 @@ def compare_campaign(
             power = cycle_power(trial, found, model.body.mass_kg) if model.body.mass_kg else None
             if power is not None:
                 cycles.append(power)
-    notes = said_once(campaign)
+    notes = said_once((trial.name, trial.notes) for trial in campaign.trials)
     moved, still = moving(comparisons)
     gaits, displacement = gait_means(moved)
     ratios, complaint = _ratios(gaits, displacement)
@@ -66,15 +66,6 @@ def compare_campaign(
         model, tuple(comparisons), gaits, displacement, ratios, tuple(cycles), cost_points(cycles), fit_power(cycles),
         tuple([*_seconds(campaign, comparisons), *notes, *shape_bias(moved), *still, *complaint]),
     )  # fmt: skip
-
-
-def said_once(campaign: Campaign) -> list[str]:
-    """Every note of a trial, with the trials that it is about."""
-    trials: dict[str, list[str]] = {}
-    for trial in campaign.trials:
-        for note in trial.notes:
-            trials.setdefault(note, []).append(trial.name)
-    return [f"{', '.join(names)}: {note}" for note, names in trials.items()]
 
 
 def _seconds(campaign: Campaign, comparisons: list[Comparison]) -> list[str]:

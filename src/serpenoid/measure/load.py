@@ -124,7 +124,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         metres = body.total_length_m if tracks.scale_known and files.keys.length_unit != "bl" else None
         extras = (labelled.relabelled, labelled.unused)
         motion, servo, notes = build_motion(
-            body, tracks.time_s, labelled.vertices / scale, files.servo_log, extras, like
+            body, tracks.time_s, labelled.vertices / scale, files.servo_log, extras, like, schedule
         )
     if metres is not None and body.odd_length is not None:
         notes = [*notes, body.odd_length]

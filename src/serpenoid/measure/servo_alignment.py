@@ -5,6 +5,7 @@ Legend: F frames, N vertices, m joints, R rows of the log.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,19 +16,25 @@ from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate
 from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.schedule import Schedule
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
 MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion: other joints' have less
+STILL_S = 1.0  # of rest before the first command and after the last
 OFTEN = 0.5  # share of the frames that a marker must be seen in to be a corner of the polygon
 
 
 @dataclass(frozen=True)
 class ServoAlignment:
-    """Servo log laid over the cameras: clock offset, per-joint zero (markers minus servo) and scatter [rad]."""
+    """Servo log laid over the cameras: clock offset, per-joint zero (markers minus servo) and scatter [rad].
+
+    frame_sd: the scatter that errors of single frames would need to tell as little together, as errors that last do.
+    """
 
     offset: Offset
     joint_zero: Floats  # (m,); 0 for joints that no frame shows
     sd: float
+    frame_sd: float
     angles: Floats  # (F, m) on the frames, zero taken out; NaN outside the log
 
 
@@ -56,7 +63,39 @@ def align_servo(
     zero, unseen = _zeros(shown - angles)
     variance = np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2) if whole else None
     sd = offset.rms if len(unseen) == body.joint_count else _servo_sd(shown - angles - zero, variance)
-    return ServoAlignment(offset, zero, sd, angles + zero), _remarks(unseen)
+    lasts = lasting(shown - angles - zero)
+    return ServoAlignment(offset, zero, sd, float(np.sqrt(sd**2 + lasts)), angles + zero), _remarks(unseen)
+
+
+def align_commands(
+    body: Body, estimate: ChainEstimate, markers: Floats, time_s: Floats, schedule: Schedule
+) -> tuple[ServoAlignment | None, list[str]]:
+    """The same of what servos were told, where nobody recorded what they did: for joints that no marker shows.
+
+    What it misses of the joints that are seen (lag, play) is its scatter, and how long that lasts.
+    """
+    told = np.arange(-schedule.pause_s - STILL_S, schedule.cycles * schedule.period_s + STILL_S, np.diff(time_s).min())
+    angles = schedule.commanded(told + schedule.start_s)
+    log = ServoLog(told, angles, None, None, None, None, {}, "joint table")
+    found, complaints = align_servo(body, estimate, markers, time_s, log)
+    if found is None:
+        return None, [said.replace("servo log", "joint table") for said in complaints]
+    return found, []
+
+
+def joints_unseen(body: Body, markers: Floats) -> list[int]:
+    """Joints, from 0, that no frame of markers (F, N, 2) shows: a corner beside them is never seen."""
+    return _zeros(marker_angles(body, markers))[1]
+
+
+def assumed(joints: Sequence[int]) -> str:
+    """What is said where their markers are never seen, and no servo log says what they did."""
+    one = len(joints) == 1
+    names = f"joint{'' if one else 's'} {', '.join(str(k + 1) for k in joints)}"
+    return (
+        f"no frame shows {names}, and no servo log says what {'it' if one else 'they'} did: assumed to do as the joint "
+        "table says, to the side that it says; a fault there is not seen, and goes into every number"
+    )
 
 
 def seen_share(markers: Floats) -> Floats:
@@ -85,11 +124,26 @@ def _zeros(difference: Floats) -> tuple[Floats, list[int]]:
     return zero, [int(k) for k in np.flatnonzero(~known)]
 
 
-def _remarks(unseen: list[int]) -> list[str]:
+def _remarks(unseen: Sequence[int]) -> list[str]:
     if not unseen:
         return []
     joints = ", ".join(str(k + 1) for k in unseen)
     return [f"no frame shows joint {joints}: its angle is the servo log's, and whether its zero is right is not known"]
+
+
+def lasting(difference: Floats) -> float:
+    """Twice the sum of autocovariances of columns (F, m), NaN unknown, from lag 1 on [rad^2]: 0 of white noise.
+
+    Pairs of lags while their sum is positive (Geyer, Statistical Science 7, 473, 1992), over a tenth of the record.
+    """
+    values, found = np.where(np.isfinite(difference), difference, 0.0), 0.0
+    count = max(int(np.isfinite(difference).sum()), 1)
+    for lag in range(1, max(len(values) // 10, 2), 2):
+        pair = sum((values[k:] * values[:-k]).sum() / count for k in (lag, lag + 1))
+        if pair <= 0:
+            break
+        found += 2 * float(pair)
+    return found
 
 
 def _servo_sd(difference: Floats, variance: Floats | None) -> float:

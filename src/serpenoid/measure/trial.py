@@ -18,7 +18,14 @@ from serpenoid.measure.clock import interpolate
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
-from serpenoid.measure.servo_alignment import MIN_CORRELATION, ServoAlignment, align_servo
+from serpenoid.measure.servo_alignment import (
+    MIN_CORRELATION,
+    ServoAlignment,
+    align_commands,
+    align_servo,
+    assumed,
+    joints_unseen,
+)
 from serpenoid.measure.smooth import smooth_states
 
 SHORTEST_RUN = 8  # frames: less is no motion
@@ -109,35 +116,40 @@ class Trial:
 
 
 def build_motion(
-    body: Body, time_s: Floats, markers: Floats, log: ServoLog | None, labels: tuple, like: Motion | None = None
-) -> tuple[Motion, ServoAlignment | None, list[str]]:
+    body: Body, time_s: Floats, markers: Floats, log: ServoLog | None, labels: tuple, like: Motion | None = None,
+    told: Schedule | None = None,
+) -> tuple[Motion, ServoAlignment | None, list[str]]:  # fmt: skip
     """Fit the chain (with the servos where they help), fill short gaps, look for jumps.
 
-    like: the same recording, cut where another body's fit cut it.
+    like: the same recording, cut where another body's fit cut it. told: what joints that neither markers nor a log show
+    are taken to do.
     """
     notes: list[str] = []
     estimate = estimate_chain(body, markers)
-    servo = None
+    servo = helped = None
+    never = _never_seen(markers)
     if log is not None:
         servo, complaint = align_servo(body, estimate, markers, time_s, log)
-        notes += complaint
-        if servo is not None:
-            sd = estimate.marker_sd if estimate.determined.any() else None
-            estimate = estimate_chain(body, markers, servo.angles, servo.sd, sd, estimate.determined)
+        helped, notes = servo, notes + complaint
+    elif told is not None and (unseen := joints_unseen(body, markers)):
+        helped, complaint = align_commands(body, estimate, markers, time_s, told)
+        notes += complaint if helped is None else [assumed(unseen)]
+    if helped is not None:
+        sd = estimate.marker_sd if estimate.determined.any() else None
+        estimate = estimate_chain(body, markers, helped.angles, helped.frame_sd, sd, estimate.determined)
     cuts = _cuts(estimate, time_s) if like is None else (like.gaps, like.jumps, like.runs)
-    never = _never_seen(markers)
     # the polygon of the others fits as well with such a joint bent to the other side
-    either_way = [] if servo is not None else sorted({*never} & {*body.joint_vertices})
+    either_way = [] if helped is not None else sorted({*never} & {*body.joint_vertices})
     if either_way or not cuts[2]:
         raise InputError(
             f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape"
-            f"{_counted(never)}. Where a servo log is given that fits them, three markers are enough."
+            f"{_counted(never)}. Where a servo log or a joint table is given that fits them, three markers are enough."
         )
     holes = find_holes(time_s)
     if len(holes):
         longest = float((time_s[holes] - time_s[holes - 1]).max())
         notes.append(f"frames are missing from the file in {len(holes)} places, for {longest:.3g} s at most")
-    return _motion(body, time_s, markers, servo, estimate, cuts, labels), servo, notes
+    return _motion(body, time_s, markers, helped, estimate, cuts, labels), servo, notes
 
 
 def _never_seen(markers: Floats) -> NDArray[np.int64]:
@@ -166,7 +178,7 @@ def _motion(
         np.full((len(time_s), *shape), np.nan)
         for shape in ((3,), (body.joint_count,), (3 + body.joint_count,) * 2, (body.vertices, 2))
     )
-    readings = (None, None) if servo is None else (servo.angles[known], servo.sd)
+    readings = (None, None) if servo is None else (servo.angles[known], servo.frame_sd)
     about = estimate_about(body, markers[known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
     poses[known], angles[known], covariance[known] = about.poses, about.joint_angles, about.covariance
     vertices[known] = about.vertices

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from serpenoid.measure.trial import Motion, Passage, Trial
@@ -51,6 +51,15 @@ def usage(trial: Trial) -> Usage:
         windows = [schedule.window_s(cycle) for cycle in range(schedule.cycles)]
         promised = sum(end - begin for begin, end in windows)
     return Usage(promised, used, len(pieces))
+
+
+def said_once(notes: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
+    """Every note of (trial, its notes), with the trials that it is about."""
+    trials: dict[str, dict[str, None]] = {}
+    for trial, own in notes:
+        for note in own:
+            trials.setdefault(note, {})[trial] = None
+    return [f"{', '.join(names)}: {note}" for note, names in trials.items()]
 
 
 def total(usages: Iterable[Usage]) -> Usage:

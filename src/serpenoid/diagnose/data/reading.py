@@ -19,7 +19,7 @@ from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.schedule import Schedule, start_by_shape
-from serpenoid.measure.servo_alignment import MIN_CORRELATION
+from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed
 from serpenoid.measure.trial_files import Files, Progress, Reader, content, neighbour_ratio, of_every_trial, read_files
 
 
@@ -54,7 +54,7 @@ def _aligned(
         own = files[entry.name]
         found = remember(lambda: read_recording(file, own), "recording", file, own)
         _refuse_short(found)
-        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found)))
+        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found), *_assumed(found)))
 
     return with_one_rate(of_every_trial(file.trial, kept, progress))
 
@@ -63,6 +63,12 @@ def _missing(r: Recording) -> list[str]:
     """Cycles that were promised and not even begun while anything was recorded."""
     first, last = r.schedule.cycles, r.schedule.cycles + r.missing_cycles
     return [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
+
+
+def _assumed(r: Recording) -> list[str]:
+    """Joints of which nothing is read."""
+    unread = np.flatnonzero(~np.isfinite(r.position).any(axis=0))
+    return [assumed(unread.tolist())] if len(unread) and not r.by_servos else []
 
 
 def _refuse_short(r: Recording) -> None:

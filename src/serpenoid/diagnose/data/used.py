@@ -8,7 +8,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.measure.usage import Usage
+from serpenoid.measure.usage import Usage, said_once
 
 CHANCE = {
     "residuals": "nothing was played twice, so what the model leaves is taken for chance, an error of the model as "
@@ -31,7 +31,7 @@ def used(tracks: Sequence[Track]) -> Usage:
 
 def remarks(tracks: Sequence[Track]) -> tuple[str, ...]:
     """Each once: what the campaign's check against itself had to say, and what tells chance if trials do not."""
-    checked = dict.fromkeys(f"{t.recording.name}: {text}" for t in tracks for text in t.recording.remarks)
+    checked = said_once((t.recording.name, t.recording.remarks) for t in tracks)
     poor = CHANCE.get(chance_from(tracks))
     return (*([poor] if poor else []), *checked)
 
