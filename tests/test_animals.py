@@ -11,7 +11,7 @@ import pytest
 from serpenoid.body import Body
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.compare.start import neutral_model
-from serpenoid.diagnose.data.tracked import MOST_PERIODS, tracked_recordings
+from serpenoid.diagnose.data.tracked import MOST_WINDOWS, WINDOWS_PER_PERIOD, tracked_recordings
 from serpenoid.diagnose.data.untestable import not_on_offer
 from serpenoid.effects.catalogue import catalogue, find
 from serpenoid.errors import InputError
@@ -112,13 +112,18 @@ def test_few_points_of_a_body_are_points_of_a_curve_and_no_joints_of_a_chain(tmp
     assert left < 1.4
 
 
-def test_a_long_recording_is_used_for_twenty_beats(film: tuple[np.ndarray, np.ndarray], tmp_path: Path) -> None:
-    beats = 2 * MOST_PERIODS
-    time = np.arange(int(beats / RATE * FRAMES_PER_SECOND)) / FRAMES_PER_SECOND
+@pytest.mark.parametrize("every", [1, 6])  # of its frames; every sixth makes windows of two frames, twice as long
+def test_a_long_recording_is_used_for_so_many_windows(
+    film: tuple[np.ndarray, np.ndarray], tmp_path: Path, every: int
+) -> None:
+    beats = 2 * MOST_WINDOWS // WINDOWS_PER_PERIOD
+    time = np.arange(int(beats / RATE * FRAMES_PER_SECOND))[::every] / FRAMES_PER_SECOND
     still = np.stack([Worm().curve(t)[0][:: (FINE - 1) // (POINTS - 1)] for t in time])
     noise = np.random.default_rng(2).normal(0, NOISE, still.shape)
     (kept,) = tracked_recordings(load_campaign(write(tmp_path / "long", time, still + noise)))
-    assert kept.smoothed.states.time[-1] == pytest.approx(MOST_PERIODS / RATE, rel=0.1)  # a beat's length is estimated
+    window = max(1 / RATE / WINDOWS_PER_PERIOD, 2 * every / FRAMES_PER_SECOND)
+    used = kept.smoothed.states.time[-1]
+    assert used == pytest.approx(MOST_WINDOWS * window, rel=0.15)  # a beat's length is estimated
     assert any("the first" in text and "`from_s`" in text for text in kept.remarks)
 
 

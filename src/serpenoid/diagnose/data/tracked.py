@@ -31,9 +31,9 @@ from serpenoid.simulation.curve import simulate_curve
 from serpenoid.simulation.rollout import simulate_vertices
 
 PARTS = 4  # of all recordings together, at least
-MOST_PERIODS = 20  # of all recordings together
 LEAST_PART = 0.5  # periods
 WINDOWS_PER_PERIOD = 8
+MOST_WINDOWS = 160  # of all recordings together: 20 periods, more where frames are few and windows longer for it
 STEPS_PER_WINDOW = 12
 LEAST_FRAMES = 2  # in a window
 LEAD = 2  # rows: what the momentum's rate looks back on
@@ -73,12 +73,12 @@ def is_tracked_only(file: CampaignFile) -> bool:
 def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:
     """Every stretch of every trial in which the body's shape is known for a period of its motion or longer.
 
-    Of more than MOST_PERIODS together the beginnings: work goes with their number, errors only with its square root.
+    Of more than MOST_WINDOWS together the beginnings: work goes with their number, errors only with its square root.
     """
     own = {trial.name: trial for trial in campaign.trials}
     of_every_trial(campaign.file.trial, lambda entry: _refuse_still(own[entry.name]))
     found = [piece for trial in campaign.trials for piece in _pieces(trial)]
-    share = MOST_PERIODS / sum(p.smoothed.states.time[-1] / p.smoothed.states.period for p in found)
+    share = MOST_WINDOWS / sum(_mesh(p.smoothed.states)[2] for p in found)
     cut = [piece for trial in campaign.trials for piece in _pieces(trial, share)] if share < 1 else []
     return tuple(cut or found)
 
@@ -125,8 +125,8 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
 def _shortened(trial: Trial, used_s: float) -> str:
     whole = float(trial.motion.time_s[-1] - trial.motion.time_s[0]) if trial.motion is not None else used_s
     return (
-        f"the first {used_s:.3g} s of {whole:.3g} s are used, {MOST_PERIODS} times what a bend takes, all recordings "
-        "together; `from_s` and `to_s` choose others"
+        f"the first {used_s:.3g} s of {whole:.3g} s are used, about {MOST_WINDOWS} windows in all recordings together: "
+        "more would take longer and tell little more; `from_s` and `to_s` choose others"
     )
 
 
