@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
-from serpenoid.measure.consistency.exchanged import exchanges
+from serpenoid.measure.consistency.exchanged import exchanges, named_as_in_most
 from serpenoid.measure.load import load_campaign
 
 LABELS = [f"p{k}" for k in range(7)]
@@ -42,6 +42,28 @@ def test_points_exchanged_to_the_end_are_told_and_most_of_the_recording_is_right
     assert found.said(LABELS, time) == "`p1` and `p4` exchanged between 0 and 1.967 s"
 
 
+@pytest.mark.parametrize("order", [[0, 2, 3, 1, 4, 5, 6], [6, 5, 4, 3, 2, 1, 0]])
+def test_points_get_back_the_names_of_most_of_the_recording(order):
+    time, points = crawling()
+    wrong = points.copy()
+    wrong[100:130] = points[100:130, order]
+    put, found = named_as_in_most(wrong, time)
+    assert len(found) == 1
+    np.testing.assert_array_equal(put, points)
+
+
+@pytest.mark.parametrize("turn", [4.5, 5.5, 6.5])
+def test_the_ends_of_a_body_that_is_curled_up_are_confused_as_ends(turn):
+    time, place = np.arange(60) / 16, np.linspace(-0.5, 0.5, 12)
+    bend = turn * np.sin(np.pi * np.minimum(time / time[-1], 1.0))[:, None] * place
+    along = np.cumsum(np.stack([np.cos(bend), np.sin(bend)], axis=2), axis=1) / 12
+    points = along + np.random.default_rng(3).normal(0, 0.02, along.shape)
+    points[28:32] = points[28:32, ::-1]  # where its ends are side by side
+    (found,) = exchanges(points, time)
+    assert found.said([str(k) for k in range(12)], time).startswith("all points, head for tail, exchanged")
+    assert (found.first, found.last) == (28, 31)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_noise_hidden_points_outliers_and_a_pushed_camera_are_no_exchange(seed):
     time, points = crawling(hidden=0.2, noise=0.005, seed=seed)
@@ -71,6 +93,21 @@ def test_a_campaign_with_exchanged_points_is_refused_in_words(tmp_path):
     points[100:130, [2, 4]] = points[100:130, [4, 2]]
     with pytest.raises(InputError, match=r"`one`: its markers have `vertex 2` and `vertex 4` exchanged between 3.333"):
         load_campaign(written(tmp_path, {"one": (time, points)}))
+
+
+def test_exchanged_points_are_put_back_on_demand_and_it_is_said(tmp_path):
+    time, points = crawling()
+    wrong = points.copy()
+    wrong[100:130] = points[100:130, ::-1]
+    folder = written(tmp_path, {"one": (time, wrong)})
+    with pytest.raises(InputError, match="set `undo_exchanges = true`"):
+        load_campaign(folder)
+    path = folder / "campaign.toml"
+    path.write_text(path.read_text().replace("[motion]", "[motion]\nundo_exchanges = true"))
+    (trial,) = load_campaign(folder).trials
+    assert any("all points, head for tail, exchanged between 3.333 and 4.3 s" in note for note in trial.notes)
+    assert trial.motion is not None
+    np.testing.assert_allclose(trial.motion.markers * trial.metres, points, atol=0.01)
 
 
 def test_two_animals_in_one_campaign_without_lengths_are_refused(tmp_path):

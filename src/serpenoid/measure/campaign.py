@@ -41,6 +41,9 @@ class MotionKeys(Record):
     vertices: tuple[int, ...] | None = Field(
         default=None, description="vertices with a marker, in increasing order; default all 0 .. N-1"
     )
+    undo_exchanges: bool | None = Field(
+        default=None, description="true: points whose names the tracker exchanges for a while get them back"
+    )
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
     minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
     columns: MotionColumns | None = Field(default=None, description="tidy, long: the file's own column names")

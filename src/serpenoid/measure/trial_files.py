@@ -16,6 +16,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.exchanged import named_as_in_most, told
 from serpenoid.measure.lengths import shown_lengths, steadied
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
@@ -31,7 +32,7 @@ UNSEEN = "Give `edge_lengths`, or is `minimum_score` in [motion] too high (DeepL
 
 @dataclass(frozen=True)
 class Files:
-    """One trial's files."""
+    """One trial's files; exchanged_back: which points had other names, and when, empty where none had."""
 
     entry: TrialEntry
     keys: MotionKeys
@@ -40,6 +41,7 @@ class Files:
     power_log: PowerLog | None
     tracks: Tracks | None
     labelled: Labelled | None
+    exchanged_back: str = ""
 
     @property
     def schedule(self) -> Schedule | None:
@@ -122,15 +124,19 @@ def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     """Read one trial's files."""
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
-    labelled = None
+    labelled, exchanged = None, ""
     if tracks is not None:
         if len(tracks.time_s) < FEWEST_FRAMES:
             raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body)
+        if keys.undo_exchanges:
+            vertices, found = named_as_in_most(labelled.vertices, tracks.time_s)
+            labelled = replace(labelled, vertices=vertices)
+            exchanged = told(found, keys.labels(file.body.vertices), tracks.time_s)
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
-    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled)
+    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged)
 
 
 def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:

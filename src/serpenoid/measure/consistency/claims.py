@@ -16,7 +16,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
-from serpenoid.measure.consistency.exchanged import exchanges
+from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import other_bodies
@@ -30,7 +30,6 @@ from serpenoid.measure.trial_files import Files, by_words, label_markers, neighb
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
-MOST_TOLD = 3  # parts of one recording in which points are exchanged, the longest
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
 UP = {"motive": "y", "c3d": "z"}
@@ -53,6 +52,9 @@ def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files])
     remarks: dict[str, list[str]] = defaultdict(list)
     for trial, remark in verdict.remarks:
         remarks[trial].append(remark)
+    for files in read:
+        if files.exchanged_back:
+            remarks[files.entry.name].append(f"names put back as in most of the recording: {files.exchanged_back}")
     for one in verdict.contradictions:
         remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
     return {trial: tuple(said) for trial, said in remarks.items()}
@@ -106,10 +108,11 @@ def _exchanged(body: Body, files: Files, odds: float = ODDS) -> list[Contradicti
     found = exchanges(files.labelled.vertices, time, odds)
     if not found:
         return []
-    longest = sorted(sorted(found, key=lambda one: one.first - one.last)[:MOST_TOLD], key=lambda one: one.first)
-    more = f", and {len(found) - MOST_TOLD} times more" if len(found) > MOST_TOLD else ""
-    words = f"its markers have {'; '.join(one.said(labels, time) for one in longest)}{more}"
-    cure = "exchange them there in the file, or leave that part out by `from_s` and `to_s`"
+    words = f"its markers have {told(found, labels, time)}"
+    cure = (
+        "set `undo_exchanges = true` (names that hold for most of the recording are right), exchange them there in the "
+        "file, or leave that part out by `from_s` and `to_s`"
+    )
     return [Contradiction(files.entry.name, "markers", words, cure, max(one.gain for one in found))]
 
 

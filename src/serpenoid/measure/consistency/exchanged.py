@@ -4,7 +4,8 @@
 
 behind, ahead: where the frames before and after the cut, each alone, put a point half-way between. s: what nine
 mismatches in ten stay within, for as long as the point was not seen. Any permutation may begin at any frame: two
-points, three in a ring, head for tail. Names that lead by `ODDS` change there; what they are for most of the recording
+points, three in a ring; it is one of as many as there are of so many points. Head for tail is one by itself: trackers of
+bodies without marks confuse the ends. Names that lead by `ODDS` change there; what they are for most of the recording
 is right. Legend: F frames, N points.
 """
 
@@ -21,6 +22,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.rivals import ODDS
 
 SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
+MOST_TOLD = 3  # parts of one recording, the longest
 TAIL = 1.5  # exponent of a Cauchy distribution in the plane
 Names = tuple[int, ...]
 
@@ -78,6 +80,23 @@ def exchanges(points: Floats, time_s: Floats, odds: float = ODDS) -> tuple[Excha
     )
 
 
+def named_as_in_most(points: Floats, time_s: Floats) -> tuple[Floats, tuple[Exchange, ...]]:
+    """Points (F, N, 2) with the names that they have for most of the recording, and what was exchanged for it."""
+    found = exchanges(points, time_s)
+    put = points.copy()
+    for one in found:
+        part = slice(one.first, one.last + 1)
+        put[part][:, list(one.names)] = points[part]
+    return put, found
+
+
+def told(found: Sequence[Exchange], labels: Sequence[str], time_s: Floats) -> str:
+    """The longest of them in order of time, and how many more there are."""
+    longest = sorted(sorted(found, key=lambda one: one.first - one.last)[:MOST_TOLD], key=lambda one: one.first)
+    more = f", and in {len(found) - MOST_TOLD} more parts" if len(found) > MOST_TOLD else ""
+    return f"{'; '.join(one.said(labels, time_s) for one in longest)}{more}"
+
+
 def _certain(changes: list[Change], odds: float) -> list[Change]:
     """Those that lead by `odds`, and likelier ones next to them that undo them."""
     own = tuple(range(len(changes[0].names))) if changes else ()
@@ -126,7 +145,12 @@ def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
     away = np.linalg.norm(pushed - np.median(pushed, axis=0), axis=1) / np.diagonal(scale)
     own = min(float(np.trace(cost)), float(TAIL * np.log1p(away**2).sum()))
     count = len(cut.behind[0])
-    gain = own - float(cost[rows, order].sum()) - _ways(len(here), len(changed)) - float(np.log(count))
+    left = float(cost[rows, order].sum()) + _ways(len(here), len(changed))
+    if np.array_equal(here[::-1], count - 1 - here):  # whatever is seen, seen from either end
+        mirrored = float(np.trace(cost[::-1]))
+        if mirrored < left:
+            left, order, changed = mirrored, rows[::-1], here[here != here[::-1]]
+    gain = own - left - float(np.log(count))
     if not (len(changed) and gain > 0):
         return None
     names = np.arange(count)
