@@ -16,7 +16,6 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.exchanged import named_as_in_most, told
 from serpenoid.measure.lengths import shown_lengths, steadied
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
@@ -131,6 +130,8 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body)
         if keys.undo_exchanges:
+            from serpenoid.measure.consistency.exchanged import named_as_in_most, told  # SciPy, long to import
+
             vertices, found = named_as_in_most(labelled.vertices, tracks.time_s)
             labelled = replace(labelled, vertices=vertices)
             exchanged = told(found, keys.labels(file.body.vertices), tracks.time_s)

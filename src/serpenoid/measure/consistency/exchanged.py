@@ -4,9 +4,9 @@
 
 behind, ahead: where the frames before and after the cut, each alone, put a point half-way between. s: what nine
 mismatches in ten stay within, for as long as the point was not seen. Any permutation may begin at any frame: two
-points, three in a ring; it is one of as many as there are of so many points. Head for tail is one by itself: trackers of
-bodies without marks confuse the ends. Names that lead by `ODDS` change there; what they are for most of the recording
-is right. Legend: F frames, N points.
+points, three in a ring; it is one of as many as there are of so many points. Head for tail is one by itself: trackers
+of bodies without marks confuse the ends. Names that lead by `ODDS` change there; what they are for most of the
+recording is right. Legend: F frames, N points.
 """
 
 from __future__ import annotations
