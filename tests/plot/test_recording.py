@@ -23,9 +23,9 @@ def trial():
 
 def test_an_animal_has_no_cycles_and_a_robot_has(trial):
     table = np.zeros((20, trial.body.joint_count))
-    for schedule, word in ((None, "recording"), (Schedule(table, 1.0, 1, 0.0), "cycle")):
+    for schedule, word in ((None, "the recording"), (Schedule(table, 1.0, 1, 0.0), "a cycle")):
         ax = recording.floor(replace(trial, schedule=schedule), Figure().add_subplot())
-        assert f"body as a {word} begins" in ax.get_legend_handles_labels()[1]
+        assert f"body as {word} begins" in ax.get_legend_handles_labels()[1]
 
 
 def test_what_is_said_of_hidden_markers_is_within_the_figure(trial):

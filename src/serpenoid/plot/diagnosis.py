@@ -20,6 +20,7 @@ from serpenoid.parallel import in_processes
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps, diagnosis_ranking, diagnosis_trials
 from serpenoid.plot.both import save
 from serpenoid.plot.joints import joint_angles, joint_bar
+from serpenoid.plot.room import settle
 from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal
 
 if TYPE_CHECKING:
@@ -83,7 +84,8 @@ def paths_figure(d: Diagnosis) -> Figure:
         ax.set_axis_off()
     shown = [n for n in LABELS if n != "extended" or d.extension.effects]
     handles = [axes.flat[0].plot([], [], color=LABELS[n], lw=1.6, label=n)[0] for n in shown]
-    fig.legend(handles=handles, loc="outside upper left", ncols=3, frameon=False, fontsize=NORMAL)
+    fig.legend(handles=handles, loc="upper left", ncols=3, frameon=False, fontsize=NORMAL)
+    settle(fig, axes, above=0.3, title=0.27)
     return fig
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
+from serpenoid.plot.room import settle
 from serpenoid.plot.style import BLUE, GREY, INK, ORANGE, SMALL, dress, figure, legend_above
 
 if TYPE_CHECKING:
@@ -27,9 +28,11 @@ TITLES = {
 def ladder_figure(ladder: Sequence[Step]) -> Figure:
     """One panel a stage, since units differ: error before and after, and how many times the noise level they are."""
     fig = figure(2.4 * max(len(ladder), 1.5), 2.9)
-    for ax, step in zip(fig.subplots(1, len(ladder), squeeze=False).flat, ladder, strict=True):
+    axes = fig.subplots(1, len(ladder), squeeze=False)
+    for ax, step in zip(axes.flat, ladder, strict=True):
         stage(step.error, ax)
-    fig.legend(*fig.axes[0].get_legend_handles_labels(), loc="outside upper left", frameon=False, fontsize=SMALL)
+    fig.legend(*fig.axes[0].get_legend_handles_labels(), loc="upper left", frameon=False, fontsize=SMALL)
+    settle(fig, axes, above=0.3, title=0.42)
     return fig
 
 

@@ -17,6 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, cell_side, on_floor
 from serpenoid.effects.catalogue import motion_effects
+from serpenoid.plot.room import settle
 from serpenoid.plot.style import (
     BLUE,
     FAINT,
@@ -76,7 +77,8 @@ def _grid(w: Windows, kinds: list[tuple[Floats, str, str]]) -> Figure:
     for row, (name, unit, _) in enumerate(directions(w)):
         axes[row, 0].set_ylabel(f"{name} [{unit}]", fontsize=SMALL, color=INK)
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    fig.legend(handles, labels, loc="outside upper left", ncols=4, frameon=False, fontsize=SMALL)
+    fig.legend(handles, labels, loc="upper left", ncols=4, frameon=False, fontsize=SMALL)
+    settle(fig, axes, above=0.32, title=0.03)
     return fig
 
 
@@ -117,13 +119,14 @@ def body_figure(w: Windows, extended: bool, scores: Scores, middles: bool = Fals
     for ax, component, name in ((axes[0], 1, "across the body"), (axes[1], 0, "along the body")):
         vertex_speeds(w, extended, component, name, ax)
     style: dict[str, Any] = {"ncols": 3, "frameon": False, "fontsize": SMALL}
-    fig.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", **style)
+    fig.legend(*axes[0].get_legend_handles_labels(), loc="upper left", **style)
     if placed:
         vertex_scores(scores, axes[2])
-        fig.legend(*axes[2].get_legend_handles_labels(), loc="outside upper right", **style)
+        fig.legend(*axes[2].get_legend_handles_labels(), loc="upper right", **style)
     for ax in axes:
         ax.set_xticks(np.arange(0, w.points.shape[1], -(-w.points.shape[1] // MOST_TICKS)))
         ax.set_xlabel("vertex (0 = tail; odd: middles of edges)" if middles else "vertex (0 = tail)")
+    settle(fig, axes, above=0.3, title=0.27)
     return fig
 
 

@@ -16,6 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.plot.room import settle
 from serpenoid.plot.style import ANGLE_MAP, FAINT, GREY, INK, NORMAL, SMALL, dress, figure
 
 DIRECTIONS = ("forward", "to the left", "turning left")
@@ -41,7 +42,10 @@ def trials_figure(motion: Motion, kinds: Sequence[Kind]) -> Figure:
             last, first = row == len(kinds) - 1, row == 0
             dress(ax, direction if first else "", "time [s]" if last else "", name if not column else "", grid=False)
             ax.title.set_fontsize(NORMAL)
-    bar = fig.colorbar(ScalarMappable(scale, ANGLE_MAP), ax=list(axes.flat), pad=0.01, aspect=25)
+    settle(fig, axes, above=0.05, title=0.22, right=0.8)
+    place = axes[-1, -1].get_position()
+    cax = fig.add_axes((place.x1 + 0.01, place.y0, 0.015, axes[0, 0].get_position().y1 - place.y0))
+    bar = fig.colorbar(ScalarMappable(scale, ANGLE_MAP), cax=cax)
     decades = [t for t in (2, 10, 50, 200, 1000, 5000) if t <= reach]
     bar.set_ticks([-t for t in reversed(decades)] + [0, *decades], labels=None)
     bar.ax.yaxis.set_major_formatter("{x:g}")

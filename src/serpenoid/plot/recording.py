@@ -54,8 +54,8 @@ def floor(trial: Trial, ax: Axes) -> Axes:
             ax.plot(*motion.poses[jump.frame, :2], marker="x", color=RED, ms=8, mew=2)
     ax.set_aspect("equal", adjustable="datalim")
     if trial.passages:
-        what = "cycle" if trial.schedule else "recording"
-        for colour, label in ((GREY, f"body as a {what} begins"), (BLUE, "as it ends")):
+        what = "a cycle" if trial.schedule else "the recording"
+        for colour, label in ((GREY, f"body as {what} begins"), (BLUE, "as it ends")):
             ax.plot([], [], color=colour, lw=2.4, label=label)
     if any(jump.vertex is None for jump in motion.jumps):
         ax.plot([], [], "x", color=RED, ms=8, mew=2, label="the body jumps")
