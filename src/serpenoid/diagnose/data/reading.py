@@ -10,6 +10,7 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
+from serpenoid.diagnose.data.played import at_played_rate
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.still import refuse_still
@@ -56,7 +57,7 @@ def _aligned(
         _refuse_short(found)
         return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found), *_assumed(found)))
 
-    return with_one_rate(of_every_trial(file.trial, kept, progress))
+    return at_played_rate(with_one_rate(of_every_trial(file.trial, kept, progress)))
 
 
 def _missing(r: Recording) -> list[str]:

@@ -1,0 +1,112 @@
+"""How fast what was commanded ran on the readings' clock: a film's nominal frame rate or a player's loop may be wrong.
+
+By how much later than promised cycle n is read grows with n, whatever servos do alike in every cycle:
+
+    late_n = late_0 + rate n period
+
+One rate for all trials, a beginning for each; the scatter of what is left says how well it is known. Labels and
+commands of a log say when rows were due: such trials are left as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import stdtrit
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import ERROR
+from serpenoid.diagnose.data.course import Course
+from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
+from serpenoid.diagnose.data.smooth import scatter
+
+ROUNDS = 4  # each is as much nearer as a cycle's end is off by its rate
+
+
+def at_played_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Schedules as they ran on the readings' clock, where that is told from the promise beyond chance and noise."""
+    found, told = list(recordings), 0.0
+    for _ in range(ROUNDS):
+        lates = {i: late for i, r in enumerate(found) if not r.start_said and (late := lateness(r)) is not None}
+        rate = _rate([(late, found[i].schedule.period_s) for i, late in lates.items()])
+        if not rate or not (told or any(_seen(found[i], rate) for i in lates)):
+            break
+        told = (1 + told) * (1 + rate) - 1
+        for i, late in lates.items():
+            found[i] = _replayed(found[i], rate, late)
+    if not told:
+        return tuple(recordings)
+    return tuple(
+        now if now is r else replace(now, remarks=(*r.remarks, _words(r, told)))
+        for r, now in zip(recordings, found, strict=True)
+    )
+
+
+def lateness(r: Recording) -> Floats | None:
+    """By how much later than promised (n,) [s] each cycle is read, NaN where it is not whole; None: no two are."""
+    s, time = r.schedule, r.read_at
+    mesh = np.arange(0.0, s.cycles * s.period_s, s.cycle_duration_s / (4 * len(s.table)))
+    course, found = Course(mesh, s.commanded(mesh)), np.full(s.cycles, np.nan)
+    for cycle in range(s.cycles):
+        begin, end = cycle * s.period_s, cycle * s.period_s + s.cycle_duration_s
+        rows = (time >= begin) & (time <= end)
+        if time[-1] >= end and np.isfinite(r.position[rows]).any():
+            found[cycle] = course.late(time[rows], r.position[rows], UNSURE_CYCLE * s.cycle_duration_s)
+    return np.asarray(found, float) if np.isfinite(found).sum() > 1 else None
+
+
+def _rate(lates: Sequence[tuple[Floats, float]]) -> float:
+    """Of all trials; 0 where chance makes as much, at the stated error."""
+    begun = [np.where(np.isfinite(late), np.arange(len(late)) * period, np.nan) for late, period in lates]
+    if not begun:
+        return 0.0
+    x = np.concatenate([b - np.nanmean(b) for b in begun])
+    y = np.concatenate([late - np.nanmean(late) for late, _ in lates])
+    known = np.isfinite(x)
+    x, y, freedom = x[known], y[known], int(known.sum()) - len(lates) - 1
+    if freedom < 1:
+        return 0.0
+    rate = float(x @ y / (x @ x))
+    sd = float(np.sqrt(((y - rate * x) ** 2).sum() / freedom / (x @ x)))
+    return rate if abs(rate) > stdtrit(freedom, 1 - ERROR / 2) * sd else 0.0
+
+
+def _seen(r: Recording, rate: float) -> bool:
+    """Whether what a rate does to the readings, its trial's beginning free, is as large as their noise at any joint."""
+    time = r.read_at
+    inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
+    told = r.schedule.commanded(time[inside])
+    away = time[inside] - time[inside].mean()
+    moved = rate * away[:, None] * np.gradient(told, time[inside], axis=0)
+    with np.errstate(invalid="ignore"):
+        return bool((np.sqrt((moved**2).mean(axis=0)) > scatter(r.position[inside] - told, r.by_servos)).any())
+
+
+def _replayed(r: Recording, rate: float, late: Floats) -> Recording:
+    """The schedule at its rate, t0 where its cycles are read to begin; how late each is, is that of its middle."""
+    s = r.schedule
+    middles = np.arange(len(late)) * s.period_s + s.cycle_duration_s / 2
+    late_s = float(np.nanmean(late - rate * middles))
+    schedule = replace(s, cycle_duration_s=s.cycle_duration_s * (1 + rate), pause_s=s.pause_s * (1 + rate))
+    return replace(
+        r, schedule=schedule, time=r.time - late_s, log_time=r.log_time - late_s * (1 + r.clock.rate),
+        t0_spread=max(r.t0_spread, UNSURE_CYCLE * schedule.cycle_duration_s),  # as unsure as before
+    )  # fmt: skip
+
+
+def _words(r: Recording, rate: float) -> str:
+    duration, which = r.schedule.cycle_duration_s, "more" if rate < 0 else "fewer"
+    said = (
+        f"a cycle lasts {duration * (1 + rate):.4g} s on the film's clock, and `cycle_duration_s` says {duration:g}: "
+    )
+    on_log = (1 + rate) * (1 + r.clock.rate) - 1
+    if r.by_servos and abs(on_log) < abs(rate) / 2:
+        said += f"on the servo log's clock it lasts {duration * (1 + on_log):.4g} s, so the film's is wrong; check its"
+    else:
+        said += "the film's clock or the player's is wrong; check the"
+    return (
+        f"{said} frame rate (a film with {abs(rate):.2%} {which} seconds would agree). Cycles are taken as they were "
+        "filmed; speeds and times are those of the film"
+    )
