@@ -22,6 +22,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
 from serpenoid.model import Model
 
 EPS = 0.2
@@ -48,7 +49,7 @@ def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
     motion, null = dragged
     dry = on_dry_friction(null.model)
     assert dry is not None
-    slid = linearised(motion, replace(dry, medium=dry.medium.with_ratio(EPS)), [])[1]
+    slid = linearised(motion, replace(dry, medium=Medium(anisotropy_ratio=EPS, law="coulomb")), [])[1]
     moved = [
         replace(t, offset=t.offset + p.displacement - q.displacement)  # what linear drag leaves is what is left of it
         for t, p, q in zip(motion.tracks, null.predictions, slid, strict=True)
@@ -59,6 +60,31 @@ def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
 
 def test_dry_friction_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]) -> None:
     assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times chance")
+
+
+def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
+    dragged: tuple[Motion, Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dry friction by the plain speed: nearer than drag alone, and farther than drag with stand-ins."""
+    monkeypatch.setattr(laws, "misses", lambda *_: [62.1, 5.3, 18.6, 12.7])
+    said = asked(*on_dry(dragged))
+    assert "by 18.6 times chance and linear drag by 62.1" in said
+    assert "leaves more than linear drag with what is named" in said
+
+
+def test_dry_friction_is_judged_as_who_follows_the_advice_will_have_it(
+    dragged: tuple[Motion, Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judged: list[float] = []
+    found = laws.misses
+
+    def noted(motion: Motion, fits: list[tuple[object, Fit]]) -> list[float]:
+        judged.extend(f.model.medium.softening for _, f in fits[2:])
+        return found(motion, fits)
+
+    monkeypatch.setattr(laws, "misses", noted)
+    assert asked(*on_dry(dragged))
+    assert judged == [Medium(anisotropy_ratio=0.5).softening] * 2
 
 
 def test_where_steps_lose_their_roots_on_the_way_a_fit_is_begun_nearer(

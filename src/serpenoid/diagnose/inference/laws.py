@@ -14,11 +14,13 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
 ROOTLESS = 0.02  # share of windows: a few steps about rest have no root on dry friction
 RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
+DEFAULT = Medium.model_fields["softening"].default
 SOFTENING = 0.1  # at the default 0.01 a few steps of pauses have no root; chi squared differs by 6 % (arena)
 
 
@@ -33,7 +35,7 @@ def dry_friction(found: Selection) -> str:
     alone = _alone(found, dry)
     if alone is None:
         return ""
-    fits = (found.null, found.best, alone, _named(found, dry, alone))
+    fits = (found.null, found.best, *(_followed(found, f) for f in (alone, _named(found, dry, alone))))
     drag, drag_named, dry_alone, dry_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
     if min(dry_alone, dry_named) < drag_named:
         named = "with what is named " if found.best.effects else ""
@@ -43,7 +45,8 @@ def dry_friction(found: Selection) -> str:
         return ""
     return (
         f"alone, dry friction (Coulomb) misses windows by {dry_alone:.1f} times chance and linear drag by {drag:.1f}; "
-        f"with what is named, linear drag by {drag_named:.1f} and dry friction by {dry_named:.1f}"
+        f"with what is named, linear drag by {drag_named:.1f} and dry friction by {dry_named:.1f}: the nearer law "
+        "alone, but it leaves more than linear drag with what is named, so it is not the floor's law as it stands"
     )
 
 
@@ -81,6 +84,14 @@ def _named(found: Selection, dry: Model, alone: Fit) -> Fit:
     effects = _acting(found.best.effects)
     both = _fit(found.motion, dry, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
     return min(_whole(found, [both]), default=alone, key=_missed)
+
+
+def _followed(found: Selection, rough: Fit) -> Fit:
+    """The same as who follows the advice will have it: with the softening that a model file has by default."""
+    medium = rough.model.medium
+    sharp = replace(rough.model, medium=medium.model_copy(update={"softening": DEFAULT}))
+    again = fit(found.motion, sharp, list(rough.effects), rough.coordinates, TO_THE_END)
+    return min(_whole(found, [again]), default=rough, key=_missed)
 
 
 def _whole(found: Selection, fits: Sequence[Fit]) -> list[Fit]:
