@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.quiver import Quiver
 
@@ -119,6 +120,20 @@ def test_every_trial_has_a_line_of_its_own_in_time_and_settings_are_not_mixed(
         for p in (found.null.predictions, found.best.predictions)
     ]
     assert large[0] > 10 > 5 > large[1]
+
+
+def test_the_colours_of_few_trials_have_room_for_their_name(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path],
+) -> None:
+    found = diagnosed[0].motion.selection
+    few = replace(found.motion, tracks=found.motion.tracks[:1])
+    fig = diagnosis_trials.trials_figure(few, [("baseline", found.null.predictions[:1])])
+    canvas = FigureCanvasAgg(fig)
+    canvas.draw()
+    (name,) = (ax.yaxis.label for ax in fig.axes if ax.get_ylabel().startswith("residual"))
+    box = name.get_window_extent(canvas.get_renderer())
+    assert box.y0 > 0
+    assert box.y1 < fig.bbox.y1
 
 
 @pytest.mark.parametrize(("settings", "columns"), [(1, 1), (3, 3), (5, 3), (8, 4), (9, 3)])

@@ -22,6 +22,7 @@ from serpenoid.plot.style import ANGLE_MAP, FAINT, GREY, INK, NORMAL, SMALL, dre
 DIRECTIONS = ("forward", "to the left", "turning left")
 CHANCE = 2.0  # standard deviations: up to there the scale of colours is linear
 LINE, NAME = 0.10, 0.17  # height of a trial's line, of a setting's name at least [inches]
+LEAST = 1.5  # height of all lines together, for the name of the colours [inches]
 Kind = tuple[str, Sequence[Prediction]]
 
 
@@ -32,7 +33,7 @@ def trials_figure(motion: Motion, kinds: Sequence[Kind]) -> Figure:
     over = [in_chance(motion, tracks, [predictions[i] for i in order]) for _, predictions in kinds]
     reach = max(2 * CHANCE, *(float(np.nanmax(np.abs(r), initial=0.0)) for left in over for r in left))
     scale = AsinhNorm(CHANCE, -reach, reach)
-    lines = max(LINE * len(tracks), NAME * len({t.recording.setting for t in tracks}))
+    lines = max(LINE * len(tracks), NAME * len({t.recording.setting for t in tracks}), LEAST / len(kinds))
     fig = figure(9.6, 0.9 + len(kinds) * (0.25 + lines))
     axes = fig.subplots(len(kinds), 3, sharex=True, sharey=True, squeeze=False)
     for row, ((name, _), left) in enumerate(zip(kinds, over, strict=True)):

@@ -55,7 +55,7 @@ def floor(trial: Trial, ax: Axes) -> Axes:
     ax.set_aspect("equal", adjustable="datalim")
     if trial.passages:
         what = "a cycle" if trial.schedule else "the recording"
-        for colour, label in ((GREY, f"body as {what} begins"), (BLUE, "as it ends")):
+        for colour, label in ((GREY, f"body as {what} begins"), (BLUE, "body as it ends")):
             ax.plot([], [], color=colour, lw=2.4, label=label)
     if any(jump.vertex is None for jump in motion.jumps):
         ax.plot([], [], "x", color=RED, ms=8, mew=2, label="the body jumps")
