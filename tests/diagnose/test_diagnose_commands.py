@@ -101,6 +101,9 @@ def test_the_commands_of_a_slow_log_tell_a_lag_from_a_late_start_and_from_held_r
 def test_servos_are_followed_between_the_rows_of_a_slow_log_that_does_not_say_when_a_trial_began(
     trial: Recording,
 ) -> None:
-    data, lag = next(ways([slow(trial, 10, 0.05, False)])), 0.05
+    recorded = slow(trial, 10, 0.05, False)
+    assert recorded.lag_untold
+    assert not slow(trial, 10, 0.05, True).lag_untold
+    data, lag = next(ways([recorded])), 0.05
     left = data.left(data.realised([ActiveEffect.of("servo_lag", None, lag=lag)]))
     np.testing.assert_allclose(left.std(), TICK, rtol=0.05)  # the noise of a reading

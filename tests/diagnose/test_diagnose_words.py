@@ -18,6 +18,7 @@ from serpenoid.diagnose.report.words import (
     reference,
     rows,
     shown,
+    stage_line,
     times,
     title,
     undetected,
@@ -81,6 +82,14 @@ def test_it_is_told_how_rows_were_taken_and_who_said_so() -> None:
     ]
     assert "the log's commands" in rows({"rows_held": False, "rows_from": "commands"})[0]
     assert not rows({"rows_held": False, "rows_from": None})  # of an animal
+    _, unsaid = rows({"rows_held": True, "rows_from": "readings", "lag_untold": True})
+    assert "a lag is known only as far as rows are taken" in unsaid
+
+
+def test_the_stage_of_the_whole_says_what_it_is_of() -> None:
+    size = {"unit": "m", "before": 7e-3, "after": 7e-3, "noise_level": 2e-4}
+    assert "the verdict is not of it" in stage_line({"stage": "whole"} | size)
+    assert stage_line({"stage": "motion"} | size).endswith("(35 times the noise)")
 
 
 @pytest.mark.parametrize("verdict", ["nothing", "explained"])

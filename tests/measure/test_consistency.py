@@ -18,6 +18,7 @@ from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions
 from serpenoid.measure.consistency.geometry import marker_faults
+from serpenoid.measure.consistency.hypotheses import rounded
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.match import course_of, match, match_at
 from serpenoid.measure.consistency.rivals import ODDS
@@ -377,3 +378,8 @@ def test_times_in_another_unit_are_told_before_anything_is_laid_over_anything(ma
         f"Remedy: give times in seconds; are these {unit}?"
     ]
     assert verdict.rivals == ()
+
+
+@pytest.mark.parametrize(("number", "words"), [(1000.0, "1000"), (1.0e6, "1000000"), (1.6667, "1.67"), (5.0, "5")])
+def test_numbers_have_three_digits_and_no_power_of_ten(number: float, words: str) -> None:
+    assert rounded(number) == words

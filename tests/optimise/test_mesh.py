@@ -66,6 +66,16 @@ def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
     assert fine.trajectory.displacement == pytest.approx(fine.mesh.displacement, rel=1e-3)
 
 
+def test_a_turn_has_its_mesh_error_in_words_too() -> None:
+    """Of a gait that turns in place the displacement says nothing."""
+    still = (0.0, 0.0, 0.0)
+    study = MeshStudy(50, still, still, (1.04, 1.01, 1.0025))
+    assert study.turn_error == pytest.approx(0.04, rel=1e-6)  # second order, the limit is 1
+    assert "turn 1.000000 rad, error 4.0e-02 (4 %)" in study.words
+    assert study.record["turn_error_rad"] == pytest.approx(0.04)
+    assert "turn" not in MeshStudy(50, (0.5, 0.5, 0.5), still).words
+
+
 def test_a_table_is_refined_by_straight_lines_that_keep_its_rows() -> None:
     table = random_table(reference(), np.random.default_rng(3), 12)
     family = TableGait().of(10, 12)

@@ -121,7 +121,9 @@ def _mesh(mesh: dict[str, Any]) -> str:
     if mesh["displacement_error"] is None:
         return "a finer one could not be simulated"
     limit, error = mesh["extrapolated_displacement_body_lengths"], mesh["displacement_error"]
-    return f"{limit:.6f} body lengths for many steps; error of {mesh['steps'][0]} steps {error:.1e}"
+    said = f"{limit:.6f} body lengths for many steps; error of {mesh['steps'][0]} steps {error:.1e}"
+    turn = mesh.get("extrapolated_turn_rad")  # not in older records
+    return f"{said}; turn {turn:.6f} rad, error {mesh['turn_error_rad']:.1e}" if turn else said
 
 
 def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:

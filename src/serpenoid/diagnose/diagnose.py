@@ -181,7 +181,8 @@ def _rows(recordings: Sequence[Recording]) -> dict[str, Any]:
     """Whether the tables' rows are held, and who says so: the logs' commands, or what servos follow best."""
     held = any(r.schedule.held for r in recordings)
     told = bool(recordings) and all(r.held_as_told is held for r in recordings)
-    return {"rows_held": held, "rows_from": ("commands" if told else "readings") if recordings else None}
+    source = ("commands" if told else "readings") if recordings else None
+    return {"rows_held": held, "rows_from": source, "lag_untold": any(r.lag_untold for r in recordings)}
 
 
 def record(d: Diagnosis) -> dict[str, Any]:

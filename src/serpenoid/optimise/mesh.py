@@ -55,14 +55,20 @@ class MeshStudy:
         return abs(self.displacements[0] - self.displacement) + doubt
 
     @property
+    def turn_error(self) -> float:
+        """The same of the turn [rad]."""
+        turn = _limit(self.turns[1:])
+        return abs(self.turns[0] - turn) + abs(turn - _limit(self.turns[:2]))
+
+    @property
     def converged(self) -> bool:
         """Whether the rule holds."""
         return self.within(TOLERANCE)
 
     def within(self, share: float) -> bool:
         """Whether the error is at most `share` of the extrapolated motion: displacement and turn together."""
-        turn, coarse = _limit(self.turns[1:]), _limit(self.turns[:2])
-        error = self.error + GYRATION * (abs(self.turns[0] - turn) + abs(turn - coarse))
+        turn = _limit(self.turns[1:])
+        error = self.error + GYRATION * self.turn_error
         return bool(error <= max(share * (abs(self.displacement) + GYRATION * abs(turn)), RESOLVED))
 
     @property
@@ -73,7 +79,16 @@ class MeshStudy:
         share = f" ({100 * self.error / self.displacement:.2g} %)" if self.displacement > RESOLVED else ""
         return (
             f"{self.displacement:.6f} body lengths for many steps; error of {self.steps} steps {self.error:.1e}{share}"
+            f"{self._turn_words}"
         )
+
+    @property
+    def _turn_words(self) -> str:
+        """The same of the turn, where there is one."""
+        turn = _limit(self.turns[1:])
+        if GYRATION * abs(turn) <= RESOLVED:
+            return ""
+        return f"; turn {turn:.6f} rad, error {self.turn_error:.1e} ({100 * self.turn_error / abs(turn):.2g} %)"
 
     @property
     def record(self) -> dict[str, object]:
@@ -85,6 +100,8 @@ class MeshStudy:
             "extrapolated_displacement_body_lengths": self.displacement if known else None,
             "extrapolated_dissipation": self.dissipation if known else None,
             "displacement_error": self.error if known else None,
+            "extrapolated_turn_rad": _limit(self.turns[1:]) if known else None,
+            "turn_error_rad": self.turn_error if known else None,
             "converged": self.converged,
         }
 

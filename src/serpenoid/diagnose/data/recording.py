@@ -83,6 +83,11 @@ class Recording:
         return self.t0_spread < UNSURE_CYCLE * self.schedule.cycle_duration_s
 
     @property
+    def lag_untold(self) -> bool:
+        """Whether a log has no commands or labels that would tell held rows from a lag of servos."""
+        return self.by_servos and self.held_as_told is None and not self.start_said
+
+    @property
     def read_at(self) -> Floats:
         """Times (R,) [s since t0 on the cameras' clock] of the readings."""
         return self.log_time / (1 + self.clock.rate)

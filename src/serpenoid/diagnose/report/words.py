@@ -16,6 +16,11 @@ SCALES = {
     "bl": (1.0, "body lengths"), "bl/s": (1.0, "body lengths/s"),
 }  # fmt: skip
 SMALL_M = 1e-5
+UNSAID = (
+    "the log has neither commands nor labels: rows that are held and servos that lag look like rows that run and begin "
+    "later, so a lag is known only as far as rows are taken as they were. Log the commands"
+)
+WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "drag alone explains this recording within its noise",
@@ -188,7 +193,8 @@ def rows(record: Record) -> list[str]:
         return []
     who = {"commands": "the log's commands say so", "readings": "what servos read fits this best"}
     how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
-    return [f"{how} ({who[record['rows_from']]})"]
+    unsaid = [UNSAID] if record.get("lag_untold") else []
+    return [f"{how} ({who[record['rows_from']]})", *unsaid]
 
 
 def drag_ratio(record: Record) -> str:
@@ -209,7 +215,7 @@ def lines(record: Record) -> list[str]:
     found += [f"  or {title(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in undetected(record)]
     found += [f"reference         {text}" for text in reference(record)]
-    found += [_stage(s) for s in record["ladder"]]
+    found += [stage_line(s) for s in record["ladder"]]
     if record["drag_ratio"] is None:  # of an animal nobody expects servos
         found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
     found += [f"not tested        {text}" for text in untestable(record)]
@@ -261,7 +267,8 @@ def times(ratio: float) -> str:
     return f"{ratio:.1f} times the noise" if ratio < 10 else f"{ratio:.0f} times the noise"
 
 
-def _stage(s: Record) -> str:
+def stage_line(s: Record) -> str:
+    """A stage of the ladder: its error before and after, beside its noise."""
     before, after, noise = (shown(s[k], s["unit"]) for k in ("before", "after", "noise_level"))
     beside = f" ({times(s['after'] / s['noise_level'])})" if s["noise_level"] > 0 else ""
-    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}"
+    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{WHOLE if s['stage'] == 'whole' else ''}"

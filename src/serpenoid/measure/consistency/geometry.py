@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.hypotheses import rounded
 from serpenoid.measure.consistency.layout import PLACED, Layout, evidence, flatness, layout
 from serpenoid.measure.tracks import floor_plane
 
@@ -120,8 +121,8 @@ def _lengths(plan: Layout, base: float) -> list[MarkerFault]:
         return [MarkerFault("place", words, "is one of them a copy, or was it never tracked?", np.inf)]
     near = min(UNITS, key=lambda factor: abs(np.log(common / factor)))
     unit = f" (is the file in {UNITS[near]}?)" if abs(np.log(common / near)) < 0.1 else ""
-    words = f"show neighbouring markers {common:.3g} times as far apart as [body] says{unit}"
-    cure = "check `length_unit` and `edge_lengths`"
+    words = f"show neighbouring markers {rounded(common)} times as far apart as [body] says{unit}"
+    cure = "check `length_unit`, `edge_lengths` and, of a film in pixels, `metres_per_pixel`"
     found = [MarkerFault("scale", words, cure, evidence(plan, order, 1 / common) - base - np.log(2 * KINDS))]
     worst = int(np.nanargmax(np.abs(np.log(ratio / common))))
     corrected = plan.edges.copy()
@@ -157,7 +158,7 @@ def _elsewhere(plan: Layout, names: Sequence[str]) -> list[MarkerFault]:
         times = np.nanmedian(missed[:, own], axis=0).max() / longest
         words = (
             f"have `{names[k]}` where it cannot be: most of the time its distance to a neighbour is wrong by "
-            f"{times:.3g} times the {'median' if plan.edges is None else 'longest'} edge"
+            f"{rounded(times)} times the {'median' if plan.edges is None else 'longest'} edge"
         )
         cure = f"is a column of `{names[k]}` in another unit, or of another point?"
         found.append(MarkerFault("elsewhere", words, cure, float(gain)))

@@ -143,7 +143,7 @@ def _time_words(kind: str, schedule: Schedule, duration: float, pause: float, ra
 
 def rounded(number: float) -> str:
     """Three digits, and no power of ten."""
-    return f"{float(f'{number:.3g}'):g}"
+    return np.format_float_positional(number, precision=3, fractional=False, trim="-")
 
 
 def in_other_unit(longer: float, near: float = NEAR) -> str | None:
