@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PolyCollection
-from matplotlib.quiver import Quiver
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.quiver import Quiver, QuiverKey
 
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.report.animate import animated
@@ -136,6 +136,21 @@ def test_the_colours_of_few_trials_have_room_for_their_name(
     assert box.y1 < fig.bbox.y1
 
 
+@pytest.mark.parametrize("joints", [1, 2, 40])
+def test_every_joint_has_its_noise_level_and_numbers_do_not_touch(joints: int) -> None:
+    error = SimpleNamespace(name="actuation", unit="m", before=0.02, after=0.01, noise_level=0.009)
+    numbers = range(1, joints + 1)
+    parts = [SimpleNamespace(name=f"joint {k}", before=0.02, after=0.01, noise_level=1e-3 * k) for k in numbers]
+    (ax,) = diagnosis_ladder.parts_figure(SimpleNamespace(error=error, parts=parts)).axes  # type: ignore[arg-type]
+    (levels,) = (c for c in ax.collections if isinstance(c, LineCollection))
+    drawn = np.array(levels.get_segments())
+    assert drawn[:, :, 0].mean(axis=1) == pytest.approx(list(numbers))
+    assert drawn[:, 0, 1] == pytest.approx(list(numbers))  # mm
+    assert (np.ptp(drawn[:, :, 0], axis=1) > 0.5).all()
+    assert len(ax.get_xticks()) <= diagnosis_ladder.MOST_TICKS
+    assert ax.get_legend_handles_labels()[1] == ["before", "after", "noise level"]
+
+
 @pytest.mark.parametrize(("settings", "columns"), [(1, 1), (3, 3), (5, 3), (8, 4), (9, 3)])
 def test_as_few_places_for_paths_as_can_be_stay_empty(settings: int, columns: int) -> None:
     assert diagnosis.columns_of(settings) == columns
@@ -193,6 +208,7 @@ def test_before_and_after_share_one_scale_on_the_floor(diagnosed: tuple[Diagnosi
     quivers = [c for ax in fig.axes for c in ax.collections if isinstance(c, Quiver)]
     assert len(quivers) == 2
     assert quivers[0].scale == quivers[1].scale
+    assert sum(isinstance(a, QuiverKey) for ax in fig.axes for a in ax.get_children()) == 1
     assert len([ax for ax in fig.axes if ax.get_ylabel() == "RMS over chance"]) == 1
 
 

@@ -94,7 +94,7 @@ def residual_along_body(comparison: Comparison, ax: Axes) -> Axes:
 
 def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
     """Xi of every pair of classes on one logarithmic scale, with what is published and what it hides below."""
-    fig = figure(4.1 * len(statistics) + 0.9, 5.1)
+    fig = figure(4.1 * len(statistics) + 0.9, 5.5)
     axes = fig.subplots(1, len(statistics), squeeze=False)[0]
     reach = max(1.25, max(float(np.exp(np.abs(np.log(s.quotients)).max())) for s in statistics))
     image = None

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from serpenoid.diagnose.stages.ladder import Error, Step
 
 UNITS = {"m": (1e3, "mm"), "bl": (1.0, "body lengths"), "rad": (180 / np.pi, "°")}
+MOST_TICKS = 24  # numbers that stand beside each other without touching
 TITLES = {
     "actuation": "commanded against\nrealised shape",
     "observation": "realised shape\nagainst markers",
@@ -71,13 +72,15 @@ def parts(step: Step, ax: Axes) -> Axes:
         ax.plot([k, k], [scale * p.before, scale * p.after], color=GREY, lw=0.8, zorder=1)
     ax.plot(numbers, [scale * p.before for p in step.parts], "o", color=ORANGE, ms=6, label="before")
     ax.plot(numbers, [scale * p.after for p in step.parts], "o", color=BLUE, ms=4, label="after")
-    ax.plot(numbers, noise_level, "--", color=INK, lw=1.0, label="noise level")
+    at = np.array(numbers)
+    ax.hlines(noise_level, at - 0.45, at + 0.45, color=INK, lw=1.0, linestyles="--", label="noise level")
     ax.set_yscale("log")
     ax.set_ylim(0.4 * min(noise_level), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in noise_level]))
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.yaxis.set_minor_formatter("")
-    ax.set_xticks(numbers)
+    ax.set_xticks(numbers[:: -(-len(numbers) // MOST_TICKS)])
+    ax.set_xlim(at.min() - 0.7, at.max() + 0.7)
     dress(ax, "", step.parts[0].name.split()[0], f"RMS [{unit}]")
     legend_above(ax, 3)
     return ax

@@ -12,6 +12,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.prices import gained_by_chance
@@ -179,8 +180,9 @@ def floor_figure(w: Windows, extended: bool) -> Figure:
     )
     fig = figure(9.6 if extended else 5.4, 4.2)
     axes = fig.subplots(1, len(kinds), squeeze=False).flat
-    for ax, cells, (_, name) in zip(axes, maps, kinds, strict=True):
-        squares(cells, name, scales, ax)
+    every = [squares(cells, name, scales, ax) for ax, cells, (_, name) in zip(axes, maps, kinds, strict=True)]
+    words = f"mean: {scales.key:g} {speed}"
+    fig.axes[-1].quiverkey(every[-1], 0.7, 1.04, scales.key, words, labelpos="E", fontproperties={"size": SMALL})
     colour_bar(list(fig.axes), HEAT, 0, scales.darkest, "RMS over chance", shrink=0.8)
     return fig
 
@@ -204,7 +206,7 @@ def metric(side: float) -> tuple[str, float]:
     return ("m", 1.0) if side >= 0.02 else ("mm", 1e3) if side >= 2e-5 else ("\N{MICRO SIGN}m", 1e6)
 
 
-def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Axes:
+def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Quiver:
     """Colour: RMS over what chance makes of it; arrow: mean."""
     place = s.per_metre * np.array([(c.x, c.y) for c in cells])
     mean = s.per_speed * np.array([c.mean for c in cells])
@@ -214,8 +216,9 @@ def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Axes:
     ax.add_collection(
         PolyCollection(place[:, None] + corners, facecolors=HEAT(over / s.darkest), edgecolors="white", lw=0.5)
     )
-    q = ax.quiver(*place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=s.key / (1.6 * half), width=0.004)
-    ax.quiverkey(q, 0.75, 1.04, s.key, f"mean: {s.key:g} {s.speed}", labelpos="E", fontproperties={"size": SMALL})
+    arrows = ax.quiver(
+        *place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=s.key / (1.6 * half), width=0.004
+    )
     dress(ax, name, f"x [{s.unit}]", f"y [{s.unit}]", grid=False)
     fill_equal(ax)
-    return ax
+    return arrows
