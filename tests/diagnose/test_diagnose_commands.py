@@ -14,7 +14,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
-from serpenoid.diagnose.data.told import told_by_commands
+from serpenoid.diagnose.data.told import Distances, told_by_commands
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.set_points import ways
@@ -107,3 +107,12 @@ def test_servos_are_followed_between_the_rows_of_a_slow_log_that_does_not_say_wh
     data, lag = next(ways([recorded])), 0.05
     left = data.left(data.realised([ActiveEffect.of("servo_lag", None, lag=lag)]))
     np.testing.assert_allclose(left.std(), TICK, rtol=0.05)  # the noise of a reading
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_squares_by_distances_from_rows_are_those_of_what_is_commanded(held: bool) -> None:
+    plan = square(3, held)
+    command = np.random.default_rng(5).normal(0, 0.5, (60, 3))
+    times = np.linspace(-1, plan.end_s + 1, 60) + np.linspace(0, 0.3, 7)[:, None]  # before, in pauses, after the end
+    direct = [((command - plan.commanded(time)) ** 2).sum() for time in times]
+    np.testing.assert_allclose(Distances.of(command, plan.closed).squares(plan, times), direct, rtol=1e-12)  # rounding

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import Offset, find_offset
@@ -55,16 +56,25 @@ class Schedule:
 
     def commanded(self, time_s: Floats) -> Floats:
         """Commanded joint angles (R, m); row 0 before the start, in pauses and after the end."""
-        since = np.asarray(time_s) - self.start_s
+        row, share = self.rows_at(np.asarray(time_s))
+        before = self.closed[row]
+        return before if self.held else np.asarray(before + share[:, None] * (self.closed[row + 1] - before))
+
+    @property
+    def closed(self) -> Floats:
+        """The table and its first row once more (T + 1, m)."""
+        return np.concatenate([self.table, self.table[:1]])
+
+    def rows_at(self, time_s: Floats) -> tuple[NDArray[np.int64], Floats]:
+        """Rows of `closed` that were commanded last, and which share of the way to the next has passed, at times of
+        any shape."""
+        since = time_s - self.start_s
         phase = np.where(since < 0, 0.0, np.mod(since, self.period_s) / self.cycle_duration_s)
-        phase = np.where(since >= self.cycles * self.period_s, 0.0, np.minimum(phase, 1.0))
-        closed = np.concatenate([self.table, self.table[:1]])
+        at = np.where(since >= self.cycles * self.period_s, 0.0, np.minimum(phase, 1.0)) * len(self.table)
         if self.held:
-            return np.asarray(closed[np.floor(phase * len(self.table) + ON_TIME).astype(int)])
-        at = phase * len(self.table)
+            return (at + ON_TIME).astype(int), np.zeros_like(at)
         row = np.minimum(at.astype(int), len(self.table) - 1)
-        before = closed[row]
-        return np.asarray(before + (at - row)[:, None] * (closed[row + 1] - before))
+        return row, at - row
 
     def phase(self, time_s: Floats) -> Floats:
         """Cycles since the start of each cycle, 0..1, holding 1 in the pauses."""

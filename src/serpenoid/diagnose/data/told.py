@@ -15,6 +15,7 @@ from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule, start_by_shape
 
 STEPS = 40  # to either side, twice: first of a row of the table, then of what that leaves open
+PARTS = 9  # of these, so that what one needs stays in a core's cache
 CHANCE = 4.0  # two standard deviations, squared
 LEAST_ROWS = 8
 
@@ -44,10 +45,11 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | N
     inside = (time > roughly.offset_s + row) & (time < roughly.offset_s + schedule.moving_s - row)
     if inside.sum() < LEAST_ROWS:
         return None
-    found = []
+    time, command = time[inside], command[inside]
+    apart, found = Distances.of(command, schedule.closed), list[Told]()
     for held in (False, True):
         plan = replace(schedule, held=held)
-        ways = [_start(time[inside], command[inside], plan, roughly.offset_s, row, r) for r in (0.0, rate)]
+        ways = [_start(time, apart, plan, roughly.offset_s, row, r) for r in (0.0, rate)]
         missed, start, spread = min(ways)
         if missed <= TICK:
             found.append(Told(start, spread, held))
@@ -55,16 +57,47 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | N
 
 
 def _start(
-    time: Floats, command: Floats, plan: Schedule, roughly: float, row: float, rate: float
+    time: Floats, apart: Distances, plan: Schedule, roughly: float, row: float, rate: float
 ) -> tuple[float, float, float]:
     """RMS [rad] of what commands miss of the table, and the start that leaves least: its middle and half its width."""
     low, high = roughly - row, roughly + row
+    size = len(time) * plan.table.shape[1]
     for _ in range(2):
         tried = np.linspace(low, high, 2 * STEPS + 1)
-        squares = np.array([((command - plan.commanded((time - t0) / (1 + rate))) ** 2).sum() for t0 in tried])
+        parts = np.array_split(tried, PARTS)
+        squares = np.concatenate([apart.squares(plan, (time - t[:, None]) / (1 + rate)) for t in parts])
         least = float(squares.min())
-        slack = CHANCE * max(least / command.size, TICK**2 / 12)
+        slack = CHANCE * max(least / size, TICK**2 / 12)
         open_ = np.flatnonzero(squares <= least + slack)
         first, last = max(open_[0] - 1, 0), min(open_[-1] + 1, len(tried) - 1)
         low, high = float(tried[first]), float(tried[last])
-    return float(np.sqrt(least / command.size)), (low + high) / 2, (high - low) / 2
+    return float(np.sqrt(least / size)), (low + high) / 2, (high - low) / 2
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Squares of what commands (R, m) miss the rows of a table by, T of them and the first once more.
+
+    By a share s of the step d from row b to the next, a command c misses |c - b|^2 - 2 s (c - b) d + s^2 d^2.
+    off (R, T + 1): the first of these; along (R, T + 1): twice (c - b) d; wide (T + 1,): d^2.
+    """
+
+    off: Floats
+    along: Floats
+    wide: Floats
+
+    @classmethod
+    def of(cls, command: Floats, rows: Floats) -> Distances:
+        step = np.diff(rows, axis=0, append=rows[-1:])
+        off = sum((c[:, None] - b) ** 2 for c, b in zip(command.T, rows.T, strict=True))
+        along = 2 * (command @ step.T - (rows * step).sum(axis=1))
+        return cls(np.asarray(off), along, (step**2).sum(axis=1))
+
+    def squares(self, plan: Schedule, time: Floats) -> Floats:
+        """Their sums (K,) if commands were given at times (K, R) of a plan."""
+        row, share = plan.rows_at(time)
+        at = np.arange(len(self.off)) * self.off.shape[1] + row
+        missed = self.off.ravel()[at]
+        if not plan.held:
+            missed += share * (share * self.wide[row] - self.along.ravel()[at])
+        return np.asarray(missed.sum(axis=1))
