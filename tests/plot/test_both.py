@@ -28,11 +28,11 @@ def drawn(folder, monkeypatch):
     return picture, len(calls)
 
 
-def test_axes_without_a_label_look_for_no_place_for_it_and_look_the_same(tmp_path, monkeypatch):
+def test_axes_without_a_label_and_frames_look_for_no_place_and_look_the_same(tmp_path, monkeypatch):
     picture, count = drawn(tmp_path, monkeypatch)
-    monkeypatch.setattr(both, "_without_empty_labels", lambda fig: None)
+    monkeypatch.setattr(both, "_without_needless_places", lambda fig: None)
     usual, more = drawn(tmp_path, monkeypatch)
-    assert count < 0.85 * more
+    assert count < 0.6 * more
     assert np.array_equal(picture, usual)
 
 

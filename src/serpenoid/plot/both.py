@@ -37,7 +37,7 @@ def draw(fig: Figure, pixels_per_inch: int, png: Path, svg: Path) -> None:
     """Write a figure as PNG and SVG, drawn once."""
     fig.dpi = POINTS_PER_INCH
     width, height = fig.get_size_inches()
-    _without_empty_labels(fig)
+    _without_needless_places(fig)
     with svg.open("w", encoding="utf-8") as stream:
         size = width * POINTS_PER_INCH, height * POINTS_PER_INCH
         lines = RendererSVG(*size, stream, image_dpi=pixels_per_inch, metadata={"Date": None})
@@ -50,12 +50,15 @@ def draw(fig: Figure, pixels_per_inch: int, png: Path, svg: Path) -> None:
     Image.fromarray(opaque).save(png, format="png", dpi=resolution, compress_level=COMPRESSION)
 
 
-def _without_empty_labels(fig: Figure) -> None:
-    """What has no label needs no place for it: to look for one measures every number along the axis again."""
+def _without_needless_places(fig: Figure) -> None:
+    """What has no label needs no place for it, and a frame none beside its axes': to look for one measures every number
+    along the axis again."""
     for ax in fig.get_axes():
         for axis in (ax.xaxis, ax.yaxis):
             if not axis.get_label_text():
                 axis.set_label_coords(0.0, 0.0)
+        for spine in ax.spines.values():
+            spine.set_in_layout(False)
 
 
 class Both(RendererBase):
