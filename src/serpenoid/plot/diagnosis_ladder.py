@@ -59,7 +59,7 @@ def stage(error: Error, ax: Axes) -> Axes:
 def parts_figure(step: Step) -> Figure:
     """Every joint or marker: error before and after on a logarithmic scale, with the noise level."""
     fig = figure(7.4, 2.7)
-    parts(step, fig.add_subplot())
+    settle(fig, parts(step, fig.add_subplot()), above=0.3)
     return fig
 
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.effects.catalogue import find
+from serpenoid.plot.room import settle
 from serpenoid.plot.style import BLUE, INK, SMALL, dress, figure, legend_above
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def ranking_figure(found: Selection) -> Figure:
     chance(list(gains.values()), len(found.scores), ax)
     legend_above(ax, 1)
     ax.grid(visible=False, axis="y")
+    settle(fig, ax, above=0.1 + 0.2 * len(ax.get_legend_handles_labels()[1]))
     return fig
 
 
