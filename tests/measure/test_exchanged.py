@@ -73,6 +73,16 @@ def test_noise_hidden_points_outliers_and_a_pushed_camera_are_no_exchange(seed):
     assert exchanges(points, time) == ()
 
 
+@pytest.mark.parametrize("count", [6, 12, 22])
+def test_a_body_that_jumps_along_itself_by_a_vertex_is_no_exchange(count):
+    """Rows that are held: a wave moves on by a vertex in one frame, and every vertex is where its neighbour was."""
+    frames = np.arange(200)
+    place = np.arange(count)[None, :] + (0.01 * frames + (frames >= 120))[:, None]
+    points = np.stack([place, 4.0 * np.sin(2 * np.pi * place / 15)], axis=2) / count
+    points += np.random.default_rng(4).normal(0, 0.02 / count, points.shape)
+    assert exchanges(points, np.arange(len(points)) / 30) == ()
+
+
 def written(folder, recordings):
     """A campaign of animals of unknown length."""
     header = ",".join(["t_s", *(f"{axis}_{k}" for k in range(7) for axis in "xy")])

@@ -1,12 +1,12 @@
 """Points whose names a tracker exchanges for a part of a recording: a point goes on as it went.
 
-    log evidence of names p at a cut = - 3/2 sum_k log(1 + |ahead_p(k) - behind_k|^2 / s^2)       (Cauchy, plane)
+    log evidence of names p at a cut = - sum_k [ 3/2 log(1 + |ahead_p(k) - behind_k|^2 / s^2) + 2 log s ]     (Cauchy)
 
 behind, ahead: where the frames before and after the cut, each alone, put a point half-way between. s: what nine
-mismatches in ten stay within, for as long as the point was not seen. Any permutation may begin at any frame: two
-points, three in a ring; it is one of as many as there are of so many points. Head for tail is one by itself: trackers
-of bodies without marks confuse the ends. Names that lead by `ODDS` change there; what they are for most of the
-recording is right. Legend: F frames, N points.
+mismatches in ten stay within, for as long as the point was not seen; more in a frame in which all points are quick. Any
+permutation may begin at any frame: two points, three in a ring; it is one of as many as there are of so many points.
+Head for tail is one by itself: trackers of bodies without marks confuse the ends. Names that lead by `ODDS` change
+there; what they are for most of the recording is right. Legend: F frames, N points.
 """
 
 from __future__ import annotations
@@ -138,16 +138,17 @@ def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
     here = np.flatnonzero(np.isfinite(cut.behind[frame, :, 0]) & np.isfinite(cut.ahead[frame, :, 0]))
     moved = cut.ahead[frame, here][:, None] - cut.behind[frame, here][None]  # [k, j]: point k after, j before
     scale = usual * (cut.first_s[frame, here][:, None] - cut.last_s[frame, here][None])
-    cost = TAIL * np.log1p((np.linalg.norm(moved, axis=2) / scale) ** 2)
-    rows, order = linear_sum_assignment(cost)
+    missed = np.linalg.norm(moved, axis=2) / scale
+    rows, order = linear_sum_assignment(np.log1p(missed**2))
     changed = here[rows[order != rows]]
     pushed = np.diagonal(moved).T  # (K, 2): by a camera that is pushed all move alike
     away = np.linalg.norm(pushed - np.median(pushed, axis=0), axis=1) / np.diagonal(scale)
-    own = min(float(np.trace(cost)), float(TAIL * np.log1p(away**2).sum()))
+    slid = [np.linalg.norm(cut.ahead[frame, here] - to[here], axis=1) for to in _along_itself(cut.behind[frame])]
+    own = min(_cost(np.diagonal(missed)), _cost(away), *(_cost(far / np.diagonal(scale)) for far in slid))
     count = len(cut.behind[0])
-    left = float(cost[rows, order].sum()) + _ways(len(here), len(changed))
+    left = _cost(missed[rows, order]) + _ways(len(here), len(changed))
     if np.array_equal(here[::-1], count - 1 - here):  # whatever is seen, seen from either end
-        mirrored = float(np.trace(cost[::-1]))
+        mirrored = _cost(np.diagonal(missed[::-1]))
         if mirrored < left:
             left, order, changed = mirrored, rows[::-1], here[here != here[::-1]]
     gain = own - left - float(np.log(count))
@@ -157,6 +158,28 @@ def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
     names[here[rows]] = here[order]
     since, until = cut.last_s[frame, changed].min(), cut.first_s[frame, changed].max()
     return Change(frame, tuple(names.tolist()), gain, float(since), float(until))
+
+
+def _along_itself(points: Floats) -> list[Floats]:
+    """Where points (N, 2), NaN unknown, are when a body has slid along itself by whole vertices, straight on at its
+    ends: of what snakes do no tracker is accused."""
+    count = len(points)
+    place, known = np.arange(count), np.flatnonzero(np.isfinite(points[:, 0]))
+    if len(known) < 2:
+        return []
+    whole = np.stack([np.interp(place, known, column[known]) for column in points.T], axis=1)
+    step = np.arange(1, count)[:, None]
+    far = np.concatenate(
+        [(whole[0] - step * (whole[1] - whole[0]))[::-1], whole, whole[-1] + step * (whole[-1] - whole[-2])]
+    )
+    return [far[count - 1 + by : 2 * count - 1 + by] for by in range(-(count // 2), count // 2 + 1) if by]
+
+
+def _cost(missed: Floats) -> float:
+    """Log evidence lost by mismatches (K,) in units of s, by the likeliest common factor of s, 1 or more: a frame in
+    which the whole body is quick (rows that are held) is odd once, not once for each of its points."""
+    factors = np.append(1.0, missed[missed > 1])[:, None]
+    return float((TAIL * np.log1p((missed / factors) ** 2) + 2 * np.log(factors)).sum(axis=1).min())
 
 
 def _ways(points: int, changed: int) -> float:
