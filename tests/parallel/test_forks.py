@@ -6,18 +6,20 @@ import multiprocessing
 import os
 import signal
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from serpenoid.parallel import in_processes
+from serpenoid.parallel import forks, in_processes
 
 pytestmark = pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one core: nothing is forked")
 FIRST = os.getpid()
 
 
 def at_term() -> tuple[int, bool]:
-    """Process, and whether SIGTERM ends it at once."""
+    """Process, and whether SIGTERM ends it at once; it takes so long that nobody has time for all."""
+    time.sleep(0.1)
     return os.getpid(), signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
@@ -39,13 +41,33 @@ def refused(number: int) -> int:
     return number
 
 
+def late_if_three(number: int) -> int:
+    """Refuses all from 3 on, 3 last."""
+    if number > 3:
+        raise ValueError(f"number {number} is refused.")
+    time.sleep(0.05 * (number == 3))
+    return refused(number)
+
+
+def unsendable() -> Callable[[], int]:
+    time.sleep(0.1)
+    return lambda: 0
+
+
 def test_workers_do_not_inherit_a_handler_of_sigterm() -> None:
     before = signal.signal(signal.SIGTERM, lambda number, frame: None)
     try:
         found = in_processes([(at_term, ())] * 4)
     finally:
         signal.signal(signal.SIGTERM, before)
-    assert all(process != os.getpid() and ends for process, ends in found)
+    assert {process == FIRST for process, _ in found} == {True, False}  # the first process works, too
+    assert all(ends for process, ends in found if process != FIRST)
+
+
+def test_every_task_is_done_once_and_heard_of_in_order_however_many_they_are() -> None:
+    heard: list[int] = []
+    assert in_processes([(abs, (-n,)) for n in range(2501)], heard.append) == list(range(2501))
+    assert heard == list(range(2501))
 
 
 def test_what_a_killed_worker_had_begun_is_done_here() -> None:
@@ -67,6 +89,22 @@ def test_a_stop_amid_large_answers_ends_all_workers_at_once() -> None:
         assert time.monotonic() - begun < 60  # seconds where the old one waited for ever
 
 
+def test_an_interrupt_that_got_lost_in_a_library_is_heard_before_the_next_piece(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    noted: list[int] = []
+    monkeypatch.setattr(forks, "noted", noted)
+    with pytest.raises(KeyboardInterrupt):
+        in_processes([(time.sleep, (0.05,))] * 9, lambda index: noted.append(signal.SIGINT))
+    assert not multiprocessing.active_children()
+
+
+def test_of_several_faults_the_first_in_order_is_raised() -> None:
+    for _ in range(5):
+        with pytest.raises(ValueError, match="number 3 is refused"):
+            in_processes([(late_if_three, (n,)) for n in range(8)])
+
+
 def test_what_a_task_raises_arrives_with_its_place_and_ends_the_others() -> None:
     with pytest.raises(ValueError, match="number 3 is refused") as raised:
         in_processes([(refused, (n,)) for n in range(50)])
@@ -76,4 +114,4 @@ def test_what_a_task_raises_arrives_with_its_place_and_ends_the_others() -> None
 
 def test_an_answer_that_cannot_be_sent_is_an_error_and_no_wait() -> None:
     with pytest.raises(Exception, match="pickle|local object"):
-        in_processes([(lambda: lambda: 0, ())] * 4)
+        in_processes([(unsendable, ())] * 4)

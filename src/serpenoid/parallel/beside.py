@@ -21,7 +21,7 @@ from multiprocessing.process import BaseProcess
 from types import TracebackType
 from typing import IO, Any, Self, TypeVar
 
-from serpenoid.parallel.forks import Task, answer, attempted, may_fork, raised_again
+from serpenoid.parallel.forks import Task, attempted, may_fork, packed, raised_again
 from serpenoid.parallel.local import interrupts_held
 
 PATIENCE_S = 2.0  # in which a process ends that was told to
@@ -114,4 +114,4 @@ def _serve(prepare: Callable[[], object], ours: Connection, pipe: Connection, ro
     with suppress(EOFError, OSError):
         while True:
             begin, count = pipe.recv()
-            answer(pipe, pickle.loads(os.pread(room, count, begin)))
+            pipe.send_bytes(packed(attempted(pickle.loads(os.pread(room, count, begin)))))

@@ -9,36 +9,45 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
+import pickle
 import signal
+import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from multiprocessing.connection import Connection, wait
+from itertools import takewhile
+from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
+from serpenoid.interrupts import noted
 from serpenoid.parallel.local import interrupts_held, watch_parent
 
 AT_MOST = 4
+WORD, WORDS = 4, 1000  # bytes of a number, and how many numbers every pipe holds
 _allowed = AT_MOST
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
 Answer = tuple[bool, Any]  # True and what the task gave, or False and what it raised
 
 
 def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda index: None) -> list[Any]:
-    """Run every (function, arguments); forked where that exists, so that inputs need not be sent.
+    """Run every (function, arguments); forked where that exists, so that inputs need not be sent. The first process
+    works, too.
 
-    awaited: hears the index of the task whose result is the next to come.
+    awaited: hears every index in order, no sooner than its task is begun.
     """
     cores = min(len(tasks), _allowed, os.cpu_count() or 1)
     if cores < 2 or not may_fork():
         return _collected((function(*arguments) for function, arguments in tasks), len(tasks), awaited)
     workers: list[tuple[BaseProcess, Connection]] = []
+    queue = _queue(len(tasks))
     try:
         with interrupts_held(tracked=False):  # an interrupt amid a fork is lost or leaves one behind
-            workers.extend(_started(tasks) for _ in range(cores))
-        return _collected(_answers(tasks, [pipe for _, pipe in workers]), len(tasks), awaited)
+            workers.extend(_started(tasks, queue) for _ in range(cores - 1))
+        return _together(tasks, queue, [pipe for _, pipe in workers], awaited)
     finally:
+        os.close(queue)
         for process, pipe in workers:
             process.terminate()
             process.join()
@@ -51,33 +60,61 @@ def may_fork() -> bool:
     return forks and min(_allowed, os.cpu_count() or 1) > 1
 
 
-def _started(tasks: Sequence[Task]) -> tuple[BaseProcess, Connection]:
+def _queue(count: int) -> int:
+    """What all processes read to know what they do next, word by word; at its end nothing is left."""
+    reading, writing = os.pipe()
+    os.write(writing, b"".join(first.to_bytes(WORD, sys.byteorder) for first in range(0, count, _run(count))))
+    os.close(writing)
+    return reading
+
+
+def _run(count: int) -> int:
+    """How many tasks a word stands for."""
+    return -(-count // WORDS)
+
+
+def _worked(
+    tasks: Sequence[Task], queue: int, begun: Callable[[int], None] = lambda index: None
+) -> Iterator[tuple[int, Answer]]:
+    """Tasks that nobody else has begun, and what they give. Once one has failed nobody begins another: all before it
+    have been begun."""
+    while word := os.read(queue, WORD):
+        first = int.from_bytes(word, sys.byteorder)
+        for index in range(first, min(first + _run(len(tasks)), len(tasks))):
+            begun(index)
+            found = attempted(tasks[index])
+            while not found[0] and os.read(queue, WORD):
+                pass
+            yield index, found
+
+
+def _started(tasks: Sequence[Task], queue: int) -> tuple[BaseProcess, Connection]:
     ours, theirs = multiprocessing.Pipe()
-    process = multiprocessing.get_context("fork").Process(target=_serve, args=(tasks, theirs, os.getpid()), daemon=True)
+    arguments = (tasks, queue, theirs, os.getpid())
+    process = multiprocessing.get_context("fork").Process(target=_serve, args=arguments, daemon=True)
     process.start()
     theirs.close()  # held by the worker alone: it is heard when that ends
     return process, ours
 
 
-def _serve(tasks: Sequence[Task], pipe: Connection, parent: int) -> None:
-    """A worker: indices in, answers out. SIGTERM ends it at once, whatever the first process does with signals."""
+def _serve(tasks: Sequence[Task], queue: int, pipe: Connection, parent: int) -> None:
+    """A worker, whose answers are sent when no task is left. SIGTERM ends it at once, whatever the first process does
+    with signals."""
     gc.freeze()  # what it was forked with is not looked through for garbage: every page of it would be copied
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     watch_parent(parent)
-    while True:
-        answer(pipe, tasks[pipe.recv()])
+    for index, data in [(index, packed(found)) for index, found in _worked(tasks, queue)]:
+        pipe.send(index)
+        pipe.send_bytes(data)
 
 
-def answer(pipe: Connection, task: Task) -> None:
-    """Send what a task gives or raises; nothing of it is kept."""
-    found = attempted(task)
+def packed(answer: Answer) -> memoryview:
+    """An answer as it is sent; whatever cannot be pickled says so in the first process."""
     try:
-        pipe.send(found)
-    except OSError:  # nobody hears
-        raise
-    except Exception as error:  # noqa: BLE001 - whatever cannot be pickled says so in the first process
-        pipe.send((False, error))
+        return ForkingPickler.dumps(answer)
+    except Exception as error:  # noqa: BLE001 - raised again in the first process
+        return ForkingPickler.dumps((False, error))
 
 
 def attempted(task: Task) -> Answer:
@@ -98,32 +135,29 @@ def raised_again(answer: Answer) -> Any:
     return value
 
 
-def _answers(tasks: Sequence[Task], pipes: list[Connection]) -> Iterator[Any]:
-    """What the tasks give, in order. A task whose worker was killed runs here."""
-    rest = iter(range(len(tasks)))
-    busy: dict[Connection, int] = {}
+def _together(tasks: Sequence[Task], queue: int, pipes: list[Connection], awaited: Callable[[int], None]) -> list[Any]:
+    """What the tasks give, in order, found here and by workers. A task whose worker was killed runs here."""
     answers: dict[int, Answer] = {}
+    unheard = iter(range(len(tasks)))
 
-    def give(pipe: Connection) -> None:
-        index = next(rest, None)
-        if index is not None:
-            busy[pipe] = index
-            with suppress(OSError):  # that its worker has ended is heard in the pipe
-                pipe.send(index)
+    def begun(index: int) -> None:
+        if noted:
+            raise KeyboardInterrupt  # one that got lost in a library
+        for number in takewhile(lambda number: number < index, unheard):
+            awaited(number)
+        awaited(index)
 
+    with limited(1):  # what workers do, they do alone
+        for index, found in _worked(tasks, queue, begun):
+            answers[index] = pickle.loads(packed(found))  # arrays laid out as those that are sent: the same last bits
     for pipe in pipes:
-        give(pipe)
-    for index, task in enumerate(tasks):
-        while index not in answers and busy:
-            for pipe in [p for p in wait(list(busy)) if isinstance(p, Connection)]:
-                asked = busy.pop(pipe)
-                try:
-                    answers[asked] = pipe.recv()
-                except (EOFError, OSError):
-                    answers[asked] = attempted(tasks[asked])
-                else:
-                    give(pipe)
-        yield raised_again(answers.pop(index) if index in answers else attempted(task))
+        with suppress(EOFError, OSError):
+            while True:
+                index = pipe.recv()
+                answers[index] = pipe.recv()
+    for number in unheard:
+        awaited(number)
+    return [raised_again(answers[i] if i in answers else attempted(task)) for i, task in enumerate(tasks)]
 
 
 def _collected(results: Iterator[Any], count: int, awaited: Callable[[int], None]) -> list[Any]:
