@@ -10,6 +10,8 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
+from serpenoid.compare.likelihood import fit
+from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.start import neutral_model
 from serpenoid.diagnose.data.tracked import MOST_WINDOWS, WINDOWS_PER_PERIOD, tracked_recordings
 from serpenoid.diagnose.data.untestable import not_on_offer
@@ -110,6 +112,16 @@ def test_few_points_of_a_body_are_points_of_a_curve_and_no_joints_of_a_chain(tmp
     assert low < K < high
     assert value == pytest.approx(K, rel=0.01)
     assert left < 1.4
+
+
+def test_many_close_points_tell_the_same_k_and_leave_their_noise(tmp_path: Path) -> None:
+    """45 points, as trackers of worms give them, with a noise of a seventh of an edge: most of every joint angle."""
+    time, points = Worm().film(2.5, count=45)
+    points = points + np.random.default_rng(2).normal(0, 3e-3, points.shape)
+    campaign = load_campaign(write(tmp_path / "many", time, points))
+    found = fit(neutral_model(campaign), trial_segments(campaign.trials[0]), ("anisotropy_ratio",), np.array([1 / K]))
+    assert 1 / found.values[0] == pytest.approx(K, rel=0.02)  # every joint smoothed by itself: 5 % less
+    assert 0.8 < found.noise_scale < 1.25  # unseen directions counted by the size of C: 16
 
 
 @pytest.mark.parametrize("every", [1, 6])  # of its frames; every sixth makes windows of two frames, twice as long

@@ -24,9 +24,11 @@ from serpenoid.body_curve import SMOOTH
 from serpenoid.compare.linearise import Linearised, linearise
 from serpenoid.compare.parameters import bounds, changed, direction
 from serpenoid.measure.chain import VAGUE_SD
+from serpenoid.measure.links import link_directions
 from serpenoid.model import Model
 
 ITERATIONS = 40
+NEAR = 1e-3  # of a covariance: its log determinant's slope by differences is exact to the square of this
 BAND = 5  # block-tridiagonal with 3 x 3 blocks
 
 
@@ -55,7 +57,7 @@ class Whitened:
 
 @dataclass(frozen=True)
 class Solution:
-    """Fitted values, covariance (P, P) for unit noise scale, chi2, degrees of freedom, and what is left."""
+    """Fitted values, covariance (P, P) for unit noise scale, chi2, what noise makes of it, and what is left."""
 
     names: tuple[str, ...]
     values: Floats
@@ -92,8 +94,9 @@ def fit(
             break
     left = whiten(model, segments, names, values, noise)
     information, _, chi2 = _normal_equations(left)
-    vague = sum(np.trace(s.covariance, axis1=1, axis2=2).sum() for s in segments) / VAGUE_SD**2
-    freedom = sum(w.defect.size for w in left) - round(float(vague)) - len(names)
+    judged = changed(model, names, values) if noise is None else noise
+    unseen = sum(_unseen(judged, segment) for segment in segments)
+    freedom = sum(w.defect.size for w in left) - round(unseen) - len(names)
     return Solution(names, values, np.asarray(np.linalg.pinv(information)), chi2, freedom, left, converged)
 
 
@@ -128,6 +131,25 @@ def _whiten(model: Model, segment: Segment, along: Floats, noise: Model | None, 
     right = np.concatenate([(lin.defect + shifted)[..., None], lin.by_parameters @ along], axis=2)
     white = np.asarray(solve_banded((BAND, 0), lower, right.reshape(-1, right.shape[2]))).reshape(right.shape)
     return Whitened(white[..., 0], white[..., 1:])
+
+
+def _unseen(model: Model, segment: Segment) -> float:
+    """By how much chi2 is expected to be smaller than its count of numbers, because what nothing measured has no error.
+
+    A direction that is known to VAGUE_SD beforehand, and by nothing else, is in C, but stays where the smooth path is:
+    estimates scatter by C - C P C (P: what was believed), so <chi2> = tr S^-1 (S - G C P C G') = size - d ln|S| / dt
+    along S + t G C P C G'.
+    """
+    lin = linearise(model, segment.smooth_angles, segment.smooth_poses, segment.weights)
+    unit = np.eye(segment.covariance.shape[1])
+    believed = segment.covariance @ link_directions(model.body, unit[:, :3], unit[:, 3:]) / VAGUE_SD
+    spread, along = _banded(lin, segment.covariance), _banded(lin, believed @ believed.transpose(0, 2, 1))
+    more, less = (_log_determinant(spread + step * along) for step in (NEAR, -NEAR))
+    return (more - less) / (2 * NEAR)
+
+
+def _log_determinant(band: Floats) -> float:
+    return 2 * float(np.log(cholesky_banded(band, lower=True)[0]).sum())
 
 
 def _banded(lin: Linearised, covariance: Floats) -> Floats:

@@ -16,7 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.compare.linearise import about_centroid, relative_poses
 from serpenoid.files.store import remember
 from serpenoid.measure.links import chain_vertices
-from serpenoid.measure.smooth import best_window, smooth, smoother
+from serpenoid.measure.smooth import angles_smoother, bends_smoother
 from serpenoid.measure.trial import Motion, Passage, Trial
 from serpenoid.measure.usage import whole_pieces
 from serpenoid.model import Model
@@ -174,15 +174,14 @@ def resimulation_error(
     usable = variance.max(axis=1) < 0.05  # a state that nothing measured is bridged, not drawn
     if usable.sum() < 8:
         return float("nan"), float("nan")
-    smoothing, where = smoother(
-        motion.time_s[rows], best_window(motion.time_s[rows], motion.joint_angles[rows], np.maximum(variance, 1e-24))
-    )
+    smoother = bends_smoother if model.body.is_animal else angles_smoother
+    smoothed = smoother(motion.time_s[rows], motion.joint_angles[rows], covariance)
     root = np.linalg.cholesky(covariance + 1e-18 * np.eye(covariance.shape[1]))
     base = motion.smooth_angles[rows]
     found = []
     for _ in range(draws):
         noise = np.einsum("rab,rb->ra", root, rng.normal(size=base.shape)) * usable[:, None]
-        found.append(simulate_path(model, smooth(base + noise, smoothing, where), weights, np.zeros(3)).displacement)
+        found.append(simulate_path(model, smoothed(base + noise), weights, np.zeros(3)).displacement)
     true = simulate_path(model, base, weights, np.zeros(3)).displacement
     return float(np.std(found, ddof=1)), float(np.mean(found)) - true
 

@@ -26,7 +26,7 @@ from serpenoid.measure.servo_alignment import (
     assumed,
     joints_unseen,
 )
-from serpenoid.measure.smooth import smooth_states
+from serpenoid.measure.smooth import smooth_curves, smooth_states
 
 SHORTEST_RUN = 8  # frames: less is no motion
 
@@ -172,7 +172,7 @@ def _motion(
     body: Body, time_s: Floats, markers: Floats, servo: ServoAlignment | None, first: ChainEstimate, cuts: tuple, labels
 ) -> Motion:
     """The final estimate, linear about the smooth path, on all frames of all runs."""
-    smooth_poses, smooth_angles = _smooth_runs(first, time_s, cuts[2])
+    smooth_poses, smooth_angles = _smooth_runs(body, first, time_s, cuts[2])
     known = np.isfinite(smooth_poses[:, 0])
     poses, angles, covariance, vertices = (
         np.full((len(time_s), *shape), np.nan)
@@ -260,14 +260,13 @@ def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], holes: np.ndarray, fra
     return tuple(runs)
 
 
-def _smooth_runs(estimate: ChainEstimate, time_s: Floats, runs: tuple[slice, ...]) -> tuple[Floats, Floats]:
+def _smooth_runs(body: Body, estimate: ChainEstimate, time_s: Floats, runs: tuple[slice, ...]) -> tuple[Floats, Floats]:
     """Smooth poses and joint angles on every frame of every run (short gaps bridged); NaN elsewhere."""
     poses, angles = np.full_like(estimate.poses, np.nan), np.full_like(estimate.joint_angles, np.nan)
+    smoothed = smooth_curves if body.is_animal else smooth_states
     for run in runs:
         rows = np.flatnonzero(estimate.determined[run]) + run.start
-        smooth = smooth_states(
-            time_s[rows], estimate.poses[rows], estimate.joint_angles[rows], estimate.covariance[rows]
-        )
+        smooth = smoothed(time_s[rows], estimate.poses[rows], estimate.joint_angles[rows], estimate.covariance[rows])
         for target, values in zip((poses, angles), smooth, strict=True):
             target[run] = interpolate(time_s[rows], values, time_s[run])
     return poses, angles
