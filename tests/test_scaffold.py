@@ -132,6 +132,15 @@ def test_a_name_that_would_end_a_string_or_a_comment_is_refused(tmp_path: Path, 
         assert "a name is made of letters" in capsys.readouterr().err
 
 
+def test_links_of_a_body_without_edges_are_as_the_question_says(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["new", "problem", str(tmp_path / "p.toml"), "--joints", "2", "--yes"]) == 0
+    assert load(tmp_path / "p.toml").body.edges.tolist() == pytest.approx([0.25, 0.5, 0.25])  # no Purcell swimmer
+    capsys.readouterr()
+    with pytest.raises(SystemExit):
+        main(["new", "problem", "--help"])
+    assert "half as long at both ends" in " ".join(capsys.readouterr().out.split())
+
+
 def test_kind_and_dissipation_of_a_new_problem_are_options(tmp_path: Path) -> None:
     path = new("problem", tmp_path / "eel.toml", "--kind", "swimming robot", "--dissipation", "edge")
     found = load(path)

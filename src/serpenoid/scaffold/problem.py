@@ -23,7 +23,9 @@ PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its 
 QUESTIONS = (
     Question("kind", f"What is it: {', '.join(KINDS)} (empty: not said)?", "", one_of("", *KINDS)),
     Question("joints", "How many joints?", "6", whole(1, 98)),
-    Question("edges", "Edge lengths in metres, tail to head (empty: equal links)", "", numbers),
+    Question(
+        "edges", "Edge lengths in metres, tail to head (empty: equal links, half as long at both ends)", "", numbers
+    ),
     Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000)),
     Question(
         "wheels",
