@@ -270,6 +270,22 @@ def test_the_period_of_a_signal_includes_its_pause(pause):
     assert found == pytest.approx(1.7 + pause, abs=0.02)  # a frame
 
 
+@pytest.mark.parametrize(("rest", "pause"), [(0.0, 0.0), (1.0, 0.0), (2.0, 0.5), (5.0, 0.0), (5.0, 8.0)])
+@pytest.mark.parametrize("cycles", [2, 3, 6])
+def test_rest_before_and_after_does_not_draw_the_period(rest, pause, cycles):
+    schedule = Schedule(serpenoid_table(40), 1.7, cycles, pause)
+    time = np.arange(-rest, schedule.end_s + rest, 1 / 60)
+    shown = schedule.commanded(time)
+    noise = np.random.default_rng(2).normal(0, 1e-3, shown.shape)
+    assert Signal(time, shown + noise).period_s == pytest.approx(1.7 + pause, abs=0.02)  # a frame
+
+
+def test_a_cycle_and_a_third_have_no_period():
+    schedule = Schedule(serpenoid_table(40), 4.0, 2, 0.0)
+    time = np.arange(0, 5.3, 1 / 30)
+    assert Signal(time, schedule.commanded(time)).period_s is None
+
+
 def tracked(count: int) -> np.ndarray:
     """Points (F, N, 2) of an animal with a travelling bend, without lengths."""
     time, s = np.arange(80)[:, None] / 20, np.linspace(0, 1, count)

@@ -23,6 +23,7 @@ ALIKE = 0.25  # of its variance that a row shares with the next: two witnesses o
 ROUNDING = 1e-12  # rad^2: of numbers that never change
 CHANCE = 0.01  # of witnesses whose rows are in disorder that are taken for motion: stated
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
+LEAST_OVERLAP = 1 / 3  # of the motion's sum of squares: a cycle and a half without pauses
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
 
@@ -133,17 +134,19 @@ def _without_outliers(values: Floats) -> Floats:
 
 
 def _period_s(signal: Signal) -> float | None:
-    whole = sample(signal, float(np.median(np.diff(signal.time_s))))
+    """The first delay at which it agrees with itself nearly best: products over squares of all that overlaps, while
+    that is a third of all its motion."""
+    whole = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
     centred = _without_outliers(whole.values) * whole.weight[:, None]
-    size = 2 * len(centred)
-    power = np.abs(np.fft.rfft(centred, size, axis=0)) ** 2
-    both = np.abs(np.fft.rfft(whole.weight, size)) ** 2
-    overlap = np.maximum(np.fft.irfft(both)[: len(centred)], 1.0)
-    agreement = np.fft.irfft(power.sum(axis=1))[: len(centred)] / overlap
-    if not agreement[0] > 0:  # between holes that are too long nothing varies
+    squares, count = (centred**2).sum(axis=1), len(centred)
+    if not squares.sum() > 0:  # between holes that are too long nothing varies
         return None
-    usable = len(centred) * 2 // 3
-    agreement = agreement[:usable] / agreement[0]
+    moved, energy, seen = (np.fft.rfft(x, 2 * count, axis=0) for x in (centred, squares, whole.weight))
+    products = np.fft.irfft((np.abs(moved) ** 2).sum(axis=1))[:count]
+    overlap = np.fft.irfft((np.conj(energy) * seen).real)[:count]  # mean of both ways round
+    enough = overlap > LEAST_OVERLAP * squares.sum()
+    usable = count if enough.all() else int(np.argmin(enough))
+    agreement = products[:usable] / overlap[:usable]
     below = np.flatnonzero(agreement < 0.5)
     if not len(below):
         return None
@@ -159,9 +162,26 @@ def _period_s(signal: Signal) -> float | None:
 def moving_s(signal: Signal) -> float:
     """Seconds from the first to the last moment at which the joints are away from where they rest at the beginning."""
     whole = sample(signal, float(np.median(np.diff(signal.time_s))))
-    known = np.flatnonzero(whole.weight)
-    rest = np.median(whole.values[known[:5]], axis=0)
-    away = np.sqrt(((whole.values - rest) ** 2).mean(axis=1)) * whole.weight
-    chance = float(np.sqrt(whole.noise_variance.mean()))
-    moving = np.flatnonzero(away > max(AWAY * np.quantile(away, 0.95), 2 * chance))  # bad frames are few
+    moving = np.flatnonzero(_away(whole, whole.values[whole.weight > 0][:5]))
     return float(whole.step_s * np.ptp(moving)) if len(moving) else 0.0
+
+
+def _between_rests(whole: Sampled) -> Sampled:
+    """From where the joints leave their first place to where they come to their last: a rest at an end agrees with
+    itself at any delay."""
+    known = whole.values[whole.weight > 0]
+    left, come = (np.flatnonzero(_away(whole, rest)) for rest in (known[:5], known[-5:]))
+    if not len(left) or not len(come) or come[-1] - left[0] < LEAST_ROWS:
+        return whole
+    kept = slice(left[0], come[-1] + 1)
+    begin = whole.start_s + whole.step_s * float(left[0])
+    return Sampled(begin, whole.step_s, whole.values[kept], whole.weight[kept], whole.noise_variance)
+
+
+def _away(whole: Sampled, rest: Floats) -> NDArray[np.bool_]:
+    """Where (n,) the joints are away from where they are in rows (., m)."""
+    if not len(rest):
+        return np.zeros(len(whole.values), dtype=bool)
+    away = np.sqrt(((whole.values - np.median(rest, axis=0)) ** 2).mean(axis=1)) * whole.weight
+    chance = float(np.sqrt(whole.noise_variance.mean()))
+    return np.asarray(away > max(AWAY * np.quantile(away, 0.95), 2 * chance))  # bad frames are few
