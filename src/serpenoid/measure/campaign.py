@@ -44,6 +44,7 @@ class MotionKeys(Record):
     undo_exchanges: bool | None = Field(
         default=None, description="true: points whose names the tracker exchanges for a while get them back"
     )
+    individual: Line | None = Field(default=None, description="whose points are read, where a file shows several")
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
     minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
     columns: MotionColumns | None = Field(default=None, description="tidy, long: the file's own column names")

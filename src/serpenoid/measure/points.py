@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
@@ -19,13 +20,13 @@ from serpenoid.measure.cells import (
     Floats,
     Rows,
     block,
-    column_letter,
     increasing_times,
     place,
     read_rows,
     whole_points,
 )
 from serpenoid.measure.columns import SECONDS, find_column
+from serpenoid.measure.individuals import chosen
 from serpenoid.measure.tracks import METRES, Tracks, floor_plane
 
 MOST_CELLS = 200_000_000
@@ -38,8 +39,10 @@ def read_long(
     length_unit: str,
     frames_per_second: float | None = None,
     time_unit: str = "s",
+    individual: str | None = None,
 ) -> Tracks:
-    """One row per frame and point. `columns` maps time, frame, point, x, y to the file's own names (time or frame)."""
+    """One row per frame and point, (and individual). `columns` maps time, frame, point, x, y, individual to the file's
+    own names (time or frame)."""
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
@@ -51,12 +54,21 @@ def read_long(
     where = [found[role] for role in roles]
     data = block(rows, 1, where, [columns[role] for role in roles], path)
     _refuse_empty(data[:, :2], where, rows, path)
+    own = _own(rows, found.get("individual"), individual, path)
+    data = data[own]
     stamps, frame = np.unique(data[:, 0], return_inverse=True)
     points, slot = np.unique(data[:, 1], return_inverse=True)
     taken, again = np.unique(frame * len(points) + slot, return_index=True)
     if len(taken) != len(data):
-        row = int(np.setdiff1d(np.arange(len(data)), again)[0])
-        raise InputError(f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.")
+        row = int(own[np.setdiff1d(np.arange(len(data)), again)[0]])
+        several = (
+            ""
+            if "individual" in columns
+            else (" Of several animals? Then `columns` needs `individual`, and the trial names one: `individual`.")
+        )
+        raise InputError(
+            f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{several}"
+        )
     whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
@@ -67,7 +79,11 @@ def read_long(
 
 
 def read_sleap(
-    path: str | Path, frames_per_second: float | None, length_unit: str = "px", minimum_score: float = 0.0
+    path: str | Path,
+    frames_per_second: float | None,
+    length_unit: str = "px",
+    minimum_score: float = 0.0,
+    individual: str | None = None,
 ) -> Tracks:
     """A SLEAP analysis CSV: `frame_idx`, then `NAME.x, NAME.y, NAME.score`. Image y points down: turned up."""
     path = Path(path)
@@ -80,13 +96,13 @@ def read_sleap(
     names = [cell[:-2] for cell in header if cell.endswith(".x")]
     if not names:
         raise InputError(f"{path}: row 1: no column ends in `.x`: not a SLEAP export.")
-    _one_animal(rows, header, path)
+    own = _own(rows, header.index("track") if "track" in header else None, individual, path)
     wanted = ["frame_idx"] + [f"{name}.{part}" for name in names for part in ("x", "y", "score")]
     for name in wanted:
         if name not in header:
             raise InputError(f"{path}: row 1: no column `{name}`.")
     where = [header.index(name) for name in wanted]
-    data = block(rows, 1, where, wanted, path)
+    data = block(rows, 1, where, wanted, path)[own]
     times = increasing_times(data[:, 0], 1, where[0], path, "frame_idx") / frames_per_second
     points = data[:, 1:].reshape(len(data), len(names), 3)
     whole_points(points[..., :2], 1, where[1::3], names, path)
@@ -157,12 +173,11 @@ def _refuse_empty(data: Floats, where: list[int], rows: Rows, path: Path) -> Non
         raise InputError(f"{place(path, row + 1, where[column], rows[0][where[column]])}: must not be empty.")
 
 
-def _one_animal(rows: Rows, header: list[str], path: Path) -> None:
-    if "track" not in header:
-        return
-    column = header.index("track")
-    tracks = {row[column] for row in rows[1:] if len(row) > column}
-    if len(tracks) > 1:
-        raise InputError(
-            f"{path}: column {column_letter(column)} (`track`): {len(tracks)} animals; export one file for each."
-        )
+def _own(rows: Rows, column: int | None, individual: str | None, path: Path) -> NDArray[np.int64]:
+    """Which rows below the header are of the individual that is wanted, whose name is in a column."""
+    if column is None:
+        chosen([], individual, path)
+        return np.arange(len(rows) - 1)
+    names = [row[column].strip() if len(row) > column else "" for row in rows[1:]]
+    wanted = chosen(names, individual, path)
+    return np.flatnonzero([name == wanted for name in names])

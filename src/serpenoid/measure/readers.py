@@ -43,7 +43,7 @@ def _timed(read: Callable[[Path, Timing], Tracks]) -> Reader:
     """A reader that needs what [motion] says of time, length and score."""
 
     def reader(path: Path, keys: MotionKeys) -> Tracks:
-        return read(path, Timing(keys.frames_per_second, keys.length_unit, keys.minimum_score))
+        return read(path, Timing(keys.frames_per_second, keys.length_unit, keys.minimum_score, keys.individual))
 
     return reader
 
@@ -51,7 +51,9 @@ def _timed(read: Callable[[Path, Timing], Tracks]) -> Reader:
 def _sleap(path: Path, keys: MotionKeys) -> Tracks:
     if path.suffix.lower() in (".h5", ".hdf5"):
         return _timed(read_sleap_analysis)(path, keys)
-    return read_sleap(path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0)
+    return read_sleap(
+        path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0, keys.individual
+    )
 
 
 def _long(path: Path, keys: MotionKeys) -> Tracks:
@@ -60,7 +62,7 @@ def _long(path: Path, keys: MotionKeys) -> Tracks:
     columns = {role: name for role, name in keys.columns if isinstance(name, str)}
     if not {"point", "x", "y"} <= set(columns) or not {"time", "frame"} & set(columns):
         raise InputError(f"{path}: `columns` needs point, x, y and time or frame for a long file, a name for each.")
-    return read_long(path, columns, keys.length_unit, keys.frames_per_second, keys.time_unit or "s")
+    return read_long(path, columns, keys.length_unit, keys.frames_per_second, keys.time_unit or "s", keys.individual)
 
 
 def _tidy(path: Path, keys: MotionKeys) -> Tracks:

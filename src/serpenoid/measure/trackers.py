@@ -20,6 +20,7 @@ import numpy as np
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
+from serpenoid.measure.individuals import chosen
 from serpenoid.measure.tracks import METRES, Tracks
 
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
@@ -42,11 +43,13 @@ SECONDS = {
 
 @dataclass(frozen=True)
 class Timing:
-    """What [motion] says beside the file: frames a second, length unit, least score; None: the format's default."""
+    """What [motion] says beside the file: frames a second, length unit, least score, whose points; None: the format's
+    default."""
 
     frames_per_second: float | None = None
     length_unit: str | None = None
     minimum_score: float | None = None
+    individual: str | None = None
 
 
 def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
@@ -56,9 +59,9 @@ def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
         columns, frames, data = _pandas_table(path)
     else:
         columns, frames, data = _deeplabcut_csv(path)
-    individuals = list(dict.fromkeys(c[-3] for c in columns if len(c) == 4))
-    if len(individuals) > 1:
-        raise InputError(f"{path}: {len(individuals)} animals ({', '.join(individuals)}); export one file for each.")
+    individual = chosen([c[-3] for c in columns if len(c) == 4], timing.individual, path)
+    own = [i for i, c in enumerate(columns) if len(c) < 4 or c[-3] == individual]
+    columns, data = [columns[i] for i in own], data[:, own]
     names = list(dict.fromkeys(c[-2] for c in columns))
     slot = {c[-2:]: i for i, c in enumerate(columns)}
     missing = next((f"{n}, {part}" for n in names for part in ("x", "y") if (n, part) not in slot), None)
@@ -118,13 +121,14 @@ def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
         names = [n.decode() if isinstance(n, bytes) else str(n) for n in file["node_names"][()]]
         tracks = np.asarray(file["tracks"][()], float)
         scores = np.asarray(file["point_scores"][()], float) if "point_scores" in file else None
+        tracked = [n.decode() if isinstance(n, bytes) else str(n) for n in file.get("track_names", ())]
     if tracks.ndim != 4 or tracks.shape[1:3] != (2, len(names)):
         raise InputError(f"{path}: `tracks` must be (animals, 2, {len(names)}, frames), got {tracks.shape}.")
-    if len(tracks) != 1:
-        raise InputError(f"{path}: {len(tracks)} animals; export one file for each.")
-    floor = tracks[0].transpose(2, 1, 0).copy()
+    tracked = tracked if len(tracked) == len(tracks) else [str(k) for k in range(len(tracks))]
+    own = tracked.index(chosen(tracked, timing.individual, path)) if len(tracks) else 0
+    floor = tracks[own].transpose(2, 1, 0).copy()
     if scores is not None and timing.minimum_score is not None:
-        floor[timing.minimum_score > scores[0].T] = np.nan
+        floor[timing.minimum_score > scores[own].T] = np.nan
     return _image(path, np.arange(len(floor), dtype=float), names, floor, timing)
 
 
@@ -139,10 +143,16 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
         if "timeseries_data" in file and file["timeseries_data"].dtype.names:
             table = file["timeseries_data"]
             rate = rate or _number(table.attrs.get("fps"))
-            if "worm_index" in table.dtype.names and len(np.unique(table["worm_index"])) > 1:
-                raise InputError(f"{path}: {len(np.unique(table['worm_index']))} worms; export one file for each.")
-            if "timestamp" in table.dtype.names and len(table) == len(frames):
+            every = len(table) == len(frames)
+            if "timestamp" in table.dtype.names and every:
                 frames = np.asarray(table["timestamp"], float)
+            if "worm_index" in table.dtype.names:
+                worms = np.char.mod("%d", table["worm_index"])
+                own = worms == chosen(worms.tolist(), timing.individual, path)
+                if every:
+                    skeletons, frames = skeletons[own], frames[own]
+                elif not own.all():
+                    raise InputError(f"{path}: {len(table)} rows of `timeseries_data` for {len(frames)} skeletons.")
     if skeletons.ndim != 3 or skeletons.shape[2] != 2:
         raise InputError(f"{path}: `coordinates/skeletons` must be (frames, points, 2), got {skeletons.shape}.")
     if not rate:
@@ -159,9 +169,8 @@ def read_wcon(path: str | Path, timing: Timing) -> Tracks:
     entries = [e for e in listed if isinstance(e, dict) and {"t", "x", "y"} <= set(e)]
     if not isinstance(units, dict) or len(entries) < len(listed):
         raise InputError(f"{path}: a WCON file has `units`, and `data` with `t`, `x` and `y`.")
-    animals = {str(e.get("id")) for e in entries}
-    if len(animals) > 1:
-        raise InputError(f"{path}: {len(animals)} animals ({', '.join(sorted(animals)[:4])}); one file for each.")
+    individual = chosen([str(e.get("id")) for e in entries], timing.individual, path)
+    entries = [e for e in entries if str(e.get("id")) == individual]
     length, second = UNITS_WCON.get(str(units.get("x"))), SECONDS.get(str(units.get("t")))
     if length is None or units.get("x") != units.get("y") or second is None:
         raise InputError(
