@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
+from serpenoid.cli.solve import bound_lines
 from serpenoid.files.inputs import csv_rows, read_text
 
 
@@ -82,6 +83,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(_gait(gait))}",
+        *bound_lines(record.get("at_bounds", [])),
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
         f"dissipation T*E   {_short(record['dissipation'])}",

@@ -25,6 +25,7 @@ Ctrl-C keeps the best so far (a better one that is there from before stays) and 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
+
+MOST_BOUNDS = 4  # that a line lists
 
 
 KEPT = "Solved starts are kept: the same command goes on from there."
@@ -198,6 +201,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         *_case_lines(best),
         *floor_lines(best.trajectory),
         f"gait              {best.gait.words}",
+        *bound_lines(best.at_bounds),
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
         *([f"clearance         {best.clearance.words}"] if best.clearance else []),
@@ -206,6 +210,15 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
     ]
+
+
+def bound_lines(at_bounds: Sequence[str]) -> list[str]:
+    """Which parameters of a gait ended where the optimiser may not look farther."""
+    if not at_bounds:
+        return []
+    more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
+    listed = ", ".join(at_bounds[:MOST_BOUNDS])
+    return [f"at its bounds     {listed}{more}: [task.bounds] may be widened, if the body can do more"]
 
 
 def _case_lines(best: Solution) -> list[str]:

@@ -14,6 +14,8 @@ from serpenoid.shown import Shown
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
+AT_BOUND = 1e-6  # of a range
+
 
 @dataclass(frozen=True)
 class CaseOutcome:
@@ -62,6 +64,17 @@ class Solution(Shown):
     timing: dict[str, float]
     cases: tuple[CaseOutcome, ...] = ()
     self_clearance: SelfClear | None = None
+
+    @property
+    def at_bounds(self) -> tuple[str, ...]:
+        """Parameters of the gait that ended where `[task.bounds]` ends: a wider range may hold a better one."""
+        lower, upper = self.problem.family_of(self.gait).limits
+        ends = zip(self.names, self.q, lower, upper, strict=True)
+        return tuple(
+            f"{name} = {low if q - low < upper_end - q else upper_end:g}"
+            for name, q, low, upper_end in ends
+            if low < upper_end and min(q - low, upper_end - q) < AT_BOUND * (upper_end - low)
+        )
 
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""
