@@ -114,3 +114,14 @@ def test_a_table_that_does_not_say_whose_points_it_has_says_what_to_name(tmp_pat
     long(tmp_path / "m.csv", time, (points, points + OTHER))
     with pytest.raises(InputError, match="row 8, .*twice in one frame. Of several animals.*`individual`"):
         read_long(tmp_path / "m.csv", {"time": "t", "point": "id", "x": "x", "y": "y"}, "px")
+
+
+def test_a_fault_of_one_of_several_is_said_with_its_row_of_the_file(tmp_path):
+    time, points = swimmer()
+    read = sleap_csv(tmp_path / "m.csv", time, (points, points + OTHER))
+    lines = (tmp_path / "m.csv").read_text().splitlines()
+    lines[8] = lines[8].replace("two,3,", "two,1,")  # row 9 of the file, the fourth of its own
+    (tmp_path / "m.csv").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="row 9, .*times must increase"):
+        read("two")
+    assert len(read("one").time_s) == len(time)

@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from serpenoid.problem import Problem
 
 MOST_BOUNDS = 4  # that a line lists
-
-
 KEPT = "Solved starts are kept: the same command goes on from there."
 FAR_TURN_RAD = 0.5  # in one cycle; what the paper's robot does by a strong offset
 

@@ -101,14 +101,15 @@ def whole_points(floor: Floats, first: int, columns: Sequence[int], names: Seque
     return floor
 
 
-def increasing_times(times: Floats, first: int, column: int, path: Path, name: str) -> Floats:
-    """The time column, checked: no empty cell, strictly increasing."""
+def increasing_times(times: Floats, rows: int | NDArray[np.int64], column: int, path: Path, name: str) -> Floats:
+    """The time column, checked: no empty cell, strictly increasing. rows: of the file, each or where they begin."""
+    row_of = rows + np.arange(len(times)) if isinstance(rows, int) else rows
     missing = np.flatnonzero(~np.isfinite(times))
     if missing.size:
-        raise InputError(f"{place(path, first + int(missing[0]), column, name)}: time must not be empty.")
+        raise InputError(f"{place(path, int(row_of[missing[0]]), column, name)}: time must not be empty.")
     back = np.flatnonzero(np.diff(times) <= 0)
     if back.size:
-        row = first + int(back[0]) + 1
+        row = int(row_of[back[0] + 1])
         raise InputError(
             f"{place(path, row, column, name)}: times must increase, got {times[back[0] + 1]:g} after "
             f"{times[back[0]]:g}. "

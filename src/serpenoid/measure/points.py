@@ -31,6 +31,7 @@ from serpenoid.measure.tracks import METRES, Tracks, floor_plane
 
 MOST_CELLS = 200_000_000
 C3D_TIMEOUT_S = 120
+SEVERAL = " Of several animals? Then `columns` needs `individual`, and the trial names one: `individual`."
 
 
 def read_long(
@@ -41,7 +42,7 @@ def read_long(
     time_unit: str = "s",
     individual: str | None = None,
 ) -> Tracks:
-    """One row per frame and point, (and individual). `columns` maps time, frame, point, x, y, individual to the file's
+    """One row per frame and point (and individual). `columns` maps time, frame, point, x, y, individual to the file's
     own names (time or frame)."""
     path = Path(path)
     rows = read_rows(path)
@@ -54,6 +55,7 @@ def read_long(
     where = [found[role] for role in roles]
     data = block(rows, 1, where, [columns[role] for role in roles], path)
     _refuse_empty(data[:, :2], where, rows, path)
+    whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
     own = _own(rows, found.get("individual"), individual, path)
     data = data[own]
     stamps, frame = np.unique(data[:, 0], return_inverse=True)
@@ -61,15 +63,8 @@ def read_long(
     taken, again = np.unique(frame * len(points) + slot, return_index=True)
     if len(taken) != len(data):
         row = int(own[np.setdiff1d(np.arange(len(data)), again)[0]])
-        several = (
-            ""
-            if "individual" in columns
-            else (" Of several animals? Then `columns` needs `individual`, and the trial names one: `individual`.")
-        )
-        raise InputError(
-            f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{several}"
-        )
-    whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
+        cure = "" if "individual" in columns else SEVERAL
+        raise InputError(f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{cure}")
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
     floor = np.full((len(stamps), len(points), 2), np.nan)
@@ -102,10 +97,11 @@ def read_sleap(
         if name not in header:
             raise InputError(f"{path}: row 1: no column `{name}`.")
     where = [header.index(name) for name in wanted]
-    data = block(rows, 1, where, wanted, path)[own]
-    times = increasing_times(data[:, 0], 1, where[0], path, "frame_idx") / frames_per_second
+    data = block(rows, 1, where, wanted, path)
     points = data[:, 1:].reshape(len(data), len(names), 3)
+    times = increasing_times(data[own, 0], own + 1, where[0], path, "frame_idx") / frames_per_second
     whole_points(points[..., :2], 1, where[1::3], names, path)
+    points = points[own]
     floor = np.where(points[..., 2:] >= minimum_score, points[..., :2], np.nan) * np.array([1.0, -1.0])
     return _tracks(times, names, floor, length_unit, path)
 

@@ -56,9 +56,9 @@ class Schedule:
 
     def commanded(self, time_s: Floats) -> Floats:
         """Commanded joint angles (R, m); row 0 before the start, in pauses and after the end."""
-        row, share = self.rows_at(np.asarray(time_s))
-        before = self.closed[row]
-        return before if self.held else np.asarray(before + share[:, None] * (self.closed[row + 1] - before))
+        (row, share), closed = self.rows_at(np.asarray(time_s)), self.closed
+        before = closed[row]
+        return before if self.held else np.asarray(before + share[:, None] * (closed[row + 1] - before))
 
     @property
     def closed(self) -> Floats:

@@ -49,6 +49,11 @@ class MeshStudy:
         return _limit(self.dissipations[1:])
 
     @property
+    def turn(self) -> float:
+        """Extrapolated turn [rad]."""
+        return _limit(self.turns[1:])
+
+    @property
     def error(self) -> float:
         """Bound on the discretisation error of the displacement with T steps [body lengths]."""
         doubt = abs(self.displacement - _limit(self.displacements[:2]))
@@ -57,8 +62,7 @@ class MeshStudy:
     @property
     def turn_error(self) -> float:
         """The same of the turn [rad]."""
-        turn = _limit(self.turns[1:])
-        return abs(self.turns[0] - turn) + abs(turn - _limit(self.turns[:2]))
+        return abs(self.turns[0] - self.turn) + abs(self.turn - _limit(self.turns[:2]))
 
     @property
     def converged(self) -> bool:
@@ -67,9 +71,8 @@ class MeshStudy:
 
     def within(self, share: float) -> bool:
         """Whether the error is at most `share` of the extrapolated motion: displacement and turn together."""
-        turn = _limit(self.turns[1:])
         error = self.error + GYRATION * self.turn_error
-        return bool(error <= max(share * (abs(self.displacement) + GYRATION * abs(turn)), RESOLVED))
+        return bool(error <= max(share * (abs(self.displacement) + GYRATION * abs(self.turn)), RESOLVED))
 
     @property
     def words(self) -> str:
@@ -85,10 +88,10 @@ class MeshStudy:
     @property
     def _turn_words(self) -> str:
         """The same of the turn, where there is one."""
-        turn = _limit(self.turns[1:])
-        if GYRATION * abs(turn) <= RESOLVED:
+        if GYRATION * abs(self.turn) <= RESOLVED:
             return ""
-        return f"; turn {turn:.6f} rad, error {self.turn_error:.1e} ({100 * self.turn_error / abs(turn):.2g} %)"
+        share = 100 * self.turn_error / abs(self.turn)
+        return f"; turn {self.turn:.6f} rad, error {self.turn_error:.1e} ({share:.2g} %)"
 
     @property
     def record(self) -> dict[str, object]:
@@ -100,7 +103,7 @@ class MeshStudy:
             "extrapolated_displacement_body_lengths": self.displacement if known else None,
             "extrapolated_dissipation": self.dissipation if known else None,
             "displacement_error": self.error if known else None,
-            "extrapolated_turn_rad": _limit(self.turns[1:]) if known else None,
+            "extrapolated_turn_rad": self.turn if known else None,
             "turn_error_rad": self.turn_error if known else None,
             "converged": self.converged,
         }

@@ -69,11 +69,11 @@ class Solution(Shown):
     def at_bounds(self) -> tuple[str, ...]:
         """Parameters of the gait that ended where `[task.bounds]` ends: a wider range may hold a better one."""
         lower, upper = self.problem.family_of(self.gait).limits
-        ends = zip(self.names, self.q, lower, upper, strict=True)
         return tuple(
-            f"{name} = {low if q - low < upper_end - q else upper_end:g}"
-            for name, q, low, upper_end in ends
-            if low < upper_end and min(q - low, upper_end - q) < AT_BOUND * (upper_end - low)
+            f"{name} = {end:g}"
+            for name, q, low, high in zip(self.names, self.q, lower, upper, strict=True)
+            for end in (low, high)
+            if abs(q - end) < AT_BOUND * (high - low)
         )
 
     def summary(self) -> str:

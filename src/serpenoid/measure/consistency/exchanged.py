@@ -143,16 +143,19 @@ def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
     changed = here[rows[order != rows]]
     pushed = np.diagonal(moved).T  # (K, 2): by a camera that is pushed all move alike
     away = np.linalg.norm(pushed - np.median(pushed, axis=0), axis=1) / np.diagonal(scale)
-    slid = [np.linalg.norm(cut.ahead[frame, here] - to[here], axis=1) for to in _along_itself(cut.behind[frame])]
-    own = min(_cost(np.diagonal(missed)), _cost(away), *(_cost(far / np.diagonal(scale)) for far in slid))
+    own = min(_cost(np.diagonal(missed)), _cost(away))
     count = len(cut.behind[0])
     left = _cost(missed[rows, order]) + _ways(len(here), len(changed))
     if np.array_equal(here[::-1], count - 1 - here):  # whatever is seen, seen from either end
         mirrored = _cost(np.diagonal(missed[::-1]))
         if mirrored < left:
             left, order, changed = mirrored, rows[::-1], here[here != here[::-1]]
-    gain = own - left - float(np.log(count))
-    if not (len(changed) and gain > 0):
+    left += float(np.log(count))
+    if not (len(changed) and own > left):
+        return None
+    slid = [np.linalg.norm(cut.ahead[frame, here] - to[here], axis=1) for to in _along_itself(cut.behind[frame])]
+    gain = min([own, *(_cost(far / np.diagonal(scale)) for far in slid)]) - left
+    if not gain > 0:
         return None
     names = np.arange(count)
     names[here[rows]] = here[order]
