@@ -14,7 +14,7 @@ from oracle.small_strokes import cheapest_stroke
 from serpenoid.body import Floats
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.errors import InputError
-from serpenoid.gaits import EllipseGait
+from serpenoid.gaits import EllipseGait, families
 from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
@@ -328,7 +328,8 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         ),
         (BODY + MEDIUM + "[gait]\nsigma = 1.5\n", r"sigma: .*less than or equal to 1, got 1\.5"),
         (BODY + MEDIUM + "[gait]\nampl = 1.5\n", r"ampl: unknown key"),
-        (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"gait: .*'spiral'"),
+        (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"^\S*: \[gait\] family: must be one of .*'spiral'\.$"),
+        (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[task\.objectives\.0\] kind: is required"),
         (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*Swap tangential and normal"),
     ],
 )
@@ -347,6 +348,15 @@ def test_assignments_go_before_the_file_and_are_checked_like_it() -> None:
         load(PROBLEMS / "reference.toml", set=["medium.anisotropy_ratio=1.5"])
     with pytest.raises(InputError, match=r"\[medium\] ratio: unknown key"):
         load(PROBLEMS / "reference.toml", set=["medium.ratio=0.5"])
+
+
+@pytest.mark.parametrize("family", [name for name in families() if name != "ellipse"])
+def test_another_family_on_the_command_line_begins_the_gait_and_its_bounds_anew(family: str) -> None:
+    asked = load(PROBLEMS / "snake10.toml", set=[f"gait.family={family}"])
+    assert asked.gait.family == asked.task.bounds.family == family
+    assert asked.task.steps == load(PROBLEMS / "snake10.toml").task.steps
+    own = load(PROBLEMS / "snake10.toml", set=["gait.family=ellipse"])
+    assert own == load(PROBLEMS / "snake10.toml")
 
 
 def test_a_gait_may_be_a_joint_table_beside_the_problem_file(tmp_path: Path) -> None:

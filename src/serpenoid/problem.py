@@ -148,9 +148,9 @@ class Problem(Record):
         gait, task = data.get("gait", {}), data.get("task", {})
         family = gait.get("family", "ellipse") if isinstance(gait, dict) else getattr(gait, "family", "ellipse")
         bounds = task.get("bounds", {})
-        if not isinstance(bounds, dict) or family not in families():
-            return data
-        return data | {"task": task | {"bounds": {"family": family} | bounds}}
+        if family not in families():  # one fault, not two
+            return data | {"task": {key: value for key, value in task.items() if key != "bounds"}}
+        return data if not isinstance(bounds, dict) else data | {"task": task | {"bounds": {"family": family} | bounds}}
 
     @model_validator(mode="after")
     def _limits_exist(self) -> Self:
@@ -272,14 +272,29 @@ def load(
     data = schema.read_toml(path, "problem")
     if model is not None:
         data |= _with_limits(read_model_file(model), data.get("body"))
-    data = schema.override(data, set or [])
+    data = schema.override(_of_another_family(data, set or []), set or [])
     gait = data.get("gait")
     if isinstance(gait, dict):
-        gait.setdefault("family", "table" if "path" in gait or "file" in gait else "ellipse")
+        gait.setdefault("family", _family(gait))
     source = str(path) if model is None else f"{path} with --model {model}"
     problem = schema.validate(Problem, data, source)
     problem._folder, problem._name = path.parent, path.stem
     return problem
+
+
+def _of_another_family(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
+    """`--set gait.family=...` begins [gait] and [task.bounds] anew: the file's are parameters of its own family."""
+    wanted = schema.override({}, assignments).get("gait", {})
+    gait, task = data.get("gait", {}), data.get("task", {})
+    if not (isinstance(wanted, dict) and isinstance(gait, dict) and isinstance(task, dict)):
+        return data
+    if wanted.get("family", _family(gait)) == _family(gait):
+        return data
+    return data | {"gait": {}, "task": {key: value for key, value in task.items() if key != "bounds"}}
+
+
+def _family(gait: dict[str, Any]) -> Any:
+    return gait.get("family", "table" if "path" in gait or "file" in gait else "ellipse")
 
 
 def _with_limits(model: dict[str, Any], body: Any) -> dict[str, Any]:

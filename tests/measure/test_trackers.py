@@ -22,9 +22,9 @@ from serpenoid.measure.trackers import (
     read_deeplabcut,
     read_sleap_analysis,
     read_tierpsy,
-    read_wcon,
 )
 from serpenoid.measure.trex import read_trex
+from serpenoid.measure.wcon import read_wcon
 
 RATE = 25.0
 NAMES = ["tail", "a", "b", "c", "d", "head"]

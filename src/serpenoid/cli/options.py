@@ -20,7 +20,10 @@ from serpenoid.cli.claim import claim
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
-SET_HELP = "override a number of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable)"
+SET_HELP = (
+    "override a value of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable); "
+    "another gait.family begins [gait] and [task.bounds] anew"
+)
 
 
 def add_problem(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.cli.solve import bound_lines
+from serpenoid.cli.solve import bound_lines, starts_line
 from serpenoid.files.inputs import csv_rows, read_text
 
 
@@ -100,7 +100,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
     summary = record.get("multi_start")
     if summary:
         found = ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in summary["optima"])
-        lines.append(f"optima found      {found or 'none'}; failed starts: {len(summary['failures'])}")
+        lines.append(starts_line(found, summary["failures"]))
     return lines
 
 

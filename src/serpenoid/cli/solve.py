@@ -25,6 +25,7 @@ Ctrl-C keeps the best so far (a better one that is there from before stays) and 
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -205,9 +206,15 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         *([f"clearance         {best.clearance.words}"] if best.clearance else []),
         *([f"from itself       {best.self_clearance.words}"] if best.self_clearance else []),
         f"mesh              {best.mesh.words}",
-        f"optima found      {optima or 'none'}; failed starts: {len(result.failures)}",
+        starts_line(optima, [failed.status.name for failed in result.failures]),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
     ]
+
+
+def starts_line(optima: str, failures: Sequence[str]) -> str:
+    """Which optima the starts found, and what kept the others from being one (names of `Status`)."""
+    reasons = ", ".join(f"{count} {reason.lower()}" for reason, count in Counter(failures).most_common())
+    return f"optima found      {optima or 'none'}; failed starts: {reasons or 0}"
 
 
 def bound_lines(at_bounds: Sequence[str]) -> list[str]:

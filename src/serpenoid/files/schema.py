@@ -181,19 +181,30 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
         return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
     if fault["type"] == "missing":
         return f"{place}: is required and not there."
+    if fault["type"] in ("union_tag_invalid", "union_tag_not_found"):
+        return f"[{'.'.join([*sections, key])}] {_tag_fault(fault['ctx'])}"
     shown = "" if isinstance(fault["input"], dict) else f", got {_short(fault['input'])}"
-    if fault["type"] == "model_type":
+    if fault["type"] in ("model_type", "model_attributes_type"):
         return f"{place}: must be a section, [{place}] and its keys below it{shown}."
     if fault["type"] == "too_short":
         least = fault["ctx"]["min_length"]
         return f"{place}: needs {least} {'entry' if least == 1 else 'entries'} or more{shown}."
     if fault["type"] == "too_long":
         return f"{place}: takes {fault['ctx']['max_length']} entries at most, got {len(fault['input'])}."
-    message = fault["msg"].removeprefix("Value error, ").removesuffix(".")
+    message = fault["msg"].removeprefix("Value error, ").removesuffix(".").replace("a valid tuple", "a list")
     if not place:
         return f"{message}."
     rule, _, remedy = message.partition("; ")
     return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
+
+
+def _tag_fault(context: dict[str, Any]) -> str:
+    """The key that says which of several forms a section has is missing, or is none of them."""
+    tag = context["discriminator"].strip("'")
+    if "tag" not in context:
+        return f"{tag}: is required and not there."
+    known = context["expected_tags"].replace("'", "`")
+    return f"{tag}: must be one of {known}, got {_short(context['tag'])}."
 
 
 def _short(value: Any) -> str:

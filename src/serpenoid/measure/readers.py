@@ -20,10 +20,10 @@ from serpenoid.measure.trackers import (
     read_deeplabcut,
     read_sleap_analysis,
     read_tierpsy,
-    read_wcon,
 )
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trex import read_trex
+from serpenoid.measure.wcon import read_wcon
 
 if TYPE_CHECKING:
     from serpenoid.measure.campaign import MotionKeys

@@ -1,4 +1,4 @@
-"""Files of animal trackers: DeepLabCut (CSV, HDF5), SLEAP analysis and Tierpsy (HDF5), WCON (JSON), plain arrays (npz).
+"""Files of animal trackers: DeepLabCut (CSV, HDF5), SLEAP analysis and Tierpsy (HDF5), plain arrays (npz).
 
 All of them give points in the order of the file; image coordinates (pixels, y down) are turned up. HDF5 needs h5py
 (`pip install 'serpenoid[hdf5]'`). Points whose score is below `minimum_score` count as hidden.
@@ -7,12 +7,11 @@ All of them give points in the order of the file; image coordinates (pixels, y d
 from __future__ import annotations
 
 import io
-import json
 import pickle
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,24 +20,10 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.individuals import chosen
-from serpenoid.measure.tracks import METRES, Tracks
+from serpenoid.measure.tracks import METRES, End, Tracks
 
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
-UNITS_WCON = {name: unit for unit, names in {
-    "m": ("metre", "meter"), "cm": ("centimetre", "centimeter"), "mm": ("millimetre", "millimeter"),
-    "um": ("µm", "micron", "micrometre", "micrometer"), "px": ("pixel",),
-}.items() for name in (unit, *names, *(f"{long}s" for long in names))}  # fmt: skip
-SECONDS = {
-    "s": 1.0,
-    "sec": 1.0,
-    "second": 1.0,
-    "seconds": 1.0,
-    "ms": 1e-3,
-    "min": 60.0,
-    "minute": 60.0,
-    "minutes": 60.0,
-}
 
 
 @dataclass(frozen=True)
@@ -160,45 +145,6 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     return as_tracks(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
 
 
-def read_wcon(path: str | Path, timing: Timing) -> Tracks:
-    """Worm tracker Commons Object Notation: `units`, `data` with `t`, `x`, `y` (and `ox`, `oy`) of one animal."""
-    path = Path(path)
-    record = _json(path)
-    units, data = record.get("units"), record.get("data")
-    listed = data if isinstance(data, list) else [data]
-    entries = [e for e in listed if isinstance(e, dict) and {"t", "x", "y"} <= set(e)]
-    if not isinstance(units, dict) or len(entries) < len(listed):
-        raise InputError(f"{path}: a WCON file has `units`, and `data` with `t`, `x` and `y`.")
-    individual = chosen([str(e.get("id")) for e in entries], timing.individual, path)
-    entries = [e for e in entries if str(e.get("id")) == individual]
-    length, second = UNITS_WCON.get(str(units.get("x"))), SECONDS.get(str(units.get("t")))
-    if length is None or units.get("x") != units.get("y") or second is None:
-        raise InputError(
-            f"{path}: `units` must be a time ({', '.join(SECONDS)}) for t, and one length (m, cm, mm, um, px) for x "
-            f"and y, got {', '.join(f'{k}: `{units.get(k)}`' for k in 'txy')}. Correct the file."
-        )
-    rows = [row for entry in entries for row in _wcon_rows(entry, path)]
-    count = len(rows[0][1]) if rows else 0
-    if not count or any(len(x) != count or len(y) != count for _, x, y in rows):
-        raise InputError(f"{path}: `x` and `y` must hold as many points at every time.")
-    rows.sort(key=lambda row: row[0])
-    floor = np.stack([np.column_stack([x, y]) for _, x, y in rows])
-    return as_tracks(path, second * np.array([t for t, _, _ in rows]), floor, timing.length_unit or length)
-
-
-def _wcon_rows(entry: dict[str, Any], path: Path) -> Iterator[tuple[float, Floats, Floats]]:
-    several = isinstance(entry["t"], list)
-    times, xs, ys = ((entry[k] if several else [entry[k]]) for k in ("t", "x", "y"))
-    origins = [np.broadcast_to(np.asarray(entry.get(k, 0.0), float), len(times)) for k in ("ox", "oy")]
-    try:
-        for t, x, y, ox, oy in zip(times, xs, ys, *origins, strict=True):
-            yield float(t), np.atleast_1d(np.array(x, float)) + ox, np.atleast_1d(np.array(y, float)) + oy
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"{path}: `t`, `x` and `y` must be numbers, one list of points at every time: {error}."
-        ) from None
-
-
 def read_array(path: str | Path, timing: Timing) -> Tracks:
     """An .npz with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate."""
     path = Path(path)
@@ -236,9 +182,10 @@ def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timi
     return _tracks(path, frames / timing.frames_per_second, names, floor * DOWN, unit)
 
 
-def as_tracks(path: Path, times: Floats, floor: Floats, unit: str) -> Tracks:
-    """Points in the order of the file (F, N, 2), in `unit`, as Tracks."""
-    return _tracks(path, times, [f"point_{k}" for k in range(floor.shape[1])], floor, unit)
+def as_tracks(path: Path, times: Floats, floor: Floats, unit: str, first: End | None = None) -> Tracks:
+    """Points in the order of the file (F, N, 2), in `unit`, as Tracks; first: which end it says its first point is."""
+    found = _tracks(path, times, [f"point_{k}" for k in range(floor.shape[1])], floor, unit)
+    return replace(found, first_point=first)
 
 
 def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit: str) -> Tracks:
@@ -269,18 +216,6 @@ def _require(file: Any, path: Path, kind: str, *names: str) -> None:
     missing = next((name for name in names if name not in file), None)
     if missing is not None:
         raise InputError(f"{path}: a {kind} file holds `{missing}`; this one has {', '.join(list(file)[:8])}.")
-
-
-def _json(path: Path) -> dict[str, Any]:
-    try:
-        record = json.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not a JSON file: {str(error)[:100]}.") from None
-    if not isinstance(record, dict):
-        raise InputError(f"{path}: a WCON file is one JSON object.")
-    return record
 
 
 def _number(value: Any) -> float | None:

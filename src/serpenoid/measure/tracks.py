@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from serpenoid.errors import InputError
 
 Floats = NDArray[np.float64]
+End = Literal["tail", "head"]
 LengthUnit = Literal["m", "cm", "mm", "um", "px", "bl"]
 
 METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "px": 1.0, "bl": 1.0}
@@ -27,6 +28,7 @@ class Tracks:
     unlabelled: tuple[bool, ...]  # (M,): a fragment without identity
     scale_known: bool = True
     space: Floats | None = None  # (F, M, 3) in the file's own axes, where it has three
+    first_point: End | None = None  # which end of the body the file says its first point is
 
     def __post_init__(self) -> None:
         frames, markers = len(self.time_s), len(self.names)

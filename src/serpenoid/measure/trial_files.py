@@ -143,8 +143,13 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
 def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:
     """Tracks as vertices 0 .. N - 1, NaN where none has a marker, by names and edge lengths (N - 1,), if known."""
     markers = None if keys.format == "tidy" else keys.markers  # tidy columns are vertices already
-    marked, from_head = keys.marked(body.vertices), keys.first_point == "head"
-    found = label_vertices(tracks, markers, _between(marked, edges, body), len(marked), from_head)
+    marked, first = keys.marked(body.vertices), keys.first_point or tracks.first_point
+    if tracks.first_point not in (None, first):
+        raise InputError(
+            f'{tracks.source}: says that its first point is the {tracks.first_point}: leave `first_point = "{first}"` '
+            "in [motion] out, or correct the file."
+        )
+    found = label_vertices(tracks, markers, _between(marked, edges, body), len(marked), first == "head")
     vertices = np.full((len(found.vertices), body.vertices, 2), np.nan)
     vertices[:, marked] = found.vertices
     return replace(found, vertices=vertices, relabelled=tuple((name, marked[k]) for name, k in found.relabelled))
