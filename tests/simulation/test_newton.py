@@ -8,9 +8,11 @@ import pytest
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.mechanics.compile import find_compiler
 from serpenoid.mechanics.substitution import banded, substituted
 from serpenoid.model import Model
-from serpenoid.simulation.balance import solve_balance
+from serpenoid.simulation import balance
+from serpenoid.simulation.balance import solve_balance, solve_near
 from serpenoid.simulation.chain import Chain, solve_chain, solve_chains
 from serpenoid.simulation.inertia import carried, coefficients, matrix
 from serpenoid.simulation.law import MediumNumbers
@@ -37,6 +39,36 @@ def test_the_step_by_moments_is_the_root_of_the_forces_alone_and_in_a_chain(mode
         assert found.residual.max() <= TOLERANCE
         np.testing.assert_allclose(found.relative, by_moments.relative, atol=SAME)
         np.testing.assert_allclose(found.energy, by_moments.energy, rtol=1e-12)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+def test_lanes_that_are_refilled_find_the_roots_of_steps_side_by_side(law: str) -> None:
+    """150 steps in C, from a guess that is far off, and some that have no root: the same ones, step for step."""
+    begun = reference()
+    effects = ActiveEffect.typical("dry_friction"), ActiveEffect.typical("slope")
+    model = Model(
+        begun.body, begun.medium.model_copy(update={"law": law, "softening": 0.1}), effects[law == "coulomb" :]
+    )
+    table = serpenoid_table(model, 150)
+    _, elements = shape_rows(model, np.concatenate([table, table[:1]]))
+    m, times = model.structure.elements, np.linspace(0, 3, 151)
+    before, after = elements[:, :-m].copy(), elements[:, m:].copy()
+    after[0, 70 * m] = np.nan
+    rng = np.random.default_rng(1)
+    starts, near = rng.normal(size=(150, 3)), 0.1 * rng.normal(size=(150, 3))
+    spans = np.column_stack([times[:-1], times[1:]])
+    coast = balance.Coast(rng.uniform(size=150), 1e-3 * rng.normal(size=(150, 3)))
+    wide = solve_near(model, before, after, spans, starts, near, coast)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(balance, "roots", lambda law: None)
+        plain = solve_near(model, before, after, spans, starts, near, coast)
+    assert np.array_equal(wide.sound, plain.sound)
+    assert 60 < wide.sound.sum() < 150
+    assert not wide.sound[70]
+    for name in ("relative", "energy", "slopes"):
+        one, other = (getattr(found, name)[plain.sound] for found in (wide, plain))
+        np.testing.assert_allclose(one, other, rtol=0, atol=SAME * np.abs(other).max())
 
 
 def pulled(loads: Floats, ages: int) -> tuple[Floats, State]:

@@ -54,10 +54,14 @@ def over_steps(which: str, law: str) -> OverSteps:
     return over
 
 
+def edge() -> ca.Function:
+    """Direction (2) of the edge between two elements (4)."""
+    points = ca.SX.sym("tail", 4), ca.SX.sym("head", 4)
+    return ca.Function("edge", list(points), [unit_edges(ca.horzcat(*(p[:2] for p in points)))], CSE)
+
+
 def _source(vertex: Vertex) -> str:
     """C of `over_steps`: block after block of steps; for each of them, vertex after vertex."""
-    points = ca.SX.sym("tail", 4), ca.SX.sym("head", 4)
-    edge = ca.Function("edge", list(points), [unit_edges(ca.horzcat(*(p[:2] for p in points)))], CSE)
     function, coordinates = vertex.function, coordinate_count(medium_effects())
     sizes = [function.numel_out(i) for i in range(function.n_out())]
     ends = np.cumsum([0, *sizes])
@@ -99,7 +103,7 @@ void over_steps(long count, {arguments}, long elements) {{
   }}
 }}
 """
-    return "\n".join([QUICKLY, PRELUDE, kernel(edge), kernel(function, [3, 5], add=True), GATHER, body])
+    return "\n".join([QUICKLY, PRELUDE, kernel(edge()), kernel(function, [3, 5], add=True), GATHER, body])
 
 
 def _mapped(

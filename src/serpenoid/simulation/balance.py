@@ -14,12 +14,14 @@ import numpy as np
 
 from serpenoid import group
 from serpenoid.body import Floats
+from serpenoid.mechanics.roots import roots
 from serpenoid.model import Model
 from serpenoid.simulation.law import MediumNumbers, evaluate
-from serpenoid.simulation.newton import TOLERANCE, State, newton
+from serpenoid.simulation.newton import ENOUGH, ITERATIONS, LEAST_DAMPING, TOLERANCE, State, newton
 from serpenoid.simulation.steps import Steps
 
 STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
+LIMITS = np.array([ENOUGH, LEAST_DAMPING, ITERATIONS])
 
 
 @dataclass(frozen=True)
@@ -103,21 +105,39 @@ def _newton(
 ) -> Balance:
     """The second poses by Newton's method; `relative` of the answer holds poses on the floor."""
     law, home = MediumNumbers.of(model, strength), starts * [1, 1, 0]
-    settings, carried = law.settings(times), about(coast.carried, home)
-    settings[3:5] = home[:, :2].T
-    elements = by_step(before, len(ends)), by_step(after, len(ends))
+    settings, carried = law.settings(times).T, about(coast.carried, home)
+    settings[:, 3:5] = home[:, :2]
+    chains = [by_step(x, len(ends)).reshape(len(ends), -1, 4) for x in (before, after)]
+    given = *chains, starts - home, settings, coast.rate, carried, ends - home
+    run = roots(law.kind)
+    found = plain_roots(law, *given) if run is None else run(*given, law.medium.T, law.theta.T, LIMITS)
+    moved, slopes, energy, size = found
+    sound = (size <= TOLERANCE) & (np.linalg.det(slopes) > 0)
+    return Balance(moved + home, energy, size, sound, about(slopes, -home))
+
+
+def plain_roots(
+    law: MediumNumbers,
+    before: Floats,
+    after: Floats,
+    starts: Floats,
+    settings: Floats,
+    rate: Floats,
+    carried: Floats,
+    guess: Floats,
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """What `mechanics.roots` gives, where nothing can be compiled."""
 
     def equations(trial: Floats, steps: np.ndarray) -> State:
-        first, last = (x[steps].reshape(-1, 4).T for x in elements)
-        poses = np.hstack([(starts - home)[steps], trial]).T
-        value, energy, slope = evaluate("balance", law, first, last, poses, settings[:, steps])
-        rate = coast.rate[steps, None]
-        residual = value[:, :3] + rate * value[:, 3:] + carried[steps]
-        return State(residual, (slope[:, :3] + rate[..., None] * slope[:, 3:])[None], (energy,))
+        first, last = (x[steps].reshape(-1, 4).T for x in (before, after))
+        poses = np.hstack([starts[steps], trial]).T
+        value, energy, slope = evaluate("balance", law, first, last, poses, settings[steps].T)
+        by = rate[steps, None]
+        residual = value[:, :3] + by * value[:, 3:] + carried[steps]
+        return State(residual, (slope[:, :3] + by[..., None] * slope[:, 3:])[None], (energy,))
 
-    moved, state = newton(equations, ends - home)
-    sound = (state.size <= TOLERANCE) & state.resisting
-    return Balance(moved + home, state.more[0], state.size, sound, about(state.slopes[0], -home))
+    ends, state = newton(equations, guess)
+    return ends, state.slopes[0], state.more[0], state.size
 
 
 def by_step(elements: Floats, count: int) -> Floats:

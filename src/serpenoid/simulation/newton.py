@@ -21,6 +21,7 @@ from serpenoid.body import Floats
 from serpenoid.mechanics.substitution import substituted
 
 TOLERANCE = 1e-12  # of a root's residual
+ENOUGH = TOLERANCE / 10  # and where the search for it ends
 ITERATIONS = 60
 LEAST_DAMPING = 1e-8
 
@@ -54,7 +55,7 @@ Equations = Callable[[Floats, np.ndarray], State]  # unknowns (n, d), numbers of
 
 
 def newton(
-    equations: Equations, guess: Floats, chains: np.ndarray | None = None, tolerance: float = TOLERANCE / 10
+    equations: Equations, guess: Floats, chains: np.ndarray | None = None, tolerance: float = ENOUGH
 ) -> tuple[Floats, State]:
     """Unknowns (S, d) and the state there, from a guess; chains (G,): how many successive steps each has (one).
 

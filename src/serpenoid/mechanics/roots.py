@@ -1,0 +1,178 @@
+"""Newton's method for steps with effects, in C: lanes that are done take the next step, so none waits for another.
+
+The method is that of `simulation.newton` for steps that do not know each other, number for number; what is evaluated
+are the vertices of `vertices`. Legend: S steps, M elements, P coordinates.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.effects.catalogue import medium_effects
+from serpenoid.mechanics.columns import call
+from serpenoid.mechanics.compile import loaded
+from serpenoid.mechanics.extended import SETTING, Vertex, coordinate_count, vertex_functions
+from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
+from serpenoid.mechanics.vertices import LONGEST, QUICKLY, edge
+
+Roots = Callable[..., tuple[Floats, Floats, Floats, Floats]]
+
+SUPPORT = f"""
+static void gather(long eights, const long *step, const long k, const long apart, const double *a, double *x) {{
+  for (long i = 0; i < 8 * eights; ++i)
+    for (long r = 0; r < k; ++r) x[r * {LANES} + i] = a[step[i] * apart + r];
+}}
+/* d = -m^-1 r by elimination with pivots; where m is singular or no number -r, a short step downhill */
+static void direction(const double *slopes, const double *residual, double *d) {{
+  double m[3][4];
+  int known = 1;
+  for (int j = 0; j < 3; ++j) {{
+    for (int c = 0; c < 3; ++c) known &= isfinite(m[j][c] = slopes[3 * j + c]) != 0;
+    d[j] = -(m[j][3] = residual[j]);
+  }}
+  if (!known) return;
+  double size = 1.0;
+  for (int c = 0; c < 3; ++c) {{
+    int top = c;
+    for (int j = c + 1; j < 3; ++j) if (fabs(m[j][c]) > fabs(m[top][c])) top = j;
+    for (int k = 0; k < 4; ++k) {{ const double held = m[c][k]; m[c][k] = m[top][k]; m[top][k] = held; }}
+    size *= m[c][c];
+    if (!(fabs(m[c][c]) > 0.0)) return;
+    for (int j = c + 1; j < 3; ++j) {{
+      const double share = m[j][c] / m[c][c];
+      for (int k = c; k < 4; ++k) m[j][k] -= share * m[c][k];
+    }}
+  }}
+  if (!(fabs(size) > 1e-300)) return;
+  for (int j = 2; j >= 0; --j) {{
+    double sum = m[j][3];
+    for (int k = j + 1; k < 3; ++k) sum += m[j][k] * d[k];
+    d[j] = -sum / m[j][j];
+  }}
+}}
+"""
+
+
+@lru_cache(maxsize=16)
+def roots(law: str) -> Roots | None:
+    """Second poses of steps by Newton's method; None where it cannot be compiled.
+
+    Takes before, after (S, M, 4), first poses (S, 3), settings (S, 6), rate (S,) and carried (S, 3) of momenta, a guess
+    (S, 3), medium (M, 2), theta (M, P), and limits (3,): the residual that is small enough, the least damping, how many
+    iterations. Gives second poses (S, 3), slopes (S, 3, 3) of the residuals, energies (S,) and largest residuals (S,):
+    infinite where the guess has none.
+    """
+    vertex = vertex_functions(law)["balance"]
+    if vertex.function.n_instructions() > LONGEST:
+        return None
+    run = loaded("roots", _source(vertex), lambda library: ctypes.CDLL(library).roots, flags())
+    if run is None:
+        return None
+
+    def found(*given: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        steps, elements, _ = given[0].shape
+        answers = np.empty((steps, 3)), np.empty((steps, 3, 3)), np.empty(steps), np.empty(steps)
+        call(run, steps, list(given), list(answers), elements)
+        return answers
+
+    return found
+
+
+def _source(vertex: Vertex) -> str:
+    """C of `roots`: lanes hold the steps that are not done; a lane that is done takes the next."""
+    function, coordinates = vertex.function, coordinate_count(medium_effects())
+    sizes = [function.numel_out(i) for i in range(function.n_out())]
+    numbers = sum(sizes)
+    results = ", ".join(f"y + {sum(sizes[:i]) * LANES}" for i in range(len(sizes)))
+    links = "\n".join(
+        f"""    gather(eights, step, 4, 4 * elements, {a} + 4 * k, {x});
+    gather(eights, step, 4, 4 * elements, {a} + 4 * (k ? k - 1 : 0), tail);
+    gather(eights, step, 4, 4 * elements, {a} + 4 * (k ? k : 1), head);
+    edge(eights, tail, head, {x} + {4 * LANES});"""
+        for a, x in (("before", "x"), ("after", "z"))
+    )
+    evaluated = f"""
+static void evaluated(long eights, const long *step, const double *before, const double *after, const double *starts,
+                      const double *settings, const double *medium, const double *theta, const double *ends,
+                      long elements, double *y) {{
+  static _Thread_local double work[{(12 + 8 + 6 + SETTING) * LANES}];
+  double *x = work, *z = x + {6 * LANES}, *tail = z + {6 * LANES}, *head = tail + {4 * LANES};
+  double *poses = head + {4 * LANES}, *setting = poses + {6 * LANES};
+  gather(eights, step, 3, 3, starts, poses);
+  memcpy(poses + {3 * LANES}, ends, {3 * LANES} * sizeof(double));
+  gather(eights, step, {SETTING}, {SETTING}, settings, setting);
+  for (long i = 0; i < {numbers * LANES}; ++i) y[i] = 0.0;
+  for (long k = 0; k < elements; ++k) {{
+{links}
+    {function.name()}(eights, x, z, poses, medium + 2 * k, setting, theta + {coordinates} * k, {results});
+  }}
+}}
+"""
+    run = f"""
+typedef struct {{ double size, damping, direction[3]; long tries; }} Lane;
+
+void roots(long count, const double *before, const double *after, const double *starts, const double *settings,
+           const double *rate, const double *carried, const double *guess, const double *medium, const double *theta,
+           const double *limits, double *ends, double *slopes, double *energy, double *size, long elements) {{
+  static _Thread_local double y[{numbers * LANES}], trial[{3 * LANES}];
+  static _Thread_local Lane lanes[{LANES}];
+  long step[{LANES}], active = 0, next = 0;
+  memset(trial, 0, sizeof trial);
+  for (;;) {{
+    while (active < {LANES} && next < count) {{
+      step[active] = next;
+      lanes[active].tries = 0;
+      for (int j = 0; j < 3; ++j) trial[j * {LANES} + active] = guess[3 * next + j];
+      ++active, ++next;
+    }}
+    if (!active) return;
+    const long eights = (active + 7) / 8;
+    for (long i = active; i < 8 * eights; ++i) {{
+      step[i] = step[active - 1];
+      for (int j = 0; j < 3; ++j) trial[j * {LANES} + i] = trial[j * {LANES} + active - 1];
+    }}
+    evaluated(eights, step, before, after, starts, settings, medium, theta, trial, elements, y);
+    long kept = 0;
+    for (long i = 0; i < active; ++i) {{
+      Lane *lane = lanes + i;
+      const long s = step[i];
+      double residual[3], now = 0.0;
+      for (int j = 0; j < 3; ++j) {{
+        residual[j] = y[j * {LANES} + i] + rate[s] * y[(3 + j) * {LANES} + i] + carried[3 * s + j];
+        if (!(fabs(residual[j]) <= now)) now = fabs(residual[j]);
+      }}
+      if (!isfinite(residual[0] + residual[1] + residual[2])) now = INFINITY;
+      const int first = lane->tries == 0;
+      if (first || now < lane->size) {{
+        for (int j = 0; j < 3; ++j) {{
+          ends[3 * s + j] = trial[j * {LANES} + i];
+          for (int c = 0; c < 3; ++c) {{
+            const double *by = y + (7 + 6 * c + j) * {LANES} + i;
+            slopes[9 * s + 3 * j + c] = now < INFINITY ? by[0] + rate[s] * by[{3 * LANES}] : 0.0;
+          }}
+        }}
+        energy[s] = y[6 * {LANES} + i], size[s] = lane->size = now;
+        direction(slopes + 9 * s, residual, lane->direction);
+        lane->damping = first ? 1.0 : fmin(1.0, 2.0 * lane->damping);
+      }} else {{
+        lane->damping /= 3.0;
+      }}
+      ++lane->tries;
+      const int goes = lane->size > limits[0] && lane->size < INFINITY && lane->damping > limits[1];
+      if (goes && lane->tries <= limits[2]) {{
+        lanes[kept] = *lane, step[kept] = s;
+        for (int j = 0; j < 3; ++j)
+          trial[j * {LANES} + kept] = ends[3 * s + j] + lanes[kept].damping * lanes[kept].direction[j];
+        ++kept;
+      }}
+    }}
+    active = kept;
+  }}
+}}
+"""
+    return "\n".join([QUICKLY, PRELUDE, kernel(edge()), kernel(function, [3, 5], add=True), SUPPORT, evaluated, run])
