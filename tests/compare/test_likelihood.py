@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from rehearsal import EPS, serpenoid_table, snake
 from serpenoid.body import Body
-from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood, rms_of
+from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood, rms_of, wider_intervals
 from serpenoid.compare.intervals import mean_intervals
 from serpenoid.compare.likelihood import Segment
 from serpenoid.compare.linearise import linearise, relative_poses
@@ -153,6 +156,33 @@ def test_a_wrong_model_is_noticed():
     found = estimate(snake(dissipation="vertex"), (segment,), ONLY_EPS)
     assert found.noise_scale > 1.02
     assert found.robust_sd[0] > found.sd[0]
+
+
+def of_trials(ratios: list[float]) -> tuple[Segment, ...]:
+    """One recording a trial, each with an anisotropy ratio of its own."""
+    models = [changed(snake(), ONLY_EPS, np.array([EPS * ratio])) for ratio in ratios]
+    return tuple(replace(recorded(m, 40 + k, frames=121), trial=f"t{k}") for k, m in enumerate(models))
+
+
+def test_where_trials_differ_by_more_than_chance_the_interval_holds_their_spread():
+    """Four floors, 2 % of eps apart: camera noise alone would leave out the mean by many of its intervals."""
+    ratios = [0.97, 0.99, 1.01, 1.03]
+    found = estimate(snake(), of_trials(ratios), ONLY_EPS)
+    low, high = wider_intervals(found, snake())[0]
+    mean_sd = EPS * np.std(ratios, ddof=1) / 2
+    assert low < EPS < high
+    np.testing.assert_allclose(found.spread_half[0], stdtrit(3, 0.975) * mean_sd, rtol=0.05)
+    assert found.spread_half[0] > 5 * (found.interval[0, 1] - found.values[0])
+
+
+def test_where_trials_differ_by_chance_their_spread_says_nothing():
+    found = estimate(snake(), of_trials([1.0, 1.0, 1.0]), ONLY_EPS)
+    assert np.isnan(found.spread_half).all()
+    assert np.isfinite(wider_intervals(found, snake())).all()
+
+
+def test_a_single_trial_has_no_spread():
+    assert np.isnan(estimate(snake(), of_trials([1.0]), ONLY_EPS).spread_half).all()
 
 
 def test_unknown_and_repeated_names_are_refused():

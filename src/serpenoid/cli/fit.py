@@ -5,10 +5,10 @@
 
 Two ways: the eps of least RMS between measured and simulated displacement-time curves, trial by trial, as in the paper;
 and maximum likelihood through the step equations, with shape noise and pose noise together, trial by trial and all
-trials together. Three answers to "how sure?": camera noise alone; robust to errors that last (what is left is not
-noise); and the spread over trials. Simulations use the *measured* shapes on the recording's own frames. A fitted eps
-holds for one kind of dissipation element only. Writes fit.json and figures. Exit code 1: a fit did
-not converge or ran into a bound.
+trials together. Answers to "how sure?": camera noise alone; robust to errors that last (what is left is not noise);
+by the spread of trials, where they differ by more than chance. K has the widest of them. Simulations use the *measured*
+shapes on the recording's own frames. A fitted eps holds for one kind of dissipation element only. Writes fit.json and
+figures. Exit code 1: a fit did not converge or ran into a bound.
 """
 
 from __future__ import annotations
@@ -78,6 +78,8 @@ def run(args: argparse.Namespace) -> int:
 
 def lines(calibration: Calibration, model: Model) -> list[str]:
     """The summary: all trials together, mean over trials, best RMS, and K = 1 / eps."""
+    import numpy as np
+
     from serpenoid.compare.calibrate import drag_ratio
     from serpenoid.compare.parameters import bounds
 
@@ -91,13 +93,16 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
             f"  all together    {value:.6g}   95 % {low:.6g} .. {high:.6g} (noise), "
             f"{robust[0]:.6g} .. {robust[1]:.6g} (robust)",
         ]
+        if np.isfinite(half := together.spread_half[i]):
+            low, high = max(value - half, lows[i]), min(value + half, highs[i])
+            found.append(f"  trials differ   by more than chance: 95 % {low:.6g} .. {high:.6g} by their spread")
         if len(calibration.trials) > 1:
             low, high = calibration.mean_interval[i]
             text = f"95 % {low:.6g} .. {high:.6g}, SD {calibration.spread[i]:.2g}"
             found.append(f"  mean of trials  {calibration.mean[i]:.6g}   {text}")
     if "anisotropy_ratio" in calibration.names:
         ratio, least, most = drag_ratio(together, model)
-        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (noise or robust: the wider)")
+        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (the widest of these)")
         spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
         bound = ", at a bound" if any(fit.at_bound for fit in calibration.trials) else ""
         found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})")

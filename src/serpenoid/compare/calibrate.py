@@ -1,9 +1,10 @@
 """Calibration: the anisotropy ratio by best RMS as in the paper, and by maximum likelihood with an interval.
 
-Three intervals, because they answer different questions:
+Intervals answer different questions:
   noise     camera and servo noise alone; right where the model is right (noise scale near 1)
   robust    what is left is allowed to be correlated in time (sandwich with Bartlett weights): honest where it is wrong
-  spread    SD over trials / sqrt(trials), as the paper averages: honest about everything that changes between trials
+  trials    by what each trial adds to the fit (`spread.py`), where trials differ by more than chance
+  mean      SD over trials / sqrt(trials), as the paper averages: honest about everything that changes between trials
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, white
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.segments import trial_segments
+from serpenoid.compare.spread import spread_half
 from serpenoid.compare.three import simulate_path
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
@@ -44,6 +46,7 @@ class Estimate:
     sd: Floats
     interval: Floats
     robust_sd: Floats
+    spread_half: Floats  # half of a 95 % interval by how trials differ; NaN where that is chance
     correlation: Floats
     noise_scale: float
     autocorrelation: Floats  # of the white defects, lags 1..
@@ -118,16 +121,17 @@ def anisotropy(campaign: Campaign, model: Model) -> Estimate:
 
 
 def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
-    """K = 1 / eps and its 95 % interval, of noise or robust, whichever is wider; within the bounds of eps."""
+    """K = 1 / eps and its 95 % interval, the widest of `wider_intervals`; within the bounds of eps."""
     i = found.names.index("anisotropy_ratio")
     low, high = wider_intervals(found, model)[i]
     return 1 / float(found.values[i]), 1 / float(high), 1 / float(low)
 
 
 def wider_intervals(found: Estimate, model: Model) -> Floats:
-    """95 % intervals (P, 2), of noise or robust, whichever end is farther; within the bounds of the fit."""
+    """95 % intervals (P, 2) of noise, robust, or by the spread of trials where they differ by more than chance:
+    whichever end is farthest; within the bounds of the fit."""
     least, most = bounds(found.names, model)
-    away = Z95 * found.robust_sd
+    away = np.fmax(Z95 * found.robust_sd, found.spread_half)
     low, high = np.fmin(found.interval[:, 0], found.values - away), np.fmax(found.interval[:, 1], found.values + away)
     return np.column_stack([np.fmax(low, least), np.fmin(high, most)])
 
@@ -144,10 +148,12 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     unknown = np.hypot(curve_sd(model, segments, solution), lengths)  # of the body
     sd = np.hypot(np.sqrt(np.diag(solution.covariance)) * scale, unknown)
     interval = likelihood_intervals(model, segments, solution, sd)
+    trials = [segment.trial for segment in segments]
     correlation = solution.covariance / np.outer(*(2 * [np.sqrt(np.diag(solution.covariance))]))
+    differ = np.hypot(spread_half(solution, trials), Z95 * unknown)
     return Estimate(
-        names, solution.values, sd, interval,
-        np.hypot(robust_sd(solution), lengths), correlation, solution.noise_scale, autocorrelation(solution.segments),
+        names, solution.values, sd, interval, np.hypot(robust_sd(solution), lengths), differ, correlation,
+        solution.noise_scale, autocorrelation(solution.segments),
         _complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
 

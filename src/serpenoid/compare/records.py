@@ -97,6 +97,7 @@ def estimate_record(estimate: Estimate) -> dict[str, Any]:
             "sd": dict(zip(estimate.names, estimate.sd, strict=True)),
             "interval_95": dict(zip(estimate.names, estimate.interval, strict=True)),
             "robust_sd": dict(zip(estimate.names, estimate.robust_sd, strict=True)),
+            "trials_half_interval_95": dict(zip(estimate.names, estimate.spread_half, strict=True)),
             "correlation": estimate.correlation,
             "noise_scale": estimate.noise_scale,
             "autocorrelation": estimate.autocorrelation,

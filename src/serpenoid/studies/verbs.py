@@ -50,7 +50,7 @@ class Fitted(Shown):
         return drag_ratio(self.calibration.together, self.model)
 
     def summary(self) -> str:
-        """Every number with its 95 % interval, of noise or robust: the wider; and what is to be said against it."""
+        """Every number with its 95 % interval, the widest of them, and what is to be said against it."""
         best = self.calibration.together
         numbers = zip(best.names, best.values, wider_intervals(best, self.model), strict=True)
         said = ", ".join(f"{name} {value:.4g} (95 %: {low:.4g} .. {high:.4g})" for name, value, (low, high) in numbers)
