@@ -46,11 +46,15 @@ def test_the_papers_mesh_passes_with_its_half_per_cent_stated() -> None:
 
 def test_the_extrapolated_displacement_is_that_of_many_steps_and_the_error_bounds_the_truth() -> None:
     model, gait = reference(), problem("reference").gait.parameters
-    limit = oracle_run(model, joint_table(model, gait, 1600)).displacement  # its own error: 0.5 % / 32^2
+    fine = oracle_run(model, joint_table(model, gait, 1600))  # its own error: 0.5 % / 32^2
+    limit, spent = fine.displacement, fine.dissipation
     for steps in (25, 50, 100):
         mesh = reference_study(steps)
         assert mesh.displacement == pytest.approx(limit, abs=1e-5)
         assert abs(mesh.displacements[0] - limit) <= mesh.error + 3e-6
+        assert mesh.dissipation == pytest.approx(spent, abs=3e-6)
+        assert abs(mesh.dissipations[0] - spent) == pytest.approx(mesh.dissipation_error, rel=0.1)
+        assert f"dissipation {mesh.dissipation:.6f}, error" in mesh.words
     errors = [reference_study(steps).error for steps in (25, 50, 100)]
     for coarse, fine in pairwise(errors):
         assert coarse / fine == pytest.approx(4, rel=0.1)  # second order

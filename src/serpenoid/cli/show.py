@@ -124,8 +124,9 @@ def _mesh(mesh: dict[str, Any]) -> str:
         return "a finer one could not be simulated"
     limit, error = mesh["extrapolated_displacement_body_lengths"], mesh["displacement_error"]
     said = f"{limit:.6f} body lengths for many steps; error of {mesh['steps'][0]} steps {error:.1e}"
-    turn = mesh.get("extrapolated_turn_rad")  # not in older records
-    return f"{said}; turn {turn:.6f} rad, error {mesh['turn_error_rad']:.1e}" if turn else said
+    turn, spent = mesh.get("extrapolated_turn_rad"), mesh.get("dissipation_error")  # not in older records
+    said += f"; turn {turn:.6f} rad, error {mesh['turn_error_rad']:.1e}" if turn else ""
+    return said if spent is None else f"{said}; dissipation {mesh['extrapolated_dissipation']:.6f}, error {spent:.1e}"
 
 
 def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:

@@ -56,13 +56,17 @@ class MeshStudy:
     @property
     def error(self) -> float:
         """Bound on the discretisation error of the displacement with T steps [body lengths]."""
-        doubt = abs(self.displacement - _limit(self.displacements[:2]))
-        return abs(self.displacements[0] - self.displacement) + doubt
+        return _error(self.displacements)
+
+    @property
+    def dissipation_error(self) -> float:
+        """The same of the dissipation."""
+        return _error(self.dissipations)
 
     @property
     def turn_error(self) -> float:
         """The same of the turn [rad]."""
-        return abs(self.turns[0] - self.turn) + abs(self.turn - _limit(self.turns[:2]))
+        return _error(self.turns)
 
     @property
     def converged(self) -> bool:
@@ -79,19 +83,14 @@ class MeshStudy:
         """One line: limit and error."""
         if not np.isfinite(self.error):
             return f"{self.steps} steps: a finer mesh could not be simulated"
-        share = f" ({100 * self.error / self.displacement:.2g} %)" if self.displacement > RESOLVED else ""
-        return (
-            f"{self.displacement:.6f} body lengths for many steps; error of {self.steps} steps {self.error:.1e}{share}"
-            f"{self._turn_words}"
-        )
-
-    @property
-    def _turn_words(self) -> str:
-        """The same of the turn, where there is one."""
-        if GYRATION * abs(self.turn) <= RESOLVED:
-            return ""
-        share = 100 * self.turn_error / abs(self.turn)
-        return f"; turn {self.turn:.6f} rad, error {self.turn_error:.1e} ({share:.2g} %)"
+        far = abs(self.displacement) > RESOLVED
+        turns = GYRATION * abs(self.turn) > RESOLVED
+        return "; ".join([
+            f"{self.displacement:.6f} body lengths for many steps; error of {self.steps} steps "
+            + (_share(self.error, self.displacement) if far else f"{self.error:.1e}"),
+            *([f"turn {self.turn:.6f} rad, error {_share(self.turn_error, self.turn)}"] if turns else []),
+            f"dissipation {self.dissipation:.6f}, error {_share(self.dissipation_error, self.dissipation)}",
+        ])  # fmt: skip
 
     @property
     def record(self) -> dict[str, object]:
@@ -103,6 +102,7 @@ class MeshStudy:
             "extrapolated_displacement_body_lengths": self.displacement if known else None,
             "extrapolated_dissipation": self.dissipation if known else None,
             "displacement_error": self.error if known else None,
+            "dissipation_error": self.dissipation_error if known else None,
             "extrapolated_turn_rad": self.turn if known else None,
             "turn_error_rad": self.turn_error if known else None,
             "converged": self.converged,
@@ -135,6 +135,16 @@ def study_mesh(motion: Callable[[int], Cycle], steps: int) -> MeshStudy:
     found = [(r.displacement, r.dissipation, r.heading_change) if r.status.ok else (np.nan,) * 3 for r in runs]
     (d1, e1, h1), (d2, e2, h2), (d4, e4, h4) = found
     return MeshStudy(steps, (d1, d2, d4), (e1, e2, e4), (h1, h2, h4))
+
+
+def _error(values: tuple[float, float, float]) -> float:
+    """|D1 - limit| + doubt."""
+    limit = _limit(values[1:])
+    return abs(values[0] - limit) + abs(limit - _limit(values[:2]))
+
+
+def _share(error: float, whole: float) -> str:
+    return f"{error:.1e}" + (f" ({100 * error / abs(whole):.2g} %)" if whole else "")
 
 
 def _limit(pair: tuple[float, ...]) -> float:
