@@ -157,11 +157,11 @@ def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: 
 
 def _between(marked: Sequence[int], edges: Floats | None, body: Body) -> Floats | None:
     """Distances (M - 1,) of neighbouring markers; None where they are unknown, or a joint between two changes one."""
-    found = None if edges is None else _along(marked, edges, body)
+    found = None if edges is None else stated_between(marked, edges, body)
     return None if found is None or np.isnan(found).any() else found
 
 
-def _along(vertices: Sequence[int], edges: Floats, body: Body) -> Floats:
+def stated_between(vertices: Sequence[int], edges: Floats, body: Body) -> Floats:
     """Distances (M - 1,) between successive ones of M vertices, by edge lengths (N - 1,); NaN across a joint."""
     bent = [any(a < joint < b for joint in body.joint_vertices) for a, b in pairwise(vertices)]
     return np.where(bent, np.nan, np.diff(np.concatenate([[0.0], np.cumsum(edges)])[list(vertices)]))
@@ -173,7 +173,7 @@ def neighbour_ratio(vertices: Floats, body: Body) -> float:
     distances = np.linalg.norm(np.diff(vertices[:, shown], axis=1), axis=2)
     if body.is_animal and len(shown) == body.vertices:
         distances = shown_lengths(body, vertices)
-    stated = _along(shown.tolist(), body.edges_m, body)
+    stated = stated_between(shown.tolist(), body.edges_m, body)
     known = np.isfinite(distances).any(axis=0) & np.isfinite(stated)
     return float(np.median(np.nanmedian(distances[:, known], axis=0) / stated[known])) if known.any() else np.nan
 

@@ -19,14 +19,14 @@ from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, c
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.lengths import other_bodies
+from serpenoid.measure.consistency.lengths import all_longer, other_bodies
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.lengths import chord_shares
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial_files import Files, by_words, label_markers, neighbour_ratio, read_files
+from serpenoid.measure.trial_files import Files, by_words, label_markers, neighbour_ratio, read_files, stated_between
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
@@ -55,6 +55,8 @@ def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files])
     for files in read:
         if files.exchanged_back:
             remarks[files.entry.name].append(f"names put back as in most of the recording: {files.exchanged_back}")
+    for trial in (said := _scale(file, body, read)):
+        remarks[trial].append(said[trial])
     for one in verdict.contradictions:
         remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
     return {trial: tuple(said) for trial, said in remarks.items()}
@@ -149,6 +151,30 @@ def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
         Contradiction(one.trial, "length", words.format(one.factor, one.other), cure, one.gain)
         for one in other_bodies(vertices, body.edges_m)
     ]
+
+
+def _scale(file: CampaignFile, body: Body, read: Sequence[Files]) -> dict[str, str]:
+    """What is said of trials whose films show the whole body longer or shorter than it is said to be, by trial."""
+    if body.is_animal or not file.lengths_given:
+        return {}
+    films = {
+        f.entry.name: f for f in read if f.tracks is not None and f.tracks.scale_known and f.keys.length_unit != "bl"
+    }
+    marked = {name: f.labelled.vertices for name, f in films.items() if f.labelled is not None}
+    if not marked:
+        return {}
+    shown = np.flatnonzero(np.any([np.isfinite(points[..., 0]).any(axis=0) for points in marked.values()], axis=0))
+    stated = stated_between(shown.tolist(), body.edges_m, body)
+    share = all_longer([points[:, shown] for points in marked.values()], stated)
+    if share is None:
+        return {}
+    more = "longer" if share > 0 else "shorter"
+    words = (
+        f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`: one of them is off. "
+        "Left so it counts as marker noise and moves what is fitted. Correct one of the two, or leave `edge_lengths` "
+        "out: the film then tells them"
+    )
+    return dict.fromkeys(marked, words)
 
 
 def _copies(read: Sequence[Files]) -> list[Contradiction]:

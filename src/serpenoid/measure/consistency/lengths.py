@@ -1,22 +1,35 @@
-"""Is it one body in all trials? Where a campaign gives no lengths, each trial's own are laid beside the others'.
+"""Is it one body in all trials, and as long as it is said to be?
+
+Where a campaign gives no lengths, each trial's own are laid beside the others':
 
     a = median over frames of ( median over edges of log(distance / the campaign's edge) )        of every trial
 
 Two trials whose a differ by more than a calibrated camera explains (`geometry.SCALE_SD`) and the scatter of their own
 parts are two bodies: lengths estimated from both together are those of neither.
+
+Where it gives them, a film's scale shows in all edges alike, a marker beside its place in some:
+
+    r = log(d / edge) of every edge, d^2 = median^2 - scatter^2 (noise across an edge lengthens it)
+    gain = E / 2 log(1 + mean(r)^2 / var(r))        E edges that differ among each other by chance, scale free or not
+    told: gain > ODDS, and mean(r) is more than noise was found to lengthen an edge by
+
+Camera and ruler differ by up to `geometry.SCALE_SD`, so that is no contradiction; but it is counted as noise of markers
+and moves every fit: it is said.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.geometry import SCALE_SD
 from serpenoid.measure.consistency.rivals import ODDS
 
+NORMAL_MAD = float(ndtri(0.75))  # median absolute deviation over standard deviation
 PARTS = 4  # of a recording, whose scales show how far postures and noise move one
 
 
@@ -44,6 +57,22 @@ def other_bodies(vertices: Mapping[str, Floats], edges: Floats) -> list[Longer]:
         if gain > ODDS:
             longer.append(Longer(trial, middle, float(np.exp(apart)), gain))
     return longer
+
+
+def all_longer(vertices: Sequence[Floats], edges: Floats) -> float | None:
+    """By which share all edges (N - 1,) are longer in the recordings (F, N, 2) than they are said to be; None: they
+    agree, or differ among each other as much."""
+    distance = np.concatenate([np.linalg.norm(np.diff(points, axis=1), axis=2) for points in vertices])
+    seen = np.isfinite(distance).any(axis=0) & np.isfinite(edges)
+    if seen.sum() < 2:
+        return None
+    middle = np.nanmedian(distance[:, seen], axis=0)
+    scatter = np.nanmedian(np.abs(distance[:, seen] - middle), axis=0) / NORMAL_MAD
+    noise = scatter**2 / middle**2
+    longer = np.log(middle * np.sqrt(np.maximum(1 - noise, 0.5)) / edges[seen])
+    mean = float(longer.mean())
+    gain = len(longer) / 2 * np.log1p(mean**2 / max(float(longer.var()), np.finfo(float).tiny))
+    return float(np.expm1(mean)) if gain > ODDS and abs(mean) > noise.max() / 2 else None
 
 
 def _scale(points: Floats, edges: Floats) -> tuple[float, float] | None:

@@ -1,0 +1,66 @@
+"""A film's scale against stated lengths: said where all links agree on it, never for markers beside their places."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rehearsal import serpenoid_table, snake
+from serpenoid.compare.rehearse import Laboratory, write_campaign
+from serpenoid.measure.consistency.lengths import all_longer
+from serpenoid.measure.load import load_campaign
+
+EDGES = np.array([0.04, 0.08, 0.06, 0.1, 0.08, 0.05, 0.09])
+
+
+def film(rng: np.random.Generator, scale: float, noise: float, beside: float = 0.0, frames: int = 400) -> np.ndarray:
+    """A chain that bends at random: noise of each frame, and markers beside their places for good, along [m]."""
+    edges = EDGES + np.diff(rng.normal(scale=beside, size=len(EDGES) + 1))
+    turned = np.cumsum(rng.normal(scale=0.3, size=(frames, len(edges))), axis=1)
+    steps = edges[None, :, None] * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    points = np.concatenate([np.zeros((frames, 1, 2)), np.cumsum(steps, axis=1)], axis=1)
+    return scale * points + rng.normal(scale=noise, size=points.shape)
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.003])
+@pytest.mark.parametrize("scale", [0.985, 1.01])
+def test_a_scale_that_all_links_share_is_told(scale, noise):
+    found = all_longer([film(np.random.default_rng(seed), scale, noise) for seed in range(4)], EDGES)
+    assert found == pytest.approx(scale - 1, abs=0.001)
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.003, 0.006])
+def test_noise_lengthens_no_link(noise):
+    rng = np.random.default_rng(7)
+    assert [all_longer([film(rng, 1.0, noise)], EDGES) for _ in range(40)] == [None] * 40
+
+
+def test_markers_beside_their_places_are_no_scale():
+    rng = np.random.default_rng(8)
+    said = [all_longer([film(rng, 1.0, 0.0005, beside=0.002)], EDGES) for _ in range(200)]
+    assert sum(one is not None for one in said) <= 2
+
+
+def test_a_single_link_says_nothing_and_unknown_links_are_left_out():
+    points = film(np.random.default_rng(1), 1.02, 0.0002)
+    assert all_longer([points[:, :2]], EDGES[:1]) is None
+    unknown = np.where(np.arange(len(EDGES)) == 2, np.nan, EDGES)
+    assert all_longer([points], unknown) == pytest.approx(0.02, abs=0.001)
+
+
+def test_a_campaign_whose_film_is_too_large_says_so_and_what_helps(tmp_path: Path):
+    write_campaign(tmp_path, snake(), {"g": serpenoid_table(60)}, Laboratory(), 2, 3, cycles=1, pause_s=1.0)
+    right = load_campaign(tmp_path)
+    text = (tmp_path / "campaign.toml").read_text()
+    stated = re.search(r"edge_lengths = \[(.*?)\]", text, re.S)
+    shorter = [float(number) / 1.015 for number in stated[1].split(",") if number.strip()]
+    (tmp_path / "campaign.toml").write_text(text.replace(stated[0], f"edge_lengths = {shorter}"))
+    told = load_campaign(tmp_path)
+    assert not any("all links" in note for trial in right.trials for note in trial.notes)
+    assert all(any("all links are 1.5 % longer" in note for note in trial.notes) for trial in told.trials)
+    (tmp_path / "campaign.toml").write_text(text.replace(stated[0], ""))
+    mended = load_campaign(tmp_path)
+    assert mended.trials[0].motion.marker_sd == pytest.approx(right.trials[0].motion.marker_sd, rel=0.02)
