@@ -23,6 +23,17 @@ def test_a_subset_of_columns_is_solved_as_least_squares_does(problem: tuple) -> 
     assert covariance == pytest.approx(np.linalg.inv(x[:, [0, 2]].T @ x[:, [0, 2]]), rel=1e-7)
 
 
+def test_groups_of_columns_gain_side_by_side_what_each_gains_alone(problem: tuple) -> None:
+    r, x, labels = problem
+    x = np.column_stack([x, np.zeros(60), x[:, 1] + 1e-7 * x[:, 3]])  # one that is silent, two that are nearly one
+    e, groups = Evidence.of(r, x, labels), [[2], [1, 3], [4], [1, 5], [3]]
+    for group, (gained, values) in zip(groups, e.gains([0], groups), strict=True):
+        alone, _ = e.solve([0, *group])
+        assert gained == pytest.approx(e.chi2([0]) - e.chi2([0, *group]), rel=1e-9, abs=1e-9)
+        assert values == pytest.approx(alone, rel=1e-6)
+    assert e.gains([0], []) == []
+
+
 def test_held_out_chi_squared_is_that_of_explicit_leave_one_gait_out(problem: tuple) -> None:
     r, x, labels = problem
     total = 0.0

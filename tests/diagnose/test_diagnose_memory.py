@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.memory import covariance
+from serpenoid.diagnose.data.memory import _likelihood, covariance, roots
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.paths import path_error, path_noise
@@ -81,6 +82,20 @@ def test_covariance_is_that_of_pushes_and_of_poses_in_common(time: float) -> Non
     np.testing.assert_allclose(
         covariance(track, size, time)[0] / values.var(), np.cov(values.T) / values.var(), atol=0.1
     )
+
+
+def test_of_several_times_covariance_and_likelihood_are_those_of_each() -> None:
+    times = np.array([0.0, 0.1, 2.0])
+    track = campaign(0, 0.5, cycles=10, settings=1)[0].tracks[0]  # 80 windows: two blocks
+    rng = np.random.default_rng(0)
+    size, windows = 1e-3 * rng.uniform(1, 2, size=(80, 3)), np.flatnonzero(rng.uniform(size=80) > 0.05)
+    values = 1e-3 * rng.normal(size=(len(windows), 3))
+    together = _likelihood(values, roots(partial(covariance, track, size, times), windows))
+    for i, time in enumerate(times):
+        one = covariance(track, size, float(time), windows)
+        np.testing.assert_allclose(covariance(track, size, times, windows)[i], one, rtol=1e-12, atol=0)
+        alone = _likelihood(values, roots(partial(covariance, track, size, float(time)), windows))
+        assert together[i] == pytest.approx(float(alone), rel=1e-10)
 
 
 def test_the_time_in_which_pushes_are_forgotten_is_told_by_repeats() -> None:

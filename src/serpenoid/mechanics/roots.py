@@ -18,7 +18,7 @@ from serpenoid.mechanics.columns import call
 from serpenoid.mechanics.compile import loaded
 from serpenoid.mechanics.extended import SETTING, Vertex, coordinate_count, vertex_functions
 from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
-from serpenoid.mechanics.vertices import LONGEST, QUICKLY, edge
+from serpenoid.mechanics.vertices import LONGEST, QUICKLY, edge, links
 
 Roots = Callable[..., tuple[Floats, Floats, Floats, Floats]]
 
@@ -89,26 +89,19 @@ def _source(vertex: Vertex) -> str:
     sizes = [function.numel_out(i) for i in range(function.n_out())]
     numbers = sum(sizes)
     results = ", ".join(f"y + {sum(sizes[:i]) * LANES}" for i in range(len(sizes)))
-    links = "\n".join(
-        f"""    gather(eights, step, 4, 4 * elements, {a} + 4 * k, {x});
-    gather(eights, step, 4, 4 * elements, {a} + 4 * (k ? k - 1 : 0), tail);
-    gather(eights, step, 4, 4 * elements, {a} + 4 * (k ? k : 1), head);
-    edge(eights, tail, head, {x} + {4 * LANES});"""
-        for a, x in (("before", "x"), ("after", "z"))
-    )
     evaluated = f"""
 static void evaluated(long eights, const long *step, const double *before, const double *after, const double *starts,
                       const double *settings, const double *medium, const double *theta, const double *ends,
                       long elements, double *y) {{
-  static _Thread_local double work[{(12 + 8 + 6 + SETTING) * LANES}];
-  double *x = work, *z = x + {6 * LANES}, *tail = z + {6 * LANES}, *head = tail + {4 * LANES};
-  double *poses = head + {4 * LANES}, *setting = poses + {6 * LANES};
+  static _Thread_local double work[{(12 + 4 + 6 + SETTING) * LANES}];
+  double *x = work, *z = x + {6 * LANES}, *tail = z + {6 * LANES};
+  double *poses = tail + {4 * LANES}, *setting = poses + {6 * LANES};
   gather(eights, step, 3, 3, starts, poses);
   memcpy(poses + {3 * LANES}, ends, {3 * LANES} * sizeof(double));
   gather(eights, step, {SETTING}, {SETTING}, settings, setting);
   for (long i = 0; i < {numbers * LANES}; ++i) y[i] = 0.0;
   for (long k = 0; k < elements; ++k) {{
-{links}
+{links("gather(eights, step, 4, 4 * elements, {} + 4 * {}, {});")}
     {function.name()}(eights, x, z, poses, medium + 2 * k, setting, theta + {coordinates} * k, {results});
   }}
 }}

@@ -60,6 +60,22 @@ def edge() -> ca.Function:
     return ca.Function("edge", list(points), [unit_edges(ca.horzcat(*(p[:2] for p in points)))], CSE)
 
 
+def links(gather: str) -> str:
+    """C of elements with the direction of the edge on the tail's side, `x` before and `z` after, of vertex k: each is
+    gathered once, and stays where the next one's edge begins. gather: one, of an array, at a vertex, into lanes."""
+    return "\n".join(
+        f"""    if (k) memcpy(tail, {x}, {4 * LANES} * sizeof(double));
+    {gather.format(a, "k", x)}
+    if (k) {{
+      edge(eights, tail, {x}, {x} + {4 * LANES});
+    }} else {{
+      {gather.format(a, 1, "tail")}
+      edge(eights, {x}, tail, {x} + {4 * LANES});
+    }}"""
+        for a, x in (("before", "x"), ("after", "z"))
+    )
+
+
 def _source(vertex: Vertex) -> str:
     """C of `over_steps`: block after block of steps; for each of them, vertex after vertex."""
     function, coordinates = vertex.function, coordinate_count(medium_effects())
@@ -76,27 +92,20 @@ def _source(vertex: Vertex) -> str:
             each.append((clear, f"scatter(n, {size}, {size} * elements, {y}, b{i} + {size} * (first * elements + k));"))
     given = ["before", "after", "poses", "settings", "medium", "theta"]
     arguments = ", ".join([*(f"const double *{a}" for a in given), *(f"double *b{i}" for i in range(len(sizes)))])
-    links = "\n".join(
-        f"""      gather(n, eights, 4, 4 * elements, {a} + 4 * (first * elements + k), {x});
-      gather(n, eights, 4, 4 * elements, {a} + 4 * (first * elements + (k ? k - 1 : 0)), tail);
-      gather(n, eights, 4, 4 * elements, {a} + 4 * (first * elements + (k ? k : 1)), head);
-      edge(eights, tail, head, {x} + {4 * LANES});"""
-        for a, x in (("before", "x"), ("after", "z"))
-    )
     taken = f"x, z, poses_, medium + 2 * k, settings_, theta + {coordinates} * k, {', '.join(results)}"
     run = f"{function.name()}(eights, {taken});"
     middle = "\n      ".join([*(clear for clear, _ in each), run, *(scatter for _, scatter in each)])
     body = f"""
 void over_steps(long count, {arguments}, long elements) {{
-  static _Thread_local double work[{(12 + 8 + 6 + SETTING + int(ends[-1])) * LANES}];
-  double *x = work, *z = x + {6 * LANES}, *tail = z + {6 * LANES}, *head = tail + {4 * LANES};
-  double *poses_ = head + {4 * LANES}, *settings_ = poses_ + {6 * LANES}, *y = settings_ + {SETTING * LANES};
+  static _Thread_local double work[{(12 + 4 + 6 + SETTING + int(ends[-1])) * LANES}];
+  double *x = work, *z = x + {6 * LANES}, *tail = z + {6 * LANES};
+  double *poses_ = tail + {4 * LANES}, *settings_ = poses_ + {6 * LANES}, *y = settings_ + {SETTING * LANES};
 {BLOCKS}
     gather(n, eights, 6, 6, poses + 6 * first, poses_);
     gather(n, eights, {SETTING}, {SETTING}, settings + {SETTING} * first, settings_);
     {chr(10).join(zero)}
     for (long k = 0; k < elements; ++k) {{
-{links}
+{links("gather(n, eights, 4, 4 * elements, {} + 4 * (first * elements + {}), {});")}
       {middle}
     }}
     {" ".join(out)}

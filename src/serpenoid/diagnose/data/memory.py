@@ -62,8 +62,8 @@ class Memory:
                 here = repeat.here[use]
                 own += (d[use] ** 2 / chance[repeat.one][here] ** 2).sum(axis=0)
                 both += ((one * other)[use] / chance[repeat.one][here] ** 2).sum(axis=0)
-                of = partial(covariance, track, chance[repeat.one])
-                logs += [_likelihood(d[use], roots(partial(of, time), here)) for time in times]
+                of = partial(covariance, track, chance[repeat.one], np.array(times))
+                logs += _likelihood(d[use], roots(of, here))
         weights = np.exp(logs - logs.max())
         likelihood = float(logs.max() + np.log(weights.mean()))
         shared = np.maximum(both, 0.0) / np.where(own > 0, own, 1.0)
@@ -111,48 +111,52 @@ class Memory:
         return squares / chance.size
 
 
-def covariance(track: Track, chance: Floats, time: float, windows: np.ndarray | None = None) -> Floats:
-    """(3, W, W) of windows (all, or some by index), SD (W, 3) each, if pushes are forgotten in `time` [s]."""
+def covariance(track: Track, chance: Floats, time: float | Floats, windows: np.ndarray | None = None) -> Floats:
+    """(3, W, W) of windows (all, or some by index), SD (W, 3) each, if pushes are forgotten in `time` [s]; (M, 3, W, W)
+    of several times."""
     own = np.arange(len(chance)) if windows is None else windows
     poses = np.broadcast_to(track.least, chance.shape)[own].T
     pushes = np.sqrt(np.maximum(chance[own].T ** 2 - poses**2, 0.0))
     apart = own[None] - own[:, None]
     shared = (apart == 0) - 0.5 * (np.abs(apart) == 1)
     playing = track.playing[own]
-    lasting = np.where(playing[:, None] & playing[None], _lasting(track, own, time), apart == 0)
-    found = shared * poses[:, :, None] * poses[:, None] + lasting * pushes[:, :, None] * pushes[:, None]
-    return found + ROUNDING * np.einsum("ki,ij->kij", chance[own].T ** 2, np.eye(len(own)))
+    lasting = np.where(playing[:, None] & playing[None], _lasting(track, own, np.asarray(time)), apart == 0)
+    alone = shared * poses[:, :, None] * poses[:, None]
+    alone = alone + ROUNDING * np.einsum("ki,ij->kij", chance[own].T ** 2, np.eye(len(own)))
+    return np.asarray(alone + lasting[..., None, :, :] * (pushes[:, :, None] * pushes[:, None]))
 
 
-def _lasting(track: Track, own: np.ndarray, time: float) -> Floats:
-    """Correlation (W, W) of what pushes add up to over windows."""
-    if time == 0.0:
-        return np.eye(len(own))
+def _lasting(track: Track, own: np.ndarray, times: Floats) -> Floats:
+    """Correlation (..., W, W) of what pushes add up to over windows, for each of some times."""
     ends = track.time[track.boundaries]
     begin, end = ends[own], ends[own + 1]
-    faded = -np.expm1(-(end - begin) / time)
-    size = faded / np.sqrt(2 * ((end - begin) / time - faded))
+    rates = 1 / np.where(times > 0, times, 1.0)[..., None]
+    faded = -np.expm1(-(end - begin) * rates)
+    size = faded / np.sqrt(2 * ((end - begin) * rates - faded))
     gap = np.maximum(begin[None] - end[:, None], 0.0)
     gap = gap + gap.T
-    return np.where(np.eye(len(own), dtype=bool), 1.0, size[:, None] * size * np.exp(-gap / time))
+    same = np.eye(len(own))
+    correlated = size[..., :, None] * size[..., None, :] * np.exp(-gap * rates[..., None])
+    return np.where((same > 0) | (times == 0)[..., None, None], same, correlated)
 
 
 def roots(of: Callable[[np.ndarray], Floats], windows: np.ndarray) -> Iterator[tuple[slice, Floats]]:
-    """L^-1 of the covariance L L^T of windows (W,), block by block: which of them tell, and its rows (3, R, told by).
+    """L^-1 of the covariance L L^T of windows (W,), block by block: which of them tell, and its rows (..., 3, R, told
+    by).
 
-    of: covariance (3, K, K) of some windows. A block of a long trial is seen beside the one before it alone (Vecchia,
-    J. R. Stat. Soc. B 50, 297, 1988), so cost grows with the number of windows, not with its cube.
+    of: covariance (..., 3, K, K) of some windows. A block of a long trial is seen beside the one before it alone
+    (Vecchia, J. R. Stat. Soc. B 50, 297, 1988), so cost grows with the number of windows, not with its cube.
     """
     for begin in range(0, max(len(windows), 1), BLOCK):
         span = slice(max(begin - BLOCK, 0), begin + BLOCK)
-        yield span, np.linalg.inv(np.linalg.cholesky(of(windows[span])))[:, begin - span.start :]
+        yield span, np.linalg.inv(np.linalg.cholesky(of(windows[span])))[..., begin - span.start :, :]
 
 
-def _likelihood(values: Floats, found: Iterable[tuple[slice, Floats]]) -> float:
-    """ln of it, but for a constant, of values (W, 3) by the roots of their covariance."""
-    total = 0.0
+def _likelihood(values: Floats, found: Iterable[tuple[slice, Floats]]) -> Floats:
+    """ln of it, but for a constant, of values (W, 3) by the roots of their covariance; of several (M,)."""
+    total = np.zeros(())
     for span, inverse in found:
-        white = inverse @ values[span].T[..., None]
-        own = np.diagonal(inverse[:, :, -inverse.shape[1] :], axis1=1, axis2=2)
-        total += float(np.log(own).sum() - (white**2).sum() / 2)
+        white = (inverse @ values[span].T[..., None])[..., 0]
+        own = np.diagonal(inverse[..., -inverse.shape[-2] :], axis1=-2, axis2=-1)
+        total = total + np.log(own).sum(axis=(-2, -1)) - (white**2).sum(axis=(-2, -1)) / 2
     return total

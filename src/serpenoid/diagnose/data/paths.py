@@ -35,16 +35,17 @@ def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
         window, phase = np.unique(track.phase, return_inverse=True)
         steps = np.nan_to_num(p.displacement)
         true = accumulate(steps, np.zeros(3))[:, :2]
-        for n, drawn in enumerate(motion.noise.memory.draws(track, chance, rng, DRAWS)):
-            doubted = rng.normal(size=(len(window), 3))[phase] * track.doubt  # the same in every cycle
-            path = accumulate(steps + drawn + doubted, np.zeros(3))[:, :2]
-            squares[i, n] = _mean_in_time(track, ((path - true) ** 2).sum(axis=1))
+        drawn = motion.noise.memory.draws(track, chance, rng, DRAWS)
+        doubted = rng.normal(size=(DRAWS, len(window), 3))[:, phase] * track.doubt  # the same in every cycle
+        paths = accumulate(steps + drawn + doubted, np.zeros(3))[..., :2]
+        squares[i] = _mean_in_time(track, ((paths - true) ** 2).sum(axis=-1))
     return np.asarray(np.sqrt(squares.mean(axis=0)))
 
 
-def _mean_in_time(track: Track, values: Floats) -> float:
+def _mean_in_time(track: Track, values: Floats) -> Floats:
+    """Of values (..., B) at the boundaries."""
     weight = track.duration
-    return float(((values[1:] + values[:-1]) / 2 * weight).sum() / weight.sum())
+    return np.asarray(((values[..., 1:] + values[..., :-1]) / 2 * weight).sum(axis=-1) / weight.sum())
 
 
 def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
@@ -93,8 +94,8 @@ def strays(track: Track, displacement: Floats, changes: Floats) -> float:
     changes (B - 1, 3, K), all of one start, summed over K."""
     steps = np.nan_to_num(displacement)
     path = accumulate(steps, np.zeros(3))[:, :2]
-    others = [accumulate(steps + np.nan_to_num(x), np.zeros(3))[:, :2] for x in np.moveaxis(changes, 2, 0)]
-    return sum(_mean_in_time(track, ((other - path) ** 2).sum(axis=1)) for other in others)
+    others = accumulate(steps + np.nan_to_num(np.moveaxis(changes, 2, 0)), np.zeros(3))[..., :2]
+    return float(_mean_in_time(track, ((others - path) ** 2).sum(axis=-1)).sum())
 
 
 def total(values: Sequence[float] | Floats) -> float:

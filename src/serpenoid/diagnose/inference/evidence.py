@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -59,17 +60,44 @@ class Evidence:
     def solve(self, chosen: Sequence[int], without: int | None = None) -> tuple[Floats, Floats]:
         """Best values of the chosen columns and their covariance, perhaps without one gait."""
         index = list(chosen)
-        keep = [g for g in range(len(self.constant)) if g != without]
-        matrix = self.matrix[np.ix_(keep, index, index)].sum(axis=0)  # picked before summed: P is many, a choice few
-        vector = self.vector[np.ix_(keep, index)].sum(axis=0)
+        matrix, vector = self._sums(index, without)
         if without is not None and self.neutral is not None and self.certainty is not None:
             matrix = matrix + np.diag(self.certainty[index])
             vector = vector + self.certainty[index] * self.neutral[index]
-        scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))  # of a silent column rounding leaves less than nothing
-        scale = np.where(scale > SILENT, scale, 1.0)  # a column that says nothing stays at zero
-        regular = matrix / np.outer(scale, scale) + RIDGE * np.eye(len(index))
-        inverse = np.linalg.inv(regular) / np.outer(scale, scale)
+        inverse = _inverted(matrix)
         return inverse @ vector, inverse
+
+    def _sums(self, index: list[int], without: int | None) -> tuple[Floats, Floats]:
+        """Of the gaits, perhaps without one; picked before summed: P is many, a choice few."""
+        own = np.array(index, dtype=int)
+        matrix, vector = self.matrix[:, own[:, None], own], self.vector[:, own]
+        if without is not None:
+            matrix, vector = np.delete(matrix, without, axis=0), np.delete(vector, without, axis=0)
+        return matrix.sum(axis=0), vector.sum(axis=0)
+
+    def gains(self, own: Sequence[int], groups: Sequence[Sequence[int]]) -> list[tuple[float, Floats]]:
+        """Chi squared that each group of further columns gains beside `own`, and best values of these and those; all
+        groups of one size at once."""
+        before, sizes = self.chi2(own), np.array([len(group) for group in groups])
+        found: dict[int, tuple[float, Floats]] = {}
+        for size in np.unique(sizes):
+            which = np.flatnonzero(sizes == size)
+            index = np.array([[*own, *groups[i]] for i in which], dtype=int)
+            left, values = self._best(index)
+            found |= {int(i): (before - float(x), v) for i, x, v in zip(which, left, values, strict=True)}
+        return [found[i] for i in range(len(groups))]
+
+    def _best(self, index: np.ndarray) -> tuple[Floats, Floats]:
+        """Chi squared (K,) after the best fit of each row of columns (K, C), and their values (K, C)."""
+        matrix, vector = self._total[0][index[:, :, None], index[:, None]], self._total[1][index]
+        inverse = _inverted(matrix)
+        values = (inverse @ vector[..., None])[..., 0]
+        moved = (matrix @ values[..., None])[..., 0]
+        return float(self.constant.sum()) + (values * (moved - 2 * vector)).sum(axis=1), values
+
+    @cached_property
+    def _total(self) -> tuple[Floats, Floats]:
+        return self.matrix.sum(axis=0), self.vector.sum(axis=0)
 
     def covariance(self, chosen: Sequence[int], spread: float = 1.0) -> Floats:
         """Of a fit's columns (C, C), at the fit: curvature times spread^2, and no less than what gaits disagree about.
@@ -126,3 +154,12 @@ class Evidence:
             a, b = self.matrix[g][np.ix_(index, index)], self.vector[g][index]
             total += float(self.constant[g] - 2 * b @ values + values @ a @ values)
         return total
+
+
+def _inverted(matrix: Floats) -> Floats:
+    """Inverse of sums (..., C, C), in units of their columns: of a silent one rounding leaves less than nothing, and it
+    stays at zero."""
+    scale = np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 0.0))
+    scale = np.where(scale > SILENT, scale, 1.0)
+    outer = scale[..., :, None] * scale[..., None, :]
+    return np.asarray(np.linalg.inv(matrix / outer + RIDGE * np.eye(matrix.shape[-1])) / outer)

@@ -20,14 +20,12 @@ PER_NAME = 4
 def score(motion: Motion, base: Fit) -> list[Ranked]:
     """Every candidate: gain to first order, less what its parameters gain by chance; where its full fit begins."""
     singles, scored = _singles(motion, base)
-    evidence, own, result = scored.evidence, list(range(scored.own)), []
-    before = evidence.chi2(own)
-    for c, new in zip(singles, scored.groups, strict=True):
-        index = [*own, *new]
-        values, _ = evidence.solve(index)
+    evidence, own, result = scored.evidence, scored.own, []
+    gains = evidence.gains(range(own), scored.groups)
+    for c, new, (gained, values) in zip(singles, scored.groups, gains, strict=True):
         x = np.concatenate([base.coordinates, c.coordinates[:-1]]) + values
-        if c.with_coordinates(x[len(own) :].tolist()).coordinates != c.coordinates:  # else all of it is out of bounds
-            result.append((c, before - evidence.chi2(index) - evidence.toll(len(new)), x))
+        if c.with_coordinates(x[own:].tolist()).coordinates != c.coordinates:  # else all of it is out of bounds
+            result.append((c, gained - evidence.toll(len(new)), x))
     result += score_scanned(motion, base, on_offer(motion, base))
     return sorted(result, key=lambda r: -r[1])
 

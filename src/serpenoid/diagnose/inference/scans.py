@@ -67,16 +67,15 @@ def score_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> list[R
     if not grids:
         return []
     own, evidence = range(len(base.coordinates)), with_scanned(motion, base, grids)
-    before, result = evidence.chi2(own), []
     candidates = [(c, g.scan.begins) for g in grids for c in g.candidates]
-    for i, (candidate, begins) in enumerate(candidates, start=len(own)):
-        index = [*own, i]
-        values, _ = evidence.solve(index)
+    gains = evidence.gains(own, [[len(own) + i] for i in range(len(candidates))])
+    result = []
+    for (candidate, begins), (gained, values) in zip(candidates, gains, strict=True):
         x = np.concatenate(
             [base.coordinates + values[:-1], [np.clip(values[-1], *begins)], candidate.coordinates[1:-1]]
         )
         toll = evidence.toll(len(candidate.effect.parameters))
-        result.append((candidate, before - evidence.chi2(index) - toll, x))
+        result.append((candidate, gained - toll, x))
     return result
 
 
