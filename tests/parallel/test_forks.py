@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from serpenoid.parallel import forks, in_processes
+from serpenoid.parallel import forks, in_processes, limited, meanwhile
 
 pytestmark = pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one core: nothing is forked")
 FIRST = os.getpid()
@@ -115,3 +115,17 @@ def test_what_a_task_raises_arrives_with_its_place_and_ends_the_others() -> None
 def test_an_answer_that_cannot_be_sent_is_an_error_and_no_wait() -> None:
     with pytest.raises(Exception, match="pickle|local object"):
         in_processes([(unsendable, ())] * 4)
+
+
+def test_what_is_done_meanwhile_is_waited_for_and_done_here_if_its_process_was_killed() -> None:
+    with meanwhile(at_term) as found:
+        process, ends = found()
+    assert process != os.getpid()
+    assert ends
+    with meanwhile(killed_unless_first, 1) as found:
+        assert found() == 1
+    with meanwhile(refused, 3) as found, pytest.raises(ValueError, match="number 3 is refused"):
+        found()
+    with limited(1), meanwhile(os.getpid) as found:
+        assert found() == os.getpid()
+    assert not multiprocessing.active_children()

@@ -13,18 +13,17 @@ from serpenoid.cli.pictures import Pictures, prepare
 from serpenoid.cli.work import Work
 
 if TYPE_CHECKING:
-    from serpenoid.body import Body
     from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.inference.select import Selection
     from serpenoid.diagnose.stages.baseline import Baseline
     from serpenoid.diagnose.stages.choose_motion import Searched
     from serpenoid.measure.campaign import CampaignFile
-    from serpenoid.measure.trial_files import Files, Reader
+    from serpenoid.measure.consistency.claims import Believed, Reader
     from serpenoid.parallel import Beside
 
 
 def run_one(args: argparse.Namespace, campaign: str) -> int:
-    """Diagnose, write, report; the campaign's files are read while what judges them is imported."""
+    """Diagnose, write, report; the campaign's files are read and checked while what judges them is imported."""
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.parallel import Beside
 
@@ -34,12 +33,12 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
         return _judged(args, campaign, reader.ask(_files, campaign))
 
 
-def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], tuple[Body, tuple[Files, ...]]]) -> int:
+def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Believed]) -> int:
     from serpenoid.diagnose.reference import reference_of, summary
     from serpenoid.diagnose.report.words import lines
     from serpenoid.diagnose.report.write import write
     from serpenoid.measure.campaign import load_campaign_file
-    from serpenoid.measure.trial_files import read_files
+    from serpenoid.measure.consistency.claims import read_believed
     from serpenoid.parallel import Beside
 
     wanted = [*([args.reference] if args.reference else []), campaign]
@@ -54,7 +53,7 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], tuple[B
         pictures = Pictures(folder, None if args.no_figures else artist)
         earlier, before = None, None
         if args.reference:
-            file, then = _diagnosed(args, args.reference, None, work, artist, read_files)
+            file, then = _diagnosed(args, args.reference, None, work, artist, read_believed)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
 
         def searched(found: Selection) -> None:
@@ -102,8 +101,8 @@ def _diagnosed(
     return found
 
 
-def _files(campaign: str) -> tuple[Body, tuple[Files, ...]]:
+def _files(campaign: str) -> Believed:
     from serpenoid.measure.campaign import load_campaign_file
-    from serpenoid.measure.trial_files import read_files
+    from serpenoid.measure.consistency.claims import read_believed
 
-    return read_files(*load_campaign_file(campaign))
+    return read_believed(*load_campaign_file(campaign))

@@ -15,8 +15,8 @@ from serpenoid.diagnose.stages.choose_motion import Searched
 from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
+from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.trial_files import Reader, read_files
 from serpenoid.model import Model
 
 Reading = Callable[[int, int, str], None]  # trials read, of how many, name of the next
@@ -30,14 +30,14 @@ def diagnose_campaign(
     reading: Reading = lambda done, total, name: None,
     say: Callable[[str], None] = lambda stage: None,
     notice: Callable[[str], None] = lambda text: None,
-    files: Reader = read_files,
+    files: Reader = read_believed,
     searched: Searched = lambda found: None,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
     without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
-    is left out. files: reads what a robot's campaign names, or has read it. searched: hears what the search for
-    effects of the motion found, as soon as it has ended.
+    is left out. files: reads what a robot's campaign names and checks it, or has done so. searched: hears what the
+    search for effects of the motion found, as soon as it has ended.
     """
     file, _ = load_campaign_file(campaign)
     if is_tracked_only(file):

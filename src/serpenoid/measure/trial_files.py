@@ -51,9 +51,6 @@ class Files:
         return Schedule(self.table, entry.cycle_duration_s, entry.cycles or 1, entry.pause_s)
 
 
-Reader = Callable[[CampaignFile, Path], tuple[Body, tuple[Files, ...]]]
-
-
 def read_files(file: CampaignFile, folder: Path, progress: Progress | None = None) -> tuple[Body, tuple[Files, ...]]:
     """All files of all trials, and the body with its lengths, estimated where the campaign gives none."""
     read = of_every_trial(file.trial, lambda entry: read_trial(file, entry, folder), progress)

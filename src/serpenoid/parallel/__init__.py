@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from serpenoid.parallel.beside import Beside
-from serpenoid.parallel.forks import in_processes, limited
+from serpenoid.parallel.forks import in_processes, limited, meanwhile
 
 T = TypeVar("T")
 Task = tuple[Any, ...]
 
-__all__ = ["Beside", "Workers", "in_processes", "in_order", "limited", "results"]
+__all__ = ["Beside", "Workers", "in_processes", "in_order", "limited", "meanwhile", "results"]
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from itertools import takewhile
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from multiprocessing.reduction import ForkingPickler
-from typing import Any
+from typing import Any, TypeVar
 
 from serpenoid.interrupts import noted
 from serpenoid.parallel.local import interrupts_held, watch_parent
@@ -27,6 +27,7 @@ from serpenoid.parallel.local import interrupts_held, watch_parent
 AT_MOST = 4
 WORD, WORDS = 4, 1000  # bytes of a number, and how many numbers every pipe holds
 _allowed = AT_MOST
+T = TypeVar("T")
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
 Answer = tuple[bool, Any]  # True and what the task gave, or False and what it raised
 
@@ -47,11 +48,34 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
             workers.extend(_started(tasks, queue) for _ in range(cores - 1))
         return _together(tasks, queue, [pipe for _, pipe in workers], awaited)
     finally:
-        os.close(queue)
-        for process, pipe in workers:
-            process.terminate()
-            process.join()
-            pipe.close()
+        _ended(workers, queue)
+
+
+def _ended(workers: Sequence[tuple[BaseProcess, Connection]], queue: int) -> None:
+    os.close(queue)
+    for process, pipe in workers:
+        process.terminate()
+        process.join()
+        pipe.close()
+
+
+@contextmanager
+def meanwhile(function: Callable[..., T], *arguments: Any) -> Iterator[Callable[[], T]]:
+    """Inside, another process is at `function(*arguments)`; what is yielded waits for its value.
+
+    Where nothing is forked, or the process was killed, it is found when it is asked for.
+    """
+    if not may_fork():
+        yield lambda: function(*arguments)
+        return
+    task, queue = (function, arguments), _queue(1)
+    worker: list[tuple[BaseProcess, Connection]] = []
+    try:
+        with interrupts_held(tracked=False):
+            worker.append(_started([task], queue))
+        yield lambda: raised_again(_heard([pipe for _, pipe in worker]).get(0) or attempted(task))
+    finally:
+        _ended(worker, queue)
 
 
 def may_fork() -> bool:
@@ -150,14 +174,21 @@ def _together(tasks: Sequence[Task], queue: int, pipes: list[Connection], awaite
     with limited(1):  # what workers do, they do alone
         for index, found in _worked(tasks, queue, begun):
             answers[index] = pickle.loads(packed(found))  # arrays laid out as those that are sent: the same last bits
+    answers |= _heard(pipes)
+    for number in unheard:
+        awaited(number)
+    return [raised_again(answers[i] if i in answers else attempted(task)) for i, task in enumerate(tasks)]
+
+
+def _heard(pipes: Sequence[Connection]) -> dict[int, Answer]:
+    """What workers send until they end."""
+    answers: dict[int, Answer] = {}
     for pipe in pipes:
         with suppress(EOFError, OSError):
             while True:
                 index = pipe.recv()
                 answers[index] = pipe.recv()
-    for number in unheard:
-        awaited(number)
-    return [raised_again(answers[i] if i in answers else attempted(task)) for i, task in enumerate(tasks)]
+    return answers
 
 
 def _collected(results: Iterator[Any], count: int, awaited: Callable[[int], None]) -> list[Any]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from serpenoid.body import Body, Floats
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
 from serpenoid.diagnose.data.played import at_played_rate
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
@@ -18,19 +18,19 @@ from serpenoid.diagnose.data.told import told_by_commands
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
-from serpenoid.measure.consistency.claims import believe
+from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed
-from serpenoid.measure.trial_files import Files, Progress, Reader, content, neighbour_ratio, of_every_trial, read_files
+from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial
 
 
 def read_recordings(
-    path: str | Path, progress: Progress | None = None, files: Reader = read_files
+    path: str | Path, progress: Progress | None = None, files: Reader = read_believed
 ) -> tuple[CampaignFile, tuple[Recording, ...]]:
     """All trials of a campaign, each with a joint table and a motion file; InputError that names all that have not.
 
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
-    files: reads what the campaign names, or has read it.
+    files: reads what the campaign names and checks it against itself, or has done so.
     """
     file, folder = load_campaign_file(path)
     if not file.lengths_given:
@@ -39,16 +39,15 @@ def read_recordings(
         )
 
     def aligned() -> tuple[Recording, ...]:
-        return _aligned(file, *files(file, folder), folder, progress)
+        return _aligned(file, *files(file, folder)[1:], progress)
 
     return file, remember(aligned, "recordings", file, content(file, folder))
 
 
 def _aligned(
-    file: CampaignFile, body: Body, read: Sequence[Files], folder: Path, progress: Progress | None
+    file: CampaignFile, read: Sequence[Files], said: Mapping[str, tuple[str, ...]], progress: Progress | None
 ) -> tuple[Recording, ...]:
-    """Every trial's clocks aligned; each is kept as soon as it is done."""
-    said = believe(file, folder, body, read)
+    """Every trial's clocks aligned; each is kept as soon as it is done. said: remarks by the trial's name."""
     files = {one.entry.name: one for one in read}
 
     def kept(entry: TrialEntry) -> Recording:

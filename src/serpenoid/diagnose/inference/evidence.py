@@ -82,7 +82,7 @@ class Evidence:
         found: dict[int, tuple[float, Floats]] = {}
         for size in np.unique(sizes):
             which = np.flatnonzero(sizes == size)
-            index = np.array([[*own, *groups[i]] for i in which], dtype=int)
+            index = np.array([[*own, *groups[int(i)]] for i in which], dtype=int)
             left, values = self._best(index)
             found |= {int(i): (before - float(x), v) for i, x, v in zip(which, left, values, strict=True)}
         return [found[i] for i in range(len(groups))]

@@ -36,7 +36,7 @@ from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
-from serpenoid.parallel import in_processes
+from serpenoid.parallel import in_processes, meanwhile
 
 AT_MOST = 7
 FULL_FITS = (10, 6, 4, 4, 4, 4, 4)
@@ -88,8 +88,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
         if not ranked:  # whatever may act would have to act backwards
             break
-        least = max(HOPELESS * gained_by_chance(len(ranked)), SHARE * ranked[0][1])
-        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > least]
+        worth = max(HOPELESS * gained_by_chance(len(ranked)), SHARE * ranked[0][1])
+        promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > worth]
         tries = attempts(motion, best, promising)
         if not level and all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
@@ -102,8 +102,10 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         first, added = tries[chosen].fit, tries[chosen].added
         others = [t for t in tries if t.added.name != added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
-        idle = 0 if best.chi2 - first.chi2 > needed(motion, first) else idle + 1
-        motion = retracked(motion, retrack, first.model)
+        with meanwhile(needed, motion, first) as least:
+            again = retracked(motion, retrack, first.model)
+            idle = 0 if best.chi2 - first.chi2 > least() else idle + 1
+        motion = again
         motion, first = calibrated(motion, fit_guided(motion, first))
         null = fit_guided(motion, null, STEPS)
         best = pruned(motion, first, len(ranked))

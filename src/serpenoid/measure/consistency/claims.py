@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
@@ -30,6 +30,8 @@ from serpenoid.measure.trial_files import Files, by_words, label_markers, neighb
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
+Believed = tuple[Body, tuple[Files, ...], dict[str, tuple[str, ...]]]
+Reader = Callable[[CampaignFile, Path], Believed]
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
 UP = {"motive": "y", "c3d": "z"}
@@ -60,6 +62,12 @@ def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files])
     for one in verdict.contradictions:
         remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
     return {trial: tuple(said) for trial, said in remarks.items()}
+
+
+def read_believed(file: CampaignFile, folder: Path) -> Believed:
+    """All files of all trials, the body, and remarks on every trial by name; InputError as in `believe`."""
+    body, read = read_files(file, folder)
+    return body, read, believe(file, folder, body, read)
 
 
 def contradictions(path: str | Path) -> tuple[Contradiction, ...]:

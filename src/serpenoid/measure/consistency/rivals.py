@@ -13,7 +13,6 @@ import numpy as np
 
 from serpenoid.measure.consistency.hypotheses import Fault, wiring_faults
 from serpenoid.measure.consistency.match import Course, Match, Prior, match, match_at
-from serpenoid.measure.consistency.servos import with_servos
 from serpenoid.measure.consistency.signals import Sampled, Signal, sample
 
 FAULTY = 0.05  # of campaigns have something wrong in their file
@@ -59,6 +58,8 @@ def compared(
     laid = [(fault, _laid(grid, fault, contract, prior)) for fault in faults]
     plain = rivals = _rivals(trial, grid, contract, laid, witness)
     if any(rival.lead + rival.log_share > 0 for rival in plain):
+        from serpenoid.measure.consistency.servos import with_servos  # CasADi, long to import and seldom asked
+
         ahead = [found.evidence + fault.log_share > contract.evidence for fault, found in laid]
         contract = with_servos(grid, contract, prior)
         laid = [(f, with_servos(grid, m, prior) if first else m) for (f, m), first in zip(laid, ahead, strict=True)]
