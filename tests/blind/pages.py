@@ -68,7 +68,10 @@ def _proportions(part: Part) -> list[list[str]]:
     if kind in ("one", "two"):
         rows.append(_share(f"{title}, each S >= 3", s["right_where_required"], TARGETS[kind]))
         rows.append(_share(f"{title}: intervals cover", s["intervals_cover"], "90-98 %"))
-        rows.append(_share(f"{title}: rightly named, held out within 1.2 F", s["held_out_within_1.2_floors"], "all"))
+        named = f"{title}: rightly named, held out within 1.2 F"
+        rows.append(_share(named, s["held_out_within_1.2_floors"], "all"))
+        if s["held_out_as_far_as_told"]["of"]:
+            rows.append(_share(f"{named} and what the other gaits leave open", s["held_out_as_far_as_told"], "95 %"))
     return rows
 
 

@@ -1,6 +1,6 @@
 """Floor F and strength S of what is hidden in a campaign, as the issue on diagnosis words them.
 
-F: start-aligned path RMS between the measurement and the true law driven by the recorded shapes [m].
+F: start-aligned path RMS between the measurement and the true law driven by the true shapes [m].
 S: what the effect leaves of the true (noise-free, slip-free) path after eps and the start pose are refitted, over F.
 Effects on shapes and on markers are judged on their own stage (`shape_signature`): the worst joint's or link's RMS,
 over that stage's floor.
@@ -39,7 +39,8 @@ def floor(c: Campaign) -> float:
     """F [m]."""
     records = [record(c.world, t) for t in c.trials]
     predicted = c.world.paths([r.drive for r in records])
-    return path_rms([p[:, :2] - r.pose[:, :2] for p, r in zip(predicted, records, strict=True)])
+    seen = [resample(r.time, r.drive.time, p) for p, r in zip(predicted, records, strict=True)]
+    return path_rms([p[:, :2] - r.pose[:, :2] for p, r in zip(seen, records, strict=True)])
 
 
 def registered(path: Floats, target: Floats, length: float) -> Floats:

@@ -31,6 +31,7 @@ from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
 from blind.follow_up import follow_up
 from blind.kinds import KINDS, Case, case
+from blind.known_law import left_open
 from blind.pages import write_page
 from blind.score import REQUIRED, Answer, Name, answer, errors, judge, odds
 from blind.separation import separation
@@ -118,6 +119,7 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "noise_level_m": f,
         "floor_said_m": diagnosis.get("noise_level_m"),
         "held_out_over_floor": (after / f) if (after := _after_m(diagnosis)) is not None else None,
+        "left_open_said_m": diagnosis.get("left_open_m"),
         "eps": c.eps,
         "eps_said": diagnosis.get("anisotropy_ratio", {}).get("after"),
         "eps_interval": diagnosis.get("anisotropy_ratio", {}).get("interval"),
@@ -131,6 +133,7 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
     verdict = judge(said, c.effects, strengths, lambda i, n: separation(c, c.effects[i], n.name, n.place, f))
     missed = errors(diagnosis, c.effects)
     return row | {
+        "left_open_m": left_open(c),
         "strengths": strengths,
         "outcome": verdict.outcome,
         "separations": verdict.separations,

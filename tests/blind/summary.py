@@ -14,6 +14,7 @@ from blind.score import confusion, wilson
 ODDS_EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0 + 1e-9)
 STRENGTH_EDGES = (0.0, 1.0, 3.0, 6.0, 12.0, np.inf)
 HELD_OUT, SECONDS = 1.2, 15.0  # targets: floors, seconds of processor time
+LIKELY = 1.96  # deviations: 95 % of predictions by one who knows the law stray by less
 Row = Mapping[str, Any]
 
 
@@ -34,6 +35,12 @@ def quantiles(values: Sequence[float]) -> dict[str, float] | None:
 
 def _right(row: Row) -> bool:
     return row["outcome"] == "right"
+
+
+def _as_far_as_told(row: Row) -> bool:
+    """Whether held-out paths are within the target and what the other gaits leave open to one who knows the law."""
+    left_open = LIKELY * float(row["left_open_m"]) / float(row["noise_level_m"])
+    return bool(row["held_out_over_floor"] <= np.hypot(HELD_OUT, left_open))
 
 
 def _weakest(row: Row) -> float:
@@ -144,6 +151,7 @@ def summarise(kind: str, rows: Sequence[Row]) -> dict[str, Any]:
         "by_strength": _by_strength(rows),
         "intervals_cover": share(intervals, _right) | {"missed": _uncovered(rows)},
         "held_out_within_1.2_floors": share(held_out, lambda r: r["held_out_over_floor"] <= HELD_OUT),
+        "held_out_as_far_as_told": share([r for r in held_out if "left_open_m" in r], _as_far_as_told),
         "held_out_over_floor": quantiles([float(r["held_out_over_floor"]) for r in held_out]),
         "mean_group_size": _mean_group(named),
         "group_sizes": dict(sorted(Counter(str(len(r["group"])) for r in named).items())),

@@ -68,6 +68,14 @@ def test_times_held_out_errors_and_intervals_are_summed_up() -> None:
     assert quantiles([]) is None
 
 
+def test_held_out_paths_are_judged_by_what_the_other_gaits_leave_open_too() -> None:
+    told = {"noise_level_m": 1e-3, "held_out_over_floor": 3.0}
+    rows = [row("right", 7.0, ["slope"], left_open_m=open_m, **told) for open_m in (0.0, 1e-3, 2e-3)]
+    s = summarise("one", [*rows, *ROWS])  # rows of older tables do not say what is open
+    assert (s["held_out_as_far_as_told"]["good"], s["held_out_as_far_as_told"]["of"]) == (1, 3)
+    assert (s["held_out_within_1.2_floors"]["good"], s["held_out_within_1.2_floors"]["of"]) == (1, 5)
+
+
 FOLLOWED = [
     {
         "group_before": 2,

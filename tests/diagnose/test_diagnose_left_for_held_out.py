@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.data.chance import SYSTEMATIC
-from serpenoid.diagnose.data.paths import strays
-from serpenoid.diagnose.inference.held_out import first_order, left_open, part
+from serpenoid.diagnose.data.paths import strays, total
+from serpenoid.diagnose.inference.held_out import first_order, left_open, of_each_gait, part
 from serpenoid.diagnose.inference.medium import Fit, linearised, with_values
 from serpenoid.diagnose.report import words
+from serpenoid.diagnose.report.cards import cards
 
 DRAWS = 8
 
@@ -35,10 +36,38 @@ def test_what_other_gaits_leave_open_is_how_far_fits_to_them_scatter(
                 known = best.predictions[i].displacement
                 squares.append(strays(motion.tracks[i], known, (p.displacement - known)[..., None]))
     # a value that only one gait tells is drawn to neutral, which scatters less than it is in doubt
-    assert np.sqrt(np.mean(squares)) * SYSTEMATIC == pytest.approx(left_open(motion, best), rel=0.3)
+    assert np.sqrt(np.mean(squares)) * SYSTEMATIC == pytest.approx(total(left_open(motion, best)), rel=0.3)
+
+
+def test_it_is_said_of_each_gait(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    found, record, _ = diagnosed
+    trials = found.motion.selection.motion.tracks
+    by_gait = record["left_open_by_gait_m"]
+    each = [by_gait[t.recording.gait] for t in trials]
+    assert len(by_gait) == len({t.recording.gait for t in trials}) > 1
+    assert total(each) == pytest.approx(record["left_open_m"])
+
+
+def test_where_no_gaits_are_held_out_none_is_named(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    motion = diagnosed[0].motion.selection.motion
+    each_trial = replace(motion, labels=tuple(range(len(motion.tracks))))
+    assert of_each_gait(each_trial, np.ones(len(motion.tracks))) == {}
 
 
 @pytest.mark.parametrize(("open_m", "said"), [(2e-3, " (2 mm expected: what the other gaits leave open)"), (5e-4, "")])
 def test_it_is_told_where_it_is_more_than_noise(open_m: float, said: str) -> None:
-    record = {"left_open_m": open_m, "noise_level_m": 1e-3, "length_unit": "m", "drag_ratio": None}
-    assert words.left_open(record) == said
+    assert words.left_open(opened(open_m)) == said
+
+
+def opened(open_m: float, **by_gait: float) -> dict[str, Any]:
+    """As much of a record as is read."""
+    open_by = {"left_open_m": open_m, "left_open_by_gait_m": by_gait}
+    return open_by | {"noise_level_m": 1e-3, "length_unit": "m", "drag_ratio": None}
+
+
+def test_gaits_that_alone_tell_a_value_are_named(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    record = opened(2e-3, tail=5e-3, head=4e-4)
+    assert words.left_open(record) == " (2 mm expected: what the other gaits leave open of tail)"
+    told = "The others leave 5 mm open of tail: another one like it would tell."
+    assert told in cards(diagnosed[1] | record)[2].sentences
+    assert not any("leave" in text for text in cards(diagnosed[1] | opened(5e-4, tail=2e-3))[2].sentences)

@@ -177,7 +177,8 @@ def _diagnosis(path: Path) -> None:
     step = {"stage": "motion", "compares": "shape against motion", "before": 0.05, "after": 0.02, "noise_level": 0.01,
             "unit": "m", "share_above_noise_before": 0.96, "share_above_noise_after": 0.75}  # fmt: skip
     record = {"campaign": "two", "verdict": "explained", "effects": [effect], "gain": gain,
-              "noise_level_m": 0.001, "left_open_m": 0.002, "length_unit": "m", "noise_from": "trials",
+              "noise_level_m": 0.001, "left_open_m": 0.002, "left_open_by_gait_m": {"a": 0.002},
+              "length_unit": "m", "noise_from": "trials",
               "anisotropy_ratio": {"before": 0.2, "after": 0.21, "interval": [0.2, 0.22], "at_bound": False},
               "drag_ratio": None, "law": {"name": "viscous", "rival": "dry friction misses less", "drag_at": ""},
               "ladder": [step], "discrepancy_m": 0.003, "provenance": {"written": "today"},

@@ -7,7 +7,7 @@
 In three stages: command against shape (actuation: servos), shape against markers (observation: cameras, clocks),
 shape against motion (medium: wheels and floor). In each, the error stands beside its noise level, which repeated trials
 tell: record every setting twice. Effects (see `serpenoid effects`) are chosen by how well they predict gaits they were
-not fitted to, so record six gaits or more, one of them tail first, at several cycle durations and headings.
+not fitted to, so record six gaits or more, two of them tail first, at several cycle durations and headings.
 
 verdict           nothing left      something left
   effects named   explained         partly explained

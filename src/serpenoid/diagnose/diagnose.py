@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_error
+from serpenoid.diagnose.data.paths import path_error, total
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
@@ -17,7 +17,14 @@ from serpenoid.diagnose.data.used import in_lengths, length_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage
-from serpenoid.diagnose.inference.held_out import LeaveOut, first_order, fitted_again, held_out, left_open
+from serpenoid.diagnose.inference.held_out import (
+    LeaveOut,
+    first_order,
+    fitted_again,
+    held_out,
+    left_open,
+    of_each_gait,
+)
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.diagnose.inference.select import unclear
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
@@ -189,6 +196,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
     usage, length = used(found.motion.tracks), length_unit(found.motion.tracks)
+    open_m = left_open(found.motion, d.extension)
     return {
         "verdict": d.verdict,
         "length_unit": length,
@@ -207,7 +215,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
-        "left_open_m": left_open(found.motion, d.extension),
+        "left_open_m": total(open_m), "left_open_by_gait_m": of_each_gait(found.motion, open_m),
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),
         **_rows([t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)]),

@@ -14,7 +14,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.paths import strays
+from serpenoid.diagnose.data.paths import strays, total
 from serpenoid.diagnose.data.windows import Prediction, columns_of
 from serpenoid.diagnose.inference.bounds import at_values
 from serpenoid.diagnose.inference.evidence import SILENT, Evidence
@@ -71,12 +71,12 @@ def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unse
     return Unseen(index, evidence, predictions)
 
 
-def left_open(motion: Motion, found: Fit) -> float:
-    """Path RMS [m] by which fits without a gait are expected to be off in it, to first order, on top of the noise
-    level: what the other gaits leave open of eps and the effects."""
+def left_open(motion: Motion, found: Fit) -> Floats:
+    """Path RMS [m] of every trial by which a fit without its gait is expected to be off, to first order, on top of the
+    noise level: what the other gaits leave open of eps and the effects."""
     labels, evidence = sorted(set(motion.labels)), found.evidence
     if len(labels) == 1:
-        return 0.0
+        return np.zeros(len(motion.tracks))
     told = [i for i in range(len(found.coordinates)) if evidence.matrix[:, i, i].sum() > SILENT]
     columns = [EPS, *columns_of(at_values(found.model, found.effects))]
     spread = SYSTEMATIC * max(1.0, np.sqrt(found.chi2 / evidence.count.sum()))
@@ -85,7 +85,15 @@ def left_open(motion: Motion, found: Fit) -> float:
         covariance = evidence.solve(told, without=labels.index(label))[1]
         by = p.by([columns[i] for i in told])
         squares.append(strays(track, p.displacement, by @ np.linalg.cholesky(covariance) * spread))
-    return float(np.sqrt(np.mean(squares)))
+    return np.sqrt(squares)
+
+
+def of_each_gait(motion: Motion, values: Floats) -> dict[str, float]:
+    """RMS of the values of its trials, by the gait's name; none where something else than gaits is held out."""
+    gaits = [t.recording.gait for t in motion.tracks]
+    if not len(set(gaits)) == len(set(motion.labels)) == len(set(zip(gaits, motion.labels, strict=True))) > 1:
+        return {}
+    return {name: total(values[[own == name for own in gaits]]) for name in dict.fromkeys(gaits)}
 
 
 def held_out(motion: Motion, found: Fit, leave_out: LeaveOut = first_order) -> list[Prediction]:

@@ -9,6 +9,7 @@ from serpenoid.diagnose.report.words import (
     drag_ratio,
     inadequacy,
     meaning,
+    open_gaits,
     parameter,
     ratio_change,
     rival_law,
@@ -67,6 +68,7 @@ def _gain(record: Record) -> Card:
     rows = [(GAINS[key][0].partition(",")[0].partition(" (")[0], _change(record, key)) for key in GAINS]
     rows.append(("noise level", shown(record["noise_level_m"], record["length_unit"])))
     said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
+    said += _left_open(record)
     bad = worse(record)
     unsure = _overlap(record["gain"]["path_rms_m"])
     if unsure:
@@ -76,6 +78,15 @@ def _gain(record: Record) -> Card:
         said.append("Do not rely on the name without further trials.")
     answer = f"path RMS {_change(record, 'path_rms_m')}"
     return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad or unsure else "good")
+
+
+def _left_open(record: Record) -> list[str]:
+    """What the others leave open of single gaits, and what would tell."""
+    said = []
+    for name in open_gaits(record):
+        open_m = shown(record["left_open_by_gait_m"][name], record["length_unit"])
+        said.append(f"The others leave {open_m} open of {name}: another one like it would tell.")
+    return said
 
 
 def _overlap(gain: Record) -> bool:

@@ -253,8 +253,16 @@ def left_open(record: Record) -> str:
     """How far held-out paths are expected to stray for want of other gaits that tell, where that is more than noise."""
     if record["left_open_m"] <= record["noise_level_m"]:
         return ""
-    open_m = shown(record["left_open_m"], record["length_unit"])
-    return f" ({open_m} expected: what the other {unseen(record)} leave open)"
+    open_m, gaits = shown(record["left_open_m"], record["length_unit"]), open_gaits(record)
+    of = f" of {', '.join(gaits)}" if gaits else ""
+    return f" ({open_m} expected: what the other {unseen(record)} leave open{of})"
+
+
+def open_gaits(record: Record) -> list[str]:
+    """Gaits of which the others leave more open than noise, where that is more than noise in all."""
+    if record["left_open_m"] <= record["noise_level_m"]:
+        return []
+    return [name for name, open_m in record["left_open_by_gait_m"].items() if open_m > record["noise_level_m"]]
 
 
 def unseen(record: Record) -> str:
