@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,6 +29,15 @@ class Layout:
     points: Floats
     distance: Floats
     edges: Floats | None
+
+    @cached_property
+    def moments(self) -> tuple[np.ndarray, Floats, Floats]:
+        """Of each pair (N, N): in how many frames it is seen, the mean of its distances and the sum of squares about
+        it. All that links are judged by, in whatever order."""
+        known = np.isfinite(self.distance)
+        often = known.sum(axis=0)
+        mean = np.where(known, self.distance, 0.0).sum(axis=0) / np.maximum(often, 1)
+        return often, mean, (np.where(known, self.distance - mean, 0.0) ** 2).sum(axis=0)
 
     @property
     def neighbours(self) -> Floats:
@@ -48,16 +58,15 @@ def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, edges: Floa
     """Log evidence of vertices taken in `order`, their distances multiplied by `scale`."""
     chain = np.asarray(order)
     lengths = plan.edges if edges is None else edges
-    distance = scale * plan.distance[:, chain[:-1], chain[1:]]
-    with np.errstate(invalid="ignore"):
-        seen = np.isfinite(distance).any(axis=0)
+    often, mean, scatter = (x[chain[:-1], chain[1:]] for x in plan.moments)
+    seen = often > 0
     if not seen.any():
         return -np.inf
-    distance, count = distance[:, seen], int(seen.sum())
-    mean = np.nanmean(distance, axis=0)
+    often, mean, scatter, count = often[seen], scale * mean[seen], scale**2 * scatter[seen], int(seen.sum())
     typical = np.median(mean) if lengths is None else float(np.median(lengths))
     about = mean if lengths is None else lengths[seen]
-    miss = float(np.sqrt(np.nanmean((distance - about) ** 2) + (PLACED * typical) ** 2))
+    square = (scatter + often * (mean - about) ** 2).sum() / often.sum()
+    miss = float(np.sqrt(square + (PLACED * typical) ** 2))
     if lengths is not None:
         return float(-count * np.log(miss))
     order_of_body = -count * np.log(mean.sum()) - 2 * (len(chain) - 2) * np.log(_folding(plan, chain))
