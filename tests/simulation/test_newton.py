@@ -11,12 +11,13 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.mechanics.compile import find_compiler
 from serpenoid.mechanics.substitution import banded, substituted
 from serpenoid.model import Model
-from serpenoid.simulation import balance
+from serpenoid.simulation import balance, sensitivity
 from serpenoid.simulation.balance import solve_balance, solve_near
 from serpenoid.simulation.chain import Chain, solve_chain, solve_chains
 from serpenoid.simulation.inertia import carried, coefficients, matrix
 from serpenoid.simulation.law import MediumNumbers
 from serpenoid.simulation.newton import State, implicit_derivative, newton, solution
+from serpenoid.simulation.sensitivity import MeasuredSteps, sensitivities_of
 from serpenoid.simulation.steps import TOLERANCE, shape_rows, solve_steps
 from specimens import reference, serpenoid_table, uneven
 
@@ -69,6 +70,26 @@ def test_lanes_that_are_refilled_find_the_roots_of_steps_side_by_side(law: str) 
     for name in ("relative", "energy", "slopes"):
         one, other = (getattr(found, name)[plain.sound] for found in (wide, plain))
         np.testing.assert_allclose(one, other, rtol=0, atol=SAME * np.abs(other).max())
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+def test_columns_asked_for_are_those_of_all_derivatives() -> None:
+    """Some with a place and some without, of 100 steps, two of which are no numbers."""
+    begun = reference()
+    effects = tuple(ActiveEffect.typical(*e) for e in (("dry_friction", None), ("worn_wheel", 2), ("slope", None)))
+    model, rng = Model(begun.body, begun.medium, effects), np.random.default_rng(2)
+    table = serpenoid_table(model, 100)
+    vertices, _ = shape_rows(model, np.concatenate([table, table[:1]]))
+    candidates = [ActiveEffect.neutral("worn_wheel", k) for k in (0, 7)]
+    steps = MeasuredSteps.of(model, vertices, np.linspace(0, 2, 101), rng.normal(size=(101, 3)))
+    steps.after[0, 50 * model.structure.elements] = np.nan
+    wide = sensitivities_of(model, steps, candidates)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sensitivity, "root_columns", lambda law: None)
+        plain = sensitivities_of(model, steps, candidates)
+    assert wide.columns == plain.columns
+    assert wide.sound.sum() == 98
+    np.testing.assert_allclose(wide.jacobian, plain.jacobian, rtol=0, atol=SAME * np.nanmax(np.abs(plain.jacobian)))
 
 
 def pulled(loads: Floats, ages: int) -> tuple[Floats, State]:

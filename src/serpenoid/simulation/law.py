@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -60,21 +61,32 @@ def coordinates(
     candidates: Sequence[ActiveEffect] = (),
 ) -> Floats:
     """theta (P, M) of `kinds` (default all): an effect's coordinates where it sits, its resting ones elsewhere."""
-    n = model.body.vertices
-    blocks = [np.zeros((0, n))]
-    for kind in medium_effects() if kinds is None else kinds:
-        resting = np.array([*(p.resting for p in kind.parameters), 0.0])
-        block = np.repeat(resting[:, None], n, axis=1)
+    chosen = tuple(medium_effects() if kinds is None else kinds)
+    first, resting = _resting(chosen, model.body.vertices)
+    theta = resting.copy()
+    for active in (*model.medium_effects, *candidates):
+        if active.name in first:
+            begin = first[active.name]
+            _enter(theta[begin : begin + len(active.effect.parameters) + 1], active, strength)
+    return theta
+
+
+@lru_cache(maxsize=32)
+def _resting(kinds: tuple[MediumEffect, ...], vertices: int) -> tuple[dict[str, int], Floats]:
+    """The first row of each effect by name, and theta (P, M) where nothing acts."""
+    first: dict[str, int] = {}
+    blocks = [np.zeros((0, vertices))]
+    for kind in kinds:
+        first[kind.name] = sum(map(len, blocks))
+        block = np.repeat(np.array([*(p.resting for p in kind.parameters), 0.0])[:, None], vertices, axis=1)
         if kind.place is None:
-            block[-1] = [kind.is_present(vertex, n) for vertex in range(n)]
-        for active in (e for e in (*model.medium_effects, *candidates) if e.name == kind.name):
-            _enter(block, resting, active, strength)
+            block[-1] = [kind.is_present(vertex, vertices) for vertex in range(vertices)]
         blocks.append(block)
-    return np.vstack(blocks)
+    return first, np.vstack(blocks)
 
 
-def _enter(block: Floats, resting: Floats, active: ActiveEffect, strength: float) -> None:
-    values = np.array(active.coordinates)
+def _enter(block: Floats, active: ActiveEffect, strength: float) -> None:
+    values, resting = np.array(active.coordinates), np.array([*(p.resting for p in active.effect.parameters), 0.0])
     scaled = [p.neutral is not None for p in active.effect.parameters] + [False]
     values = np.where(scaled, resting + strength * (values - resting), values)
     if active.place is None:

@@ -17,6 +17,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, MediumEffect
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics.extended import parameter_rows
+from serpenoid.mechanics.root_columns import root_columns
 from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
 from serpenoid.model import Model
 from serpenoid.simulation import balance, servos
@@ -251,8 +252,14 @@ class Recorded:
         """Derivatives (S, 3, P) of the relative poses."""
         starts = self.steps.starts
         ends = group.compose(starts, np.nan_to_num(root.relative))
-        by = self.residual_derivatives(columns, np.hstack([starts, ends]).T)
         slopes = np.where(root.sound[:, None, None], root.slopes, np.eye(3))
+        run = None if self.history else root_columns(self.law.kind)
+        if run is not None:
+            placed, own, row = _rows(columns)
+            law, which = self.law, np.column_stack([np.where(placed, own, -1), row])
+            chains = (np.asarray(x.T, float).reshape(len(ends), -1, 4) for x in (self.steps.before, self.steps.after))
+            return run(*chains, np.hstack([starts, ends]), self.settings.T, slopes, law.medium.T, law.theta.T, which)
+        by = self.residual_derivatives(columns, np.hstack([starts, ends]).T)
         ends_by = implicit_derivative(slopes[None], by)
         c, s = np.cos(starts[:, 2])[:, None], np.sin(starts[:, 2])[:, None]
         x, y = ends_by[:, 0], ends_by[:, 1]
@@ -271,19 +278,23 @@ class Recorded:
 
     def _by_columns(self, poses: Floats, columns: Sequence[Column]) -> Floats:
         everywhere, somewhere = sensitivities(self.law, self.steps.before, self.steps.after, poses, self.settings)
-        kinds = medium_effects()
-        first = {(e, p): 1 + i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=False))}
-        second = {(e, p): i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=True))}
-        placed = np.array([c.place is not None for c in columns])
+        placed, own, row = _rows(columns)
         found = np.empty((len(self.steps), 6, len(columns)))
-        found[:, :, ~placed] = everywhere[
-            :, :, [0 if c.effect is None else first[c.effect, c.parameter] for c in columns if c.place is None]
-        ]
-        at = [(c.place, second[c.effect or "", c.parameter]) for c in columns if c.place is not None]
-        if at:
-            places, rows = np.array(at).T
-            found[:, :, placed] = somewhere[:, :, places, rows]
+        found[:, :, ~placed] = everywhere[:, :, row[~placed]]
+        if placed.any():
+            found[:, :, placed] = somewhere[:, :, own[placed], row[placed]]
         return found
+
+
+def _rows(columns: Sequence[Column]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each column (P,): whether it has a place, that place, and its number among those with one or without."""
+    kinds = medium_effects()
+    first = {(e, p): 1 + i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=False))}
+    second = {(e, p): i for i, (e, p, _) in enumerate(parameter_rows(kinds, placed=True))}
+    placed = np.array([c.place is not None for c in columns], dtype=bool)
+    own = np.array([c.place or 0 for c in columns])
+    rows = [(first if c.place is None else second)[c.effect, c.parameter] if c.effect else 0 for c in columns]
+    return placed, own, np.array(rows)
 
 
 def _fields(found: Balance) -> tuple[Floats, ...]:
