@@ -14,6 +14,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
+from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
@@ -77,6 +78,7 @@ def test_one_cycle_fills_nothing() -> None:
     assert np.isnan(filled[1]).all()
 
 
+LATE = 0.0042  # s
 SOFT = 0.05  # s: by how much servos are late, and as much once more for how fast their neighbours turn
 
 
@@ -119,4 +121,28 @@ def test_a_habit_of_readings_is_in_both_campaigns_and_no_noise_of_their_differen
 def test_less_than_the_habit_of_readings_says_nothing_of_servos(followed: tuple[Recording, ...]) -> None:
     _, stage = _changed(followed, 1.6)  # 0.8 times: the floor alone may do as much
     assert not stage.named
+    assert stage.settled
+
+
+@pytest.mark.parametrize("between", [0.0, 0.5])  # of the way from one of the earlier readings to the next
+def test_noise_of_the_earlier_readings_is_no_habit_and_counts_once(
+    followed: tuple[Recording, ...], between: float
+) -> None:
+    """Labels are good to 2.1 ms: of a lag of 4.2 ms they leave little more than noise of a difference of readings."""
+    rng = np.random.default_rng(4)
+
+    def read_again(r: Recording, late: float, between: float = 0.0) -> Recording:
+        r = replace(r, log_time=r.log_time + between * np.median(np.diff(r.log_time)))
+        done = r.schedule.commanded(r.read_at - late) + 0.4 * TICK * rng.normal(size=r.position.shape)
+        return replace(r, position=np.round(done / TICK) * TICK)
+
+    model, unknown = Model(followed[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)
+    then = plays([read_again(r, 0.0) for r in followed])
+    reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, then, 0.0)
+    alike = reference.plays([read_again(r, 0.0, between) for r in followed])
+    assert (np.asarray(alike.unsure) < alike.noise / 2).all()
+    left = alike.left(alike.realised([]))
+    assert np.sqrt((left**2).mean()) == pytest.approx(np.sqrt((alike.noise**2).mean()), rel=0.04)
+    stage = choose_actuation(reference.plays([read_again(r, LATE, between) for r in followed]))
+    assert [n.effect.name for n in stage.named] == ["servo_lag"]
     assert stage.settled

@@ -135,25 +135,29 @@ class Reference(Baseline):
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """Readings with the earlier ones' error taken out: that of a gait played then is in both, and is no noise. A
-        change of something else may change it by as much as it is; of a new gait all of it is there."""
+        change of something else may change it by as much as it is, beyond noise; of a new gait all of it is there."""
         now, then = plays(recordings), self.servos
         left = then.readings - then.realised([])
-        spread = np.sqrt(np.where(then.read, left**2, 0.0).sum(axis=0) / then.often)
+        scattered = np.where(then.read, left**2, 0.0).sum(axis=0) / then.often
+        error = np.maximum(scattered - then.noise**2, 0.0)
         habit, new = np.zeros_like(now.readings), np.ones(len(now.readings), dtype=bool)
+        noisy = np.zeros(len(now.readings))  # of the earlier readings' noise squared, what is in those between them
         for number, r in enumerate(now.recordings):
             for other, earlier in enumerate(then.recordings):
                 if earlier.setting == r.setting and np.array_equal(earlier.schedule.table, r.schedule.table):
                     mine, theirs = now.trials == number, then.trials == other
                     at, known = now.times[number], then.times[other]
                     habit[mine] = bridged(known, left[theirs], at)
+                    later = np.interp(at, known, np.arange(len(known))) % 1
+                    noisy[mine] = later**2 + (1 - later) ** 2
                     new[mine] = False
         return replace(
             now,
             without=self.without,
             known=then.known,
             habit=habit,
-            noise=np.sqrt(now.noise**2 + then.noise**2 + new.mean() * spread**2),
-            unsure=spread,
+            noise=np.sqrt(now.noise**2 + noisy.mean() * then.noise**2 + new.mean() * error),
+            unsure=np.sqrt(error),
         )
 
 
