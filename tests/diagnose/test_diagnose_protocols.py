@@ -25,6 +25,7 @@ from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.start import baseline
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 
 SEED = 21
@@ -122,6 +123,19 @@ def test_without_a_log_a_joint_that_is_never_read_has_no_name_and_is_as_it_was_t
     assert not stage.named
     assert stage.settled, stage.words
     assert angle_error(blind, carried(recordings, found, [])) < 1e-2
+
+
+def test_without_labels_a_trial_begins_where_a_joint_that_lags_is_taken_for_one(tmp_path: Path) -> None:
+    """A joint of ten that lags by 0.2 s makes every trial seem to begin 20 ms late: motion before that would be lost."""
+    lagging = Effect("lagging_joint", 4, {"lag": 0.2})
+    late = make(SEED, [lagging], protocol=protocol(log_hertz=0.0))
+    recordings = recorded(late, tmp_path)
+    found = plays(recordings)
+    effect = ActiveEffect.of(lagging.name, lagging.place, **lagging.parameters)
+    begun = carried(recordings, found, [effect])
+    assert angle_error(late, begun) < 2e-3
+    times = zip(late.trials, recordings, begun, strict=True)
+    assert all(abs(r.time[0] - t.film.time[0]) < 2e-3 < abs(before.time[0] - t.film.time[0]) for t, before, r in times)
 
 
 def test_without_a_log_joints_that_no_frame_shows_are_named_as_assumed(tmp_path: Path) -> None:

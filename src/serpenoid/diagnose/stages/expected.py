@@ -19,27 +19,37 @@ WITHIN_ROW = 4  # steps in which servos are followed from row to row
 
 
 def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Recording, ...]:
-    """Recordings with what their servos are expected to do: their shapes are splines about it."""
-    recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
-    pairs = zip(recordings, expected(recordings, found, effects), strict=True)
-    return tuple(replace(r, carrier=course) for r, course in pairs)
+    """Recordings with what their servos are expected to do: their shapes are splines about it. Where no label says when
+    a trial began, it begins where that is met best: not where a joint that lags made it seem to."""
+    return tuple(_begun(r, late, course) for r, late, course in _met(recordings, found, effects))
 
 
 def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Course, ...]:
     """What servos are expected to do, trial by trial, with these effects beside the known ones."""
+    return tuple(Course(course.time + late, course.angles) for _, late, course in _met(recordings, found, effects))
+
+
+def _met(
+    recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]
+) -> list[tuple[Recording, float, Course]]:
+    """Recordings, how late their trials began [s] as far as no label says so, and what servos do from there on."""
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
     meshes = [np.unique(np.concatenate([corners(r), _between(r) if effects else [0.0]])) for r in recordings]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     played = realise_all(found.model(effects), told, meshes)
     courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
-    return tuple(c if r.start_said else _begun(r, c) for r, c in zip(recordings, courses, strict=True))
+    return [(r, 0.0 if r.start_said else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
 
 
-def _begun(r: Recording, course: Course) -> Course:
-    """A course from where a trial's readings meet it best."""
+def _late(r: Recording, course: Course) -> float:
+    """How late [s] a trial's readings meet what servos do best."""
     inside = (r.read_at > 0) & (r.read_at < r.end)
-    late = course.late(r.read_at[inside], r.position[inside], unsure_start(r))
-    return Course(course.time + late, course.angles)
+    return course.late(r.read_at[inside], r.position[inside], unsure_start(r))
+
+
+def _begun(r: Recording, late: float, course: Course) -> Recording:
+    """A recording whose time counts from where its trial began, on both clocks, and what servos do from there on."""
+    return replace(r, time=r.time - late, log_time=r.log_time - late * (1 + r.clock.rate), carrier=course)
 
 
 def _between(r: Recording) -> Floats:

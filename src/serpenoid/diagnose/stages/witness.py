@@ -69,7 +69,8 @@ def wrong_log(
     astray[[joint - 1 for joint in mended]] = False
     if not astray.any() or not all(r.by_servos for r in recordings):
         return None
-    read, told = carried(recordings, servos, effects), expected(recordings, servos, shared)
+    read = carried(recordings, servos, effects)
+    told = expected(read, servos, shared)
     by_log, by_order, count = np.sum([_misfits(r, course) for r, course in zip(read, told, strict=True)], axis=0)
     worst = int(np.where(astray, by_log - by_order, -np.inf).argmax())
     band = most_gained(1, len(astray))
