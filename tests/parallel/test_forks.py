@@ -129,3 +129,17 @@ def test_what_is_done_meanwhile_is_waited_for_and_done_here_if_its_process_was_k
     with limited(1), meanwhile(os.getpid) as found:
         assert found() == os.getpid()
     assert not multiprocessing.active_children()
+
+
+def deaf_to_term() -> None:
+    """As one whose SIGTERM came while it was forked, and was lost."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    time.sleep(60)
+
+
+def test_a_worker_that_has_not_heard_sigterm_is_ended_all_the_same() -> None:
+    begun = time.monotonic()
+    with meanwhile(deaf_to_term):
+        time.sleep(0.5)
+    assert time.monotonic() - begun < 30
+    assert not multiprocessing.active_children()

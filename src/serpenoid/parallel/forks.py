@@ -52,9 +52,10 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
 
 
 def _ended(workers: Sequence[tuple[BaseProcess, Connection]], queue: int) -> None:
+    """Workers are killed: a SIGTERM that finds one being forked is lost, for Python forgets what is pending then."""
     os.close(queue)
     for process, pipe in workers:
-        process.terminate()
+        process.kill()
         process.join()
         pipe.close()
 
