@@ -125,8 +125,8 @@ def test_without_a_log_a_joint_that_is_never_read_has_no_name_and_is_as_it_was_t
     assert angle_error(blind, carried(recordings, found, [])) < 1e-2
 
 
-def test_without_labels_a_trial_begins_where_a_joint_that_lags_is_taken_for_one(tmp_path: Path) -> None:
-    """A joint of ten that lags by 0.2 s makes every trial seem to begin 20 ms late: motion before that would be lost."""
+def test_without_labels_a_joint_that_lags_does_not_make_trials_begin_late(tmp_path: Path) -> None:
+    """A joint of ten that lags by 0.2 s makes trials seem to begin 20 ms late: motion before that would be lost."""
     lagging = Effect("lagging_joint", 4, {"lag": 0.2})
     late = make(SEED, [lagging], protocol=protocol(log_hertz=0.0))
     recordings = recorded(late, tmp_path)
