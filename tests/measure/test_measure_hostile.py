@@ -18,7 +18,7 @@ from serpenoid.measure.consistency.check import Claim, check
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.logs import read_servo_log
+from serpenoid.measure.logs import ServoLog, read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.trial import build_motion, cut_passages
 from serpenoid.measure.trial_files import content
@@ -120,3 +120,20 @@ def test_cycles_that_are_not_in_the_recording_are_one_note():
     assert len(passages) == 5
     assert notes == ["cycles 6 to 100000 are not wholly in the recording: left out"]
     assert cut_passages(motion, replace(promised, cycles=6))[1] == ["cycle 6 is not wholly in the recording: left out"]
+
+
+@pytest.mark.parametrize("each", [1, 3])
+@pytest.mark.parametrize(("last", "stopped"), [(0, 1), (12, 1), (24, 1), (49, None)])
+def test_a_cycle_that_the_log_says_was_not_played_to_its_end_is_told(each, last, stopped):
+    """Of 50 rows, at each row or every third: the second cycle ends at row `last`, and then servos are off."""
+    steps = [*range(0, 50, each), *range(0, last + 1, each)]
+    cycles = np.repeat([0.0, 1.0], [len(range(0, 50, each)), len(range(0, last + 1, each))])
+    rows = len(steps)
+    log = ServoLog(
+        np.arange(rows) / 10, np.zeros((rows + 2, 2)), None, ("play",) * rows + ("end",) * 2,
+        np.append(cycles, [1.0, 1.0]), np.append(np.array(steps, float), [last, last]), {}, "log.csv",
+    )  # fmt: skip
+    assert log.stopped_in(50) == stopped
+    paused = replace(log, phase=("play",) * rows + ("pause", "end"))
+    assert paused.stopped_in(50) is None
+    assert replace(log, phase=None).stopped_in(50) is None

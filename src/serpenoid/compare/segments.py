@@ -6,6 +6,7 @@ import numpy as np
 
 from serpenoid.compare.likelihood import Segment
 from serpenoid.errors import InputError
+from serpenoid.measure.cells import clock
 from serpenoid.measure.trial import Motion, Trial
 from serpenoid.measure.usage import whole_pieces
 
@@ -29,8 +30,8 @@ def _segment(trial: Trial, motion: Motion, rows: slice) -> Segment:
     if not known.all():
         at = time[int(np.argmin(known))]
         raise InputError(
-            f"trial `{trial.name}`: its markers show no shape at {at:.4g} s. Were points exchanged, or are some wrong? "
-            "Leave that part out: `from_s` and `to_s`."
+            f"trial `{trial.name}`: its markers show no shape at {clock(at)} s. Were points exchanged, or are some "
+            "wrong? Leave that part out: `from_s` and `to_s`."
         )
     return Segment(
         time, motion.joint_angles[rows], motion.poses[rows], motion.covariance[rows],

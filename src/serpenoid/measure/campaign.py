@@ -48,7 +48,7 @@ class MotionKeys(Record):
     frames_per_second: Positive | None = Field(default=None, description="for formats without a time column")
     minimum_score: float | None = Field(default=None, description="points that a tracker is less sure of are hidden")
     columns: MotionColumns | None = Field(default=None, description="tidy, long: the file's own column names")
-    time_unit: TimeUnit | None = Field(default=None, description="s | ms | us, of a tidy or long file")
+    time_unit: TimeUnit | None = Field(default=None, description="s | ms | us | ns, of a tidy or long file")
     first_point: Literal["tail", "head"] | None = Field(default=None, description="where point or column numbers start")
 
     @model_validator(mode="after")

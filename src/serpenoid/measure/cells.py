@@ -17,7 +17,7 @@ from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 Floats = NDArray[np.float64]
 Rows = list[list[str]]
 PLAIN = re.compile(r"[0-9eE+., \t-]*", re.ASCII)  # cells that float() takes as everybody does
-LARGEST = 1e15  # a larger number is no measurement: milliseconds since 1970 are 2e12
+LARGEST = 1e19  # a larger number is no measurement: nanoseconds since 1970 are 2e18
 
 
 def read_rows(path: Path, live: bool = False) -> Rows:
@@ -51,6 +51,11 @@ def place(path: Path, row: int, column: int, name: str = "") -> str:
     """`file: row 12, column C (`t_s`)`, rows counted from 1."""
     named = f" (`{name}`)" if name else ""
     return f"{path}: row {row + 1}, column {column_letter(column)}{named}"
+
+
+def clock(time_s: float) -> str:
+    """A moment [s] as it stands in a file, whenever its clock began."""
+    return f"{time_s:.3f}".rstrip("0").rstrip(".")
 
 
 def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> float:

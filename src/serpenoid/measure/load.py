@@ -132,7 +132,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         schedule, source, complaints = schedule_start(schedule, files.servo_log, servo, motion)
         notes += complaints
     if motion is not None:
-        passages, complaints = cut_passages(motion, schedule if source != "none" else None)
+        passages, complaints = cut_passages(motion, schedule if source != "none" else None, files.servo_log)
         notes += complaints
         notes += remarks(body, motion) if file.tracked_only else ()
     return Trial(

@@ -43,6 +43,21 @@ class ServoLog:
             return None
         return float(self.time_s[self.phase.index("play")])
 
+    def stopped_in(self, rows: int) -> int | None:
+        """The cycle (0, ...) within which play of a table of so many rows ended; None: after a whole one, or unknown.
+
+        A slow log may miss the last rows: as many as it goes on by from one line to the next.
+        """
+        if self.phase is None or self.cycle is None or self.step is None or "play" not in self.phase:
+            return None
+        played = np.array([word == "play" for word in self.phase])
+        last = self.cycle[played].max()
+        if any(word == "pause" for word, cycle in zip(self.phase, self.cycle, strict=True) if cycle >= last):
+            return None
+        steps = self.step[played & (self.cycle == last)]
+        each = np.diff(steps).max(initial=1)
+        return int(last) if steps.max() + each < rows else None
+
 
 @dataclass(frozen=True)
 class PowerLog:

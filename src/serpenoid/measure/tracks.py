@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
+from serpenoid.measure.cells import clock
 
 Floats = NDArray[np.float64]
 End = Literal["tail", "head"]
@@ -56,7 +57,9 @@ class Tracks:
             keep &= self.time_s <= to_s
         if keep.sum() < 2:
             first, last = self.time_s[0], self.time_s[-1]
-            raise InputError(f"{self.source}: under 2 frames in from_s..to_s (it runs {first:g}..{last:g} s).")
+            raise InputError(
+                f"{self.source}: under 2 frames in from_s..to_s (it runs {clock(first)}..{clock(last)} s)."
+            )
         space = None if self.space is None else self.space[keep]
         return replace(self, time_s=self.time_s[keep], floor=self.floor[keep], space=space)
 

@@ -206,13 +206,21 @@ def schedule_start(
     return replace(schedule, start_s=found.offset_s), "shape", []
 
 
-def cut_passages(motion: Motion, schedule: Schedule | None) -> tuple[tuple[Passage, ...], list[str]]:
-    """Frames of each cycle; without a schedule the whole recording is one passage, whatever gaps it has."""
+def cut_passages(
+    motion: Motion, schedule: Schedule | None, log: ServoLog | None = None
+) -> tuple[tuple[Passage, ...], list[str]]:
+    """Frames of each cycle; without a schedule the whole recording is one passage, whatever gaps it has.
+
+    log: where its labels say that play ended within a cycle, that one is left out.
+    """
     if schedule is None:
         return (Passage(0, motion.runs[0].start, motion.runs[-1].stop - 1),), []
     passages, notes = [], []
     outside: list[int] = []
-    for cycle in range(schedule.cycles):
+    stopped = None if log is None else log.stopped_in(len(schedule.table))
+    if stopped is not None and stopped < schedule.cycles:
+        notes.append(f"the servo log says that play was stopped within cycle {stopped + 1}: it is left out")
+    for cycle in range(schedule.cycles if stopped is None else min(schedule.cycles, stopped)):
         begin, end = schedule.window_s(cycle)
         inside = np.flatnonzero((motion.time_s >= begin - 1e-9) & (motion.time_s <= end + 1e-9) & motion.known)
         frame = float(np.median(np.diff(motion.time_s)))
@@ -261,12 +269,16 @@ def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], holes: np.ndarray, fra
 
 
 def _smooth_runs(body: Body, estimate: ChainEstimate, time_s: Floats, runs: tuple[slice, ...]) -> tuple[Floats, Floats]:
-    """Smooth poses and joint angles on every frame of every run (short gaps bridged); NaN elsewhere."""
+    """Smooth poses and joint angles on every frame of every run (short gaps bridged); NaN elsewhere.
+
+    Where a run of another body begins or ends with frames that this one leaves open, the next that is known is held.
+    """
     poses, angles = np.full_like(estimate.poses, np.nan), np.full_like(estimate.joint_angles, np.nan)
     smoothed = smooth_curves if body.is_animal else smooth_states
     for run in runs:
         rows = np.flatnonzero(estimate.determined[run]) + run.start
         smooth = smoothed(time_s[rows], estimate.poses[rows], estimate.joint_angles[rows], estimate.covariance[rows])
+        asked = np.clip(time_s[run], time_s[rows[0]], time_s[rows[-1]])
         for target, values in zip((poses, angles), smooth, strict=True):
-            target[run] = interpolate(time_s[rows], values, time_s[run])
+            target[run] = interpolate(time_s[rows], values, asked)
     return poses, angles

@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.windows import Track, predictions
 from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.campaign import CampaignFile
+from serpenoid.measure.cells import clock
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import SHORTEST_RUN, Trial
 from serpenoid.measure.trial_files import of_every_trial
@@ -113,7 +114,7 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
     cut = _shortened(trial, sum(spans[i] for i in long)) if share < 1 else ""
     notes = (*trial.notes, cut) if cut else trial.notes
-    names = [trial.name if len(long) == 1 else f"{trial.name}, from {times[i][0]:.4g} s" for i in long]
+    names = [trial.name if len(long) == 1 else f"{trial.name}, from {clock(times[i][0])} s" for i in long]
     return [
         TrackedRecording(
             name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else (), cut * (i == long[0]), unit

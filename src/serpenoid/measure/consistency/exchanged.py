@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.rivals import ODDS
 
 SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
@@ -41,7 +41,7 @@ class Exchange:
         changed = [k for k, name in enumerate(self.names) if name != k]
         mirrored = list(self.names) == list(range(len(self.names)))[::-1] and len(changed) > 3
         which = "all points, head for tail," if mirrored else _listed([f"`{labels[k]}`" for k in changed])
-        return f"{which} exchanged between {time_s[self.first]:.4g} and {time_s[self.last]:.4g} s"
+        return f"{which} exchanged between {clock(time_s[self.first])} and {clock(time_s[self.last])} s"
 
 
 def _listed(names: Sequence[str]) -> str:

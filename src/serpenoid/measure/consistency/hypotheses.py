@@ -21,6 +21,7 @@ from serpenoid.measure.schedule import Schedule
 SAME_TABLE = 1e-6  # rad: tables written with six decimals
 ROLLS = 12  # starting rows that are tried, a twelfth of a cycle apart; one twelfth is not told from play in the joints
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
+FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, only a unit or other times make so much
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
 KINDS = 8  # of faults, alike in prior odds
@@ -147,17 +148,21 @@ def rounded(number: float) -> str:
 
 
 def in_other_unit(longer: float, near: float = NEAR) -> str | None:
-    """The cure where something lasts a thousand, a million or a billion times as long as it should."""
+    """The cure where something lasts a thousand, a million or a billion times as long, or as short, as it should."""
     for unit, many in UNITS.items():
         if abs(np.log(longer / many)) < near:
-            return f"give times in seconds; are these {unit}?"
+            return f"are its times {unit}? Set `time_unit`, or give seconds"
+        if abs(np.log(longer * many)) < near:
+            return f"its times were read as {unit}: are they seconds? Set `time_unit`"
     return None
 
 
 def other_unit(longer: float) -> tuple[str, str] | None:
-    """Words and cure where a motion lasts about so many times as long as the schedule that nothing but a unit makes."""
-    cure = in_other_unit(longer, ROUGHLY) if longer > 0 else None
-    return None if cure is None else (f"run {10 ** round(np.log10(longer)):g} times as long as the schedule", cure)
+    """Words and cure where a motion lasts so many times as long as the schedule that nothing but a unit makes."""
+    if not longer > 0 or 1 / FARTHEST < longer < FARTHEST:
+        return None
+    cure = in_other_unit(longer, ROUGHLY) or "are its times those of this motion, and in seconds (`time_unit`)?"
+    return f"run {rounded(10.0 ** round(np.log10(longer)))} times as long as the schedule", cure
 
 
 def _rolled(schedule: Schedule) -> list[Fault]:
