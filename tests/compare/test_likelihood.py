@@ -151,6 +151,18 @@ def test_a_motion_that_hardly_moves_does_not_determine_eps_as_well():
     assert weak.sd[0] > 30 * strong.sd[0]
 
 
+def test_of_a_body_that_stands_still_nothing_is_known():
+    """No slope at all: the interval is all that eps can be, and not a point."""
+    seen = recorded(snake(), 3, frames=61)
+    still = replace(
+        seen, smooth_angles=np.zeros_like(seen.smooth_angles), smooth_poses=np.zeros_like(seen.smooth_poses)
+    )
+    found = estimate(snake(), (still,), ONLY_EPS)
+    low, high = bounds(ONLY_EPS, snake())
+    np.testing.assert_array_equal(wider_intervals(found, snake()), np.stack([low, high], axis=1))
+    assert "these data do not determine `anisotropy_ratio`" in found.warnings
+
+
 def test_a_wrong_model_is_noticed():
     segment = recorded(snake(dissipation="edge"), 5)
     found = estimate(snake(dissipation="vertex"), (segment,), ONLY_EPS)

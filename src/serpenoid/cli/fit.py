@@ -68,11 +68,13 @@ def run(args: argparse.Namespace) -> int:
     write_json(folder / "fit.json", record)
     if not args.no_figures:
         draw(folder, campaign, model, calibration)
-    said = [f"seconds           {used}", *(f"note              {note}" for note in notes)]
-    options.report(args, record, [*lines(calibration, model), *said, f"written to        {folder}"], folder)
     complaints = calibration.together.warnings
-    for complaint in complaints:
-        options.complain(complaint)
+    said = [f"seconds           {used}", *(f"note              {note}" for note in notes)]
+    said += [f"warning           {complaint}" for complaint in complaints]
+    options.report(args, record, [*lines(calibration, model), *said, f"written to        {folder}"], folder)
+    if args.quiet or args.json:
+        for complaint in complaints:
+            options.complain(complaint)
     return 1 if any("bound" in text or "converge" in text for text in complaints) else 0
 
 

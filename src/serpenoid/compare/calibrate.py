@@ -146,13 +146,15 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     scale = max(1.0, solution.noise_scale)
     lengths = lengths_sd(others, solution)
     unknown = np.hypot(curve_sd(model, segments, solution), lengths)  # of the body
-    sd = np.hypot(np.sqrt(np.diag(solution.covariance)) * scale, unknown)
+    noise = np.sqrt(np.diag(solution.covariance))
+    silent = np.where(noise > 0, 0.0, np.inf)  # of what the data do not say, an error may have any size
+    sd = np.hypot(noise * scale, unknown) + silent
     interval = likelihood_intervals(model, segments, solution, sd)
     trials = [segment.trial for segment in segments]
-    correlation = solution.covariance / np.outer(*(2 * [np.sqrt(np.diag(solution.covariance))]))
+    correlation = solution.covariance / np.outer(*(2 * [np.where(noise > 0, noise, 1.0)]))
     differ = np.hypot(spread_half(solution, trials), Z95 * unknown)
     return Estimate(
-        names, solution.values, sd, interval, np.hypot(robust_sd(solution), lengths), differ, correlation,
+        names, solution.values, sd, interval, np.hypot(robust_sd(solution), lengths) + silent, differ, correlation,
         solution.noise_scale, autocorrelation(solution.segments),
         _complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
@@ -252,7 +254,7 @@ def _complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, 
     if not solution.converged:
         found.append("the fit did not converge: the data may not determine these numbers")
     for i, name in enumerate(solution.names):
-        if sd[i] > 0.5 * (highs[i] - lows[i]) or sd[i] == 0:
+        if sd[i] > 0.5 * (highs[i] - lows[i]):
             found.append(f"these data do not determine `{name}`")
         if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
             found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")

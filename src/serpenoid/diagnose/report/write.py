@@ -39,6 +39,8 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     middles = d.model.body.vertices > file.body.vertices and not file.tracked_only
     body, places = (d.model.body, f"\n{PLACES}") if middles else (None, "")
     data["remarks"] += [PLACES] * middles
+    if middles and file.body.sparse_edges is not None:
+        data["remarks"].insert(0, file.body.sparse_edges)
     comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes) + places
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, body, comment, notes)
     comment = f"what the diagnosis of {file.name} began with, calibrated" + places
