@@ -126,3 +126,14 @@ def test_what_one_joint_does_by_itself_is_no_misfit_where_it_is_free_and_play_of
     assert free == pytest.approx(data.count - len(data.markers), rel=0.5)
     assert misfit_beside(pushed, now, [4]) - free > 5 * data.count  # the play of joint 8, which that hides from nobody
     assert misfit_beside(pushed, known, []) == pytest.approx(misfit(pushed, known), rel=1e-6)
+
+
+@pytest.mark.parametrize("seen_as", [0.3, 3.0])
+def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) -> None:
+    write(make(64, [], combinations=COMBINATIONS[:2]), tmp_path)
+    recordings = [replace(r, markers=seen_as * r.markers) for r in read_recordings(tmp_path)[1]]
+    stage, taken_out = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert taken_out.scale == pytest.approx(seen_as - 1, rel=1e-3)
+    assert "length_scale" not in [n.effect.name for n in stage.named]
+    assert not stage.settled
+    assert any("length_scale takes away" in word and "beyond its bound" in word for word in stage.words)

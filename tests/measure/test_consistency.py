@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.hypotheses import rounded
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.match import course_of, match, match_at
+from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal, sample
 from serpenoid.measure.load import load_campaign
@@ -116,7 +117,7 @@ FAULTS = {
     "markers exchanged": (markers(lambda names: exchanged(names, 4, 7)), "`Snake:vertex_7` and `Snake:vertex_4`"),
     "neighbours exchanged": (markers(lambda names: exchanged(names, 4, 5)), "exchanged along the body"),
     "tail for head": (markers(lambda names: names[::-1]), "head and tail exchanged"),
-    "one edge": (text("[0.0418, 0.0836", "[41.8, 0.0836"), "show edge 0 0.041"),
+    "one edge": (text("[0.0418, 0.0836", "[41.8, 0.0836"), "`Snake:vertex_0` and `Snake:vertex_1` 0.041"),
     "body in millimetres": (text("BODY", MILLIMETRES), "is the file in m, \\[body\\] in mm"),
 }  # fmt: skip
 MARKERS = {
@@ -308,7 +309,7 @@ def test_an_animal_without_lengths_shows_which_points_are_exchanged(count):
 @pytest.mark.parametrize("known", [True, False], ids=["lengths given", "no lengths"])
 @pytest.mark.parametrize("k", [0, 3, 7])
 def test_one_column_in_another_unit_is_told_by_its_name(k, known):
-    points, edges = tracked(8), np.full(7, 1 / 7) if known else None
+    points, edges = tracked(8), Reach.of_links(np.full(7, 1 / 7)) if known else None
     points[:, k, 0] *= 1000
     found = marker_faults(layout(points + 0.01, edges), list("abcdefgh"), None)
     assert found[0].gain > ODDS
@@ -318,7 +319,7 @@ def test_one_column_in_another_unit_is_told_by_its_name(k, known):
 def test_a_marker_that_is_badly_placed_is_not_said_to_be_elsewhere():
     points = tracked(8)
     points[:, 3, 0] += 0.9 / 7
-    found = marker_faults(layout(points, np.full(7, 1 / 7)), list("abcdefgh"), None)
+    found = marker_faults(layout(points, Reach.of_links(np.full(7, 1 / 7))), list("abcdefgh"), None)
     assert "elsewhere" not in [fault.kind for fault in found]
 
 

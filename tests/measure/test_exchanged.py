@@ -102,7 +102,7 @@ def written(folder, recordings):
 def test_a_campaign_with_exchanged_points_is_refused_in_words(tmp_path):
     time, points = crawling()
     points[100:130, [2, 4]] = points[100:130, [4, 2]]
-    with pytest.raises(InputError, match=r"`one`: its markers have `vertex 2` and `vertex 4` exchanged between 3.333"):
+    with pytest.raises(InputError, match=r"`one`: its markers have `vertex_2` and `vertex_4` exchanged between 3.333"):
         load_campaign(written(tmp_path, {"one": (time, points)}))
 
 
@@ -137,7 +137,7 @@ def test_one_animal_whose_camera_is_calibrated_to_a_few_per_cent_is_taken(tmp_pa
 def test_neighbours_that_are_never_seen_together_are_named(tmp_path):
     time, points = crawling()
     points[::2, 2], points[1::2, 3] = np.nan, np.nan
-    with pytest.raises(InputError, match="never seen together: `vertex 2` and `vertex 3`"):
+    with pytest.raises(InputError, match="never seen together: `vertex_2` and `vertex_3`"):
         load_campaign(written(tmp_path, {"one": (time, points)}))
 
 

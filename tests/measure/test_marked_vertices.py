@@ -7,8 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
+from serpenoid.measure.consistency.claims import contradictions
+from serpenoid.measure.consistency.geometry import Plane, marker_faults
+from serpenoid.measure.consistency.layout import layout
+from serpenoid.measure.consistency.lengths import one_longer
+from serpenoid.measure.consistency.reach import Reach, reach
+from serpenoid.measure.consistency.rivals import ODDS
+from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import load_campaign
 
 ENDS = [0, 2, 4, 6, 8]  # tail, three joints, head
@@ -65,3 +73,102 @@ def test_shapes_are_those_that_all_vertices_show(whole: Path, tmp_path: Path) ->
 def test_what_does_not_fit_is_refused_in_words(whole: Path, tmp_path: Path, key: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         load_campaign(marked(whole, tmp_path / "wrong", key))
+
+
+def edited(whole: Path, to: Path, old: str, new: str) -> Path:
+    path = marked(whole, to, f"vertices = {ENDS}\nmarkers = {NAMES}".replace("'", '"'))
+    assert old in (text := path.read_text())
+    path.write_text(text.replace(old, new))
+    return path
+
+
+NAMES = ["tail", "a", "b", "c", "head"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "kind", "words"),
+    [
+        ("vertices", "vertices", "", ""),
+        ('length_unit = "m"', 'length_unit = "cm"', "scale", "0.01 times as far apart"),
+        ('length_unit = "m"', 'length_unit = "mm"', "scale", "0.001 times as far apart"),
+    ],
+    ids=["healthy", "a hundredth", "a thousandth"],
+)
+def test_a_wrong_unit_is_refused_whatever_lies_between_markers(whole, tmp_path, old, new, kind, words):
+    found = contradictions(edited(whole, tmp_path / "some", old, new))
+    assert [one.kind for one in found] == [kind] * bool(kind)
+    assert all(words in one.said for one in found)
+
+
+def chain(vertices: int, joints: tuple[int, ...], edges: list[float], frames: int = 60) -> tuple[Body, np.ndarray]:
+    """A body that undulates, and its vertices (F, N, 2) with noise of a hundredth of an edge."""
+    body = Body(vertices=vertices, joints=joints, edge_lengths=tuple(edges))
+    phase = np.linspace(0, 12, frames)[:, None] + 1.3 * np.arange(len(joints))
+    poses = np.stack([np.linspace(0, 0.5, frames), np.zeros(frames), np.linspace(0, 1, frames)], axis=1)
+    points = body.edges_m.sum() * chain_vertices(body, poses, 0.7 * np.sin(phase))
+    return body, points + np.random.default_rng(3).normal(scale=0.01 * min(edges), size=points.shape)
+
+
+def faults(body: Body, points: np.ndarray, shown: list[int]) -> list[tuple[str, str]]:
+    plan = layout(points[:, shown], reach(body, body.edges_m, points, shown))
+    return [(f.kind, f.words) for f in marker_faults(plan, [f"m{k}" for k in shown], None) if f.gain > ODDS]
+
+
+LINKS = [0.06, 0.05, 0.1, 0.07, 0.09, 0.08]
+WHERE = {"at the ends of links": range(0, 25, 4), "in their middles": range(2, 25, 4), "anywhere": [0, 3, 5, 9, 14, 24]}
+
+
+@pytest.mark.parametrize("shown", WHERE.values(), ids=WHERE)
+def test_markers_anywhere_are_checked(shown):
+    shown = list(shown)
+    body, points = chain(25, tuple(range(4, 24, 4)), [link / 4 for link in LINKS for _ in range(4)])
+    assert faults(body, points, shown) == []
+    ((kind, words), *_) = faults(body, 10 * points, shown)
+    assert (kind, "times as far apart" in words) == ("scale", True)
+    wrong = points.copy()
+    wrong[:, [shown[1], shown[4]]] = points[:, [shown[4], shown[1]]]
+    ((kind, words), *_) = faults(body, wrong, shown)
+    assert kind == "markers"
+    assert f"`m{shown[1]}` and `m{shown[4]}`" in words
+
+
+def test_one_marker_in_another_unit_is_told_by_its_name():
+    body, points = chain(25, tuple(range(4, 24, 4)), [link / 4 for link in LINKS for _ in range(4)])
+    points[:, 8] *= 1000
+    assert "`m8` where it cannot be" in faults(body, points, list(range(0, 25, 4)))[0][1]
+
+
+def test_what_a_body_allows_between_two_markers():
+    body = Body(vertices=6, joints=(1, 3), edge_lengths=(0.1, 0.2, 0.3, 0.4, 0.5))
+    found = reach(body, body.edges_m, np.zeros((1, 6, 2)), [0, 1, 3, 4, 5])
+    np.testing.assert_allclose(found.high, [0.1, 0.5, 0.4, 0.5])
+    assert found.rigid.all()
+    across = reach(body, body.edges_m, np.zeros((1, 6, 2)), [0, 2, 5])
+    np.testing.assert_allclose(across.low, [0.1, 0.6])  # 0.1 | 0.2; 0.3 | 0.9
+    np.testing.assert_allclose(across.high, [0.3, 1.2])
+
+
+def test_the_upward_axis_of_a_short_chain_is_the_one_along_which_nothing_moves():
+    body, points = chain(7, (2, 4), [0.055, 0.055, 0.095, 0.095, 0.07, 0.07])
+    points = points @ np.array([[np.cos(1), np.sin(1)], [-np.sin(1), np.cos(1)]])
+    shown = [0, 2, 4, 6]
+    height = 0.02 + 1e-4 * np.random.default_rng(5).normal(size=points[:, shown, :1].shape)
+    space = np.concatenate([points[:, shown], height], axis=2)
+    lengths = Reach.of_links(np.array([0.11, 0.19, 0.14]))
+    for axis, floor in {"z": [0, 1], "y": [2, 0], "x": [1, 2]}.items():
+        plan = layout(space[..., floor], lengths)
+        found = marker_faults(plan, ["t", "a", "b", "h"], Plane(space, axis, lambda floor: floor))
+        certain = [f.cure for f in found[:1] if f.gain > ODDS]
+        assert certain == ([] if axis == "z" else ['set `up_axis = "z"` in [motion]'])
+
+
+def test_one_length_that_is_wrong_is_told_and_markers_beside_their_places_are_not():
+    body, points = chain(7, (2, 4), [0.055, 0.055, 0.095, 0.095, 0.07, 0.07], 400)
+    seen = points[:, [0, 2, 4, 6]]
+    assert one_longer([seen], np.array([0.11, 0.19, 0.14])) is None
+    edge, share = one_longer([seen], np.array([0.11, 0.22, 0.14]))
+    assert edge == 1
+    assert share == pytest.approx(0.19 / 0.22 - 1, abs=0.01)
+    rng = np.random.default_rng(2)
+    beside = [one_longer([seen], np.array([0.11, 0.19, 0.14]) * (1 + 0.05 * rng.normal(size=3))) for _ in range(200)]
+    assert sum(one is not None for one in beside) <= 6

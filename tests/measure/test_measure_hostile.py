@@ -17,6 +17,7 @@ from serpenoid.files.store import file_digest
 from serpenoid.measure.consistency.check import Claim, check
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
+from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.logs import ServoLog, read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
@@ -37,8 +38,8 @@ def _without_a_word():
 def test_markers_in_one_place_are_told(copied):
     points = np.stack([np.linspace(0, 1, 5), np.zeros(5)], axis=1) + np.zeros((20, 1, 1))
     points[:, copied] = 0.25
-    found = marker_faults(layout(points, np.full(4, 0.25)), list("abcde"), None)
-    assert found[0].words == f"of vertices {copied.start} and {copied.start + 1} lie in one place"
+    found = marker_faults(layout(points, Reach.of_links(np.full(4, 0.25))), list("abcde"), None)
+    assert found[0].words == f"have `{'abcde'[copied.start]}` and `{'abcde'[copied.start + 1]}` in one place"
 
 
 def seen(played: Schedule) -> Signal:

@@ -10,6 +10,8 @@ Legend: F frames, N vertices.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from serpenoid.body import Body
@@ -41,8 +43,13 @@ def steadied(time_s: Floats, points: Floats) -> Floats:
     return found.reshape(points.shape)
 
 
-def chord_shares(body: Body, points: Floats) -> Floats:
-    """Chord over arc (F, N - 1), at most 1; bends that a frame does not show are those of frames before and after."""
+def chord_shares(body: Body, points: Floats, between: Sequence[int] | None = None) -> Floats:
+    """Chord over arc (F, N - 1), at most 1, or between some of the vertices; bends that a frame does not show are those
+    of frames before and after."""
     bends = bridged(np.arange(float(len(points))), marker_angles(body, points))
     drawn = curve(body, np.concatenate([np.zeros((len(bends), 1)), np.cumsum(bends, axis=1)], axis=1))
-    return np.asarray(np.linalg.norm(np.diff(drawn, axis=1), axis=2) / body.edges)
+    if between is None:
+        return np.asarray(np.linalg.norm(np.diff(drawn, axis=1), axis=2) / body.edges)
+    ends = list(between)
+    arcs = np.diff(np.concatenate([[0.0], np.cumsum(body.edges)])[ends])
+    return np.asarray(np.linalg.norm(np.diff(drawn[:, ends], axis=1), axis=2) / arcs)

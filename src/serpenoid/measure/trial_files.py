@@ -42,6 +42,10 @@ class Files:
     labelled: Labelled | None
     exchanged_back: str = ""
 
+    def names(self, body: Body) -> list[str]:
+        """What the marker of each vertex is called: in the campaign, else in the file."""
+        return marker_names(self.tracks, self.keys, body)
+
     @property
     def schedule(self) -> Schedule | None:
         """As the campaign file promises it; its start is not known yet."""
@@ -131,7 +135,7 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
 
             vertices, found = named_as_in_most(labelled.vertices, tracks.time_s)
             labelled = replace(labelled, vertices=vertices)
-            exchanged = told(found, keys.labels(file.body.vertices), tracks.time_s)
+            exchanged = told(found, marker_names(tracks, keys, file.body), tracks.time_s)
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
     return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged)
@@ -150,6 +154,18 @@ def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: 
     vertices = np.full((len(found.vertices), body.vertices, 2), np.nan)
     vertices[:, marked] = found.vertices
     return replace(found, vertices=vertices, relabelled=tuple((name, marked[k]) for name, k in found.relabelled))
+
+
+def marker_names(tracks: Tracks | None, keys: MotionKeys, body: Body) -> list[str]:
+    """What the marker of each vertex is called: in the campaign, or in the file where it gives points in order."""
+    names, marked = keys.labels(body.vertices), keys.marked(body.vertices)
+    in_order = keys.markers is None and tracks is not None and not any(tracks.unlabelled)
+    if tracks is None or not in_order or len(tracks.names) != len(marked):
+        return names
+    head_first = (keys.first_point or tracks.first_point) == "head"
+    for vertex, name in zip(marked, tracks.names[::-1] if head_first else tracks.names, strict=True):
+        names[vertex] = name
+    return names
 
 
 def _between(marked: Sequence[int], edges: Floats | None, body: Body) -> Floats | None:
@@ -183,7 +199,7 @@ def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
         together = _shown(body, read)
         never = np.flatnonzero(~np.isfinite(together).any(axis=0))
         if len(never):
-            labels = next(files.keys for files in read if files.labelled is not None).labels(body.vertices)
+            labels = next(files for files in read if files.labelled is not None).names(body)
             pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
             raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
         body = body.changed(edge_lengths=tuple(_medians(together).tolist()))

@@ -13,7 +13,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained, outweighed
-from serpenoid.diagnose.stages.looked import Key, Looked, effect_of
+from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, gained_beyond
 from serpenoid.diagnose.stages.marker_evidence import (
     along,
     apart,
@@ -50,14 +50,27 @@ def choose_observation(
     best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
     best = _beside_play(best)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
-    every = [_named(best, key) for key in best.keys]
+    beyond = _beyond_bounds(best)
+    every = [_named(best, key) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words = _left_over(best)
-    return Stage("observation", named, rivals, undetected, left, words + refused), best.now
+    return Stage("observation", named, rivals, undetected, left, (*words, *beyond.values(), *refused)), best.now
+
+
+def _beyond_bounds(best: Looked) -> dict[Key, str]:
+    """Effects that the data push beyond their bounds by more than chance, and what is said of them: they are taken out
+    of the data, and no findings."""
+    said = {}
+    for i, key in enumerate(best.keys):
+        if gained_beyond(best, key) > best.needed:
+            share = 1 - best.priced.chi2 / best.without_one(i).priced.chi2
+            name = effect_of(best, key).called
+            said[key] = f"{name} takes away {share:.0%} of what is left, but is pushed beyond its bound: not named"
+    return said
 
 
 def _beside_play(best: Looked) -> Looked:
@@ -154,12 +167,14 @@ def _named(best: Looked, key: Key) -> Named:
     spread = SYSTEMATIC * float(np.sqrt(best.priced.chi2 / best.priced.count))
     covariance = best.sums.covariance(best.own, spread)
     effect = effect_of(best, key)
-    ends = {}
+    ends, bound = {}, []
     for p, column in zip(effect.effect.parameters, columns_of(best.data.body, *key), strict=True):
         at = best.own.index(column)
+        if effect.parameters[p.name] in (p.lower, p.upper):
+            bound.append(p.name)
         half = NORMAL * float(np.sqrt(covariance[at, at])) + p.resolution
         ends[p.name] = interval((effect.parameters[p.name] - half, effect.parameters[p.name] + half))
-    return Named(effect, ends, best.strength(key))
+    return Named(effect, ends, best.strength(key), tuple(bound))
 
 
 def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:

@@ -105,6 +105,17 @@ def effect_of(found: Looked, key: Key) -> ActiveEffect:
     return ActiveEffect.neutral(*key).with_coordinates(values_of(found.data.body, found.now, *key))
 
 
+def gained_beyond(found: Looked, key: Key) -> float:
+    """Chi squared that an effect gains by numbers beyond its bounds, the others as they are; 0 of what is within."""
+    effect, values = effect_of(found, key), values_of(found.data.body, found.now, *key)
+    held, now = effect.coordinates if effect.effect.marks is None else [*effect.parameters.values()], found.now
+    if np.allclose(held, values, rtol=1e-9, atol=0.0):
+        return 0.0
+    for column, value, end in zip(columns_of(found.data.body, *key), values, held, strict=True):
+        now = now.with_column(column, end - value)
+    return misfit(found.data, now) - found.priced.chi2
+
+
 def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
     """Gauss-Newton in the numbers of the given effects, until a step gains next to nothing."""
     columns = [c for k in keys for c in columns_of(data.body, *k)]

@@ -7,6 +7,7 @@ to it set free (servos that are late, slow, weak, stuck or wrongly zeroed). A ri
 
 Read in this order: `signals` (angles over time), `match` (one hypothesis laid over one signal), `servos` (the same as
 late or slow servos play it), `hypotheses` (the rivals), `rivals` (all of them beside the contract), `geometry` (the
-same for markers on rigid links), `exchanged` (names that a tracker exchanges for a while), `lengths`
+same for markers on rigid links, wherever they sit: `reach` is how far apart a body allows them, `layout` how well they
+keep to it), `exchanged` (names that a tracker exchanges for a while), `lengths`
 (one body in all trials), `check` (a trial, then a campaign), `claims` (a folder).
 """

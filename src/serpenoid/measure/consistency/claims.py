@@ -19,10 +19,10 @@ from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, c
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.lengths import all_longer, other_bodies
+from serpenoid.measure.consistency.lengths import beside_film, other_bodies
+from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.lengths import chord_shares
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
@@ -114,7 +114,7 @@ def _exchanged(body: Body, files: Files, odds: float = ODDS) -> list[Contradicti
     """Points whose names are exchanged for a part of the recording."""
     if files.tracks is None or files.labelled is None:
         return []
-    time, labels = files.tracks.time_s, files.keys.labels(body.vertices)
+    time, labels = files.tracks.time_s, files.names(body)
     found = exchanges(files.labelled.vertices, time, odds)
     if not found:
         return []
@@ -133,21 +133,28 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
     edges = body.edges_m if file.lengths_given else None
     if edges is not None and not tracks.scale_known:
         edges = edges * neighbour_ratio(vertices, body)
-    if edges is not None and body.is_animal:  # arcs, of which points show the chords
-        edges = edges * np.median(chord_shares(body, vertices), axis=0)
-    plan = layout(vertices, edges)
-    if not len(plan.points):
+        if np.isnan(edges).any():  # nothing tells how large a pixel is
+            return []
+    shown = list(keys.marked(body.vertices)) if edges is None else _shown(vertices)
+    plan = layout(vertices[:, shown], None if edges is None else reach(body, edges, vertices, shown))
+    if len(shown) < 2 or not len(plan.points):
         return []
-    names = keys.labels(body.vertices)
+    every = files.names(body)
 
     def other(floor: Floats) -> Floats:
         changed = Tracks(tracks.time_s, tracks.names, floor, tracks.source, tracks.unlabelled, tracks.scale_known)
-        return label_markers(changed, keys, edges, body).vertices
+        return label_markers(changed, keys, edges, body).vertices[:, shown]
 
     up = keys.up_axis or UP.get(keys.format or "", "z")
-    found = marker_faults(plan, names, None if tracks.space is None else Plane(tracks.space, up, other))
+    plane = None if tracks.space is None else Plane(tracks.space, up, other)
+    found = marker_faults(plan, [every[k] for k in shown], plane)
     certain = [fault for fault in found[:1] if fault.gain > odds]
     return [Contradiction(files.entry.name, f.kind, f"its markers {f.words}", f.cure, f.gain) for f in certain]
+
+
+def _shown(vertices: Floats) -> list[int]:
+    """Which vertices (F, N, 2) have a marker that is ever seen."""
+    return np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0)).tolist()
 
 
 def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
@@ -162,7 +169,7 @@ def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
 
 
 def _scale(file: CampaignFile, body: Body, read: Sequence[Files]) -> dict[str, str]:
-    """What is said of trials whose films show the whole body longer or shorter than it is said to be, by trial."""
+    """What is said of trials whose films show lengths that are not those said, by trial."""
     if body.is_animal or not file.lengths_given:
         return {}
     films = {
@@ -171,18 +178,11 @@ def _scale(file: CampaignFile, body: Body, read: Sequence[Files]) -> dict[str, s
     marked = {name: f.labelled.vertices for name, f in films.items() if f.labelled is not None}
     if not marked:
         return {}
-    shown = np.flatnonzero(np.any([np.isfinite(points[..., 0]).any(axis=0) for points in marked.values()], axis=0))
+    shown = np.array(_shown(np.concatenate(list(marked.values()))))
     stated = stated_between(shown.tolist(), body.edges_m, body)
-    share = all_longer([points[:, shown] for points in marked.values()], stated)
-    if share is None:
-        return {}
-    more = "longer" if share > 0 else "shorter"
-    words = (
-        f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`: one of them is off. "
-        "Left so it counts as marker noise and moves what is fitted. Correct one of the two, or leave `edge_lengths` "
-        "out: the film then tells them"
-    )
-    return dict.fromkeys(marked, words)
+    names, seen = next(iter(films.values())).names(body), [points[:, shown] for points in marked.values()]
+    words = beside_film(seen, stated, [names[k] for k in shown], len(shown) == body.vertices)
+    return dict.fromkeys(marked, words) if words else {}
 
 
 def _copies(read: Sequence[Files]) -> list[Contradiction]:

@@ -1,11 +1,16 @@
 """How far markers lie from each other, and how well that is a chain of rigid links.
 
-    log evidence = - E log( rms of (distance - edge length) )             lengths given: links are rigid
+    log evidence = - E log( rms of (distance - what the body allows) )    lengths given: links are rigid
                    - E log( rms of (distance - its mean) ) - E log( sum of mean distances )       not given
                    - 2 (N - 2) log( rms of the turning angles )           a body does not fold back on itself
 
 rms over edges and frames, each with the tolerance of a marker put on by hand added. Counted once per edge and angle,
-however many frames: errors of placing repeat in every frame. Legend: F frames, N vertices, E = N - 1 edges.
+however many frames: errors of placing repeat in every frame.
+
+What a distance varies by within what the body allows (`reach`) is no error: of mean m within (low, high) a variance of
+(high - m) (m - low) at most (Bhatia and Davis, American Mathematical Monthly 107, 353, 2000).
+
+Legend: F frames, N markers, tail first, E = N - 1 pairs of successive ones, here called edges.
 """
 
 from __future__ import annotations
@@ -17,6 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.reach import Reach
 
 MOST_FRAMES = 120  # evenly chosen: posture, not noise, decides
 PLACED = 0.05  # of the median edge: a marker put on by hand
@@ -24,11 +30,11 @@ PLACED = 0.05  # of the median edge: a marker put on by hand
 
 @dataclass(frozen=True)
 class Layout:
-    """Distances between all pairs in F frames (F, N, N), the positions (F, N, 2), and edges (N - 1,) or None."""
+    """Distances between all pairs in F frames (F, N, N), the positions (F, N, 2), and what the body allows, or None."""
 
     points: Floats
     distance: Floats
-    edges: Floats | None
+    reach: Reach | None
 
     @cached_property
     def moments(self) -> tuple[np.ndarray, Floats, Floats]:
@@ -45,29 +51,33 @@ class Layout:
         return np.diagonal(self.distance, 1, axis1=1, axis2=2)
 
 
-def layout(points: Floats, edges: Floats | None) -> Layout:
-    """Of vertices (F, N, 2) in the unit of `edges`."""
-    seen = np.isfinite(points[..., 0]).sum(axis=1) >= 3
+def layout(points: Floats, reach: Reach | None) -> Layout:
+    """Of markers (F, N, 2) in the unit of `reach`."""
+    seen = np.isfinite(points[..., 0]).sum(axis=1) >= min(3, points.shape[1])
     usable = np.flatnonzero(seen)
     some = usable[np.linspace(0, len(usable) - 1, min(len(usable), MOST_FRAMES)).astype(int)] if len(usable) else usable
     chosen = points[some]
-    return Layout(chosen, np.linalg.norm(chosen[:, :, None] - chosen[:, None], axis=3), edges)
+    return Layout(chosen, np.linalg.norm(chosen[:, :, None] - chosen[:, None], axis=3), reach)
 
 
-def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, edges: Floats | None = None) -> float:
-    """Log evidence of vertices taken in `order`, their distances multiplied by `scale`."""
+def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, reach: Reach | None = None) -> float:
+    """Log evidence of markers taken in `order`, their distances multiplied by `scale`."""
     chain = np.asarray(order)
-    lengths = plan.edges if edges is None else edges
+    allowed = plan.reach if reach is None else reach
     often, mean, scatter = (x[chain[:-1], chain[1:]] for x in plan.moments)
     seen = often > 0
     if not seen.any():
         return -np.inf
     often, mean, scatter, count = often[seen], scale * mean[seen], scale**2 * scatter[seen], int(seen.sum())
-    typical = np.median(mean) if lengths is None else float(np.median(lengths))
-    about = mean if lengths is None else lengths[seen]
+    typical = np.median(mean) if allowed is None else float(np.median(allowed.high))
+    about = mean
+    if allowed is not None:
+        low, high = allowed.low[seen], allowed.high[seen]
+        about = np.clip(mean, low, high)
+        scatter = np.maximum(scatter - often * (high - about) * (about - low), 0.0)
     square = (scatter + often * (mean - about) ** 2).sum() / often.sum()
     miss = float(np.sqrt(square + (PLACED * typical) ** 2))
-    if lengths is not None:
+    if allowed is not None:
         return float(-count * np.log(miss))
     order_of_body = -count * np.log(mean.sum()) - 2 * (len(chain) - 2) * np.log(_folding(plan, chain))
     return float(-count * np.log(miss) + order_of_body)
@@ -76,7 +86,7 @@ def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, edges: Floa
 def flatness(plan: Layout) -> float:
     """Log evidence that these are all of a body's lengths and not a view of it from the side."""
     chain = np.arange(plan.points.shape[1])
-    if plan.edges is not None:
+    if plan.reach is not None:
         return evidence(plan, chain.tolist())
     distance = plan.neighbours
     distance = distance[:, np.isfinite(distance).any(axis=0)]

@@ -14,7 +14,8 @@ Where it gives them, a film's scale shows in all edges alike, a marker beside it
     told: gain > ODDS, and mean(r) is more than noise was found to lengthen an edge by
 
 Camera and ruler differ by up to `geometry.SCALE_SD`, so that is no contradiction; but it is counted as noise of markers
-and moves every fit: it is said.
+and moves every fit: it is said. So is one edge that is off while the others agree: its r lies farther from the others'
+mean than their scatter explains (Student's t, any of E edges).
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtri
+from scipy.special import ndtri, stdtr
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.geometry import SCALE_SD
-from serpenoid.measure.consistency.rivals import ODDS
+from serpenoid.measure.consistency.rivals import CERTAIN, ODDS
 
 NORMAL_MAD = float(ndtri(0.75))  # median absolute deviation over standard deviation
 PARTS = 4  # of a recording, whose scales show how far postures and noise move one
@@ -59,20 +60,60 @@ def other_bodies(vertices: Mapping[str, Floats], edges: Floats) -> list[Longer]:
     return longer
 
 
+def beside_film(vertices: Sequence[Floats], stated: Floats, names: Sequence[str], all_marked: bool) -> str:
+    """What is said where recordings (F, M, 2) show all or one of M - 1 stated distances other than said, or ""."""
+    share, one = all_longer(vertices, stated), one_longer(vertices, stated)
+    if share is not None:
+        more = "longer" if share > 0 else "shorter"
+        what = f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`"
+    elif one is not None:
+        (k, off), more = one, "longer" if one[1] > 0 else "shorter"
+        where = f"from `{names[k]}` to `{names[k + 1]}` (`edge_lengths`: {stated[k]:.4g} m)"
+        what = f"{where} it is {100 * abs(off):.2g} % {more} in the film, and all other links are as long as said"
+    else:
+        return ""
+    tells = ", or leave `edge_lengths` out: the film then tells them" if all_marked else ""
+    return (
+        f"{what}: one of the two is off. Left so it counts as marker noise and moves what is fitted. Correct it{tells}"
+    )
+
+
 def all_longer(vertices: Sequence[Floats], edges: Floats) -> float | None:
     """By which share all edges (N - 1,) are longer in the recordings (F, N, 2) than they are said to be; None: they
     agree, or differ among each other as much."""
-    distance = np.concatenate([np.linalg.norm(np.diff(points, axis=1), axis=2) for points in vertices])
-    seen = np.isfinite(distance).any(axis=0) & np.isfinite(edges)
+    seen, longer, noise = _longer(vertices, edges)
     if seen.sum() < 2:
         return None
-    middle = np.nanmedian(distance[:, seen], axis=0)
-    scatter = np.nanmedian(np.abs(distance[:, seen] - middle), axis=0) / NORMAL_MAD
-    noise = scatter**2 / middle**2
-    longer = np.log(middle * np.sqrt(np.maximum(1 - noise, 0.5)) / edges[seen])
     mean = float(longer.mean())
     gain = len(longer) / 2 * np.log1p(mean**2 / max(float(longer.var()), np.finfo(float).tiny))
     return float(np.expm1(mean)) if gain > ODDS and abs(mean) > noise.max() / 2 else None
+
+
+def one_longer(vertices: Sequence[Floats], edges: Floats) -> tuple[int, float] | None:
+    """Which one edge of those (N - 1,) is longer in the recordings (F, N, 2) than it is said to be, and by which share,
+    if the others agree."""
+    seen, longer, _ = _longer(vertices, edges)
+    if seen.sum() < 3:
+        return None
+    worst = int(np.abs(longer - np.median(longer)).argmax())
+    others = np.delete(longer, worst)
+    apart = float(longer[worst] - others.mean())
+    scatter = max(float(others.std(ddof=1)), np.finfo(float).tiny) * np.sqrt(1 + 1 / len(others))
+    chance = len(longer) * 2 * stdtr(len(others) - 1, -abs(apart) / scatter)
+    if chance > 1 - CERTAIN or abs(apart) < SCALE_SD:
+        return None
+    return int(np.flatnonzero(seen)[worst]), float(np.expm1(apart))
+
+
+def _longer(vertices: Sequence[Floats], edges: Floats) -> tuple[np.ndarray, Floats, Floats]:
+    """Of which edges (N - 1,) lengths are known both ways; of these log(shown / said), and the relative variance by
+    noise."""
+    distance = np.concatenate([np.linalg.norm(np.diff(points, axis=1), axis=2) for points in vertices])
+    seen = np.isfinite(distance).any(axis=0) & np.isfinite(edges)
+    middle = np.nanmedian(distance[:, seen], axis=0)
+    scatter = np.nanmedian(np.abs(distance[:, seen] - middle), axis=0) / NORMAL_MAD
+    noise = scatter**2 / middle**2
+    return seen, np.log(middle * np.sqrt(np.maximum(1 - noise, 0.5)) / edges[seen]), noise
 
 
 def _scale(points: Floats, edges: Floats) -> tuple[float, float] | None:
