@@ -169,6 +169,7 @@ def test_one_length_that_is_wrong_is_told_and_markers_beside_their_places_are_no
     edge, share = one_longer([seen], np.array([0.11, 0.22, 0.14]))
     assert edge == 1
     assert share == pytest.approx(0.19 / 0.22 - 1, abs=0.01)
+    assert one_longer([seen], np.array([0.11, 0.22, 0.13])) is None  # two are off: a marker between them
     rng = np.random.default_rng(2)
     beside = [one_longer([seen], np.array([0.11, 0.19, 0.14]) * (1 + 0.05 * rng.normal(size=3))) for _ in range(200)]
     assert sum(one is not None for one in beside) <= 6

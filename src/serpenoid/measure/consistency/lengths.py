@@ -65,17 +65,16 @@ def beside_film(vertices: Sequence[Floats], stated: Floats, names: Sequence[str]
     share, one = all_longer(vertices, stated), one_longer(vertices, stated)
     if share is not None:
         more = "longer" if share > 0 else "shorter"
-        what = f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`"
+        what = f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`: one of the two is off"
     elif one is not None:
         (k, off), more = one, "longer" if one[1] > 0 else "shorter"
         where = f"from `{names[k]}` to `{names[k + 1]}` (`edge_lengths`: {stated[k]:.4g} m)"
-        what = f"{where} it is {100 * abs(off):.2g} % {more} in the film, and all other links are as long as said"
+        what = f"{where} it is {100 * abs(off):.2g} % {more} in the film, other links are as said: "
+        what += "one of the two is off, or a marker beside its place"
     else:
         return ""
     tells = ", or leave `edge_lengths` out: the film then tells them" if all_marked else ""
-    return (
-        f"{what}: one of the two is off. Left so it counts as marker noise and moves what is fitted. Correct it{tells}"
-    )
+    return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{tells}"
 
 
 def all_longer(vertices: Sequence[Floats], edges: Floats) -> float | None:
@@ -100,7 +99,8 @@ def one_longer(vertices: Sequence[Floats], edges: Floats) -> tuple[int, float] |
     apart = float(longer[worst] - others.mean())
     scatter = max(float(others.std(ddof=1)), np.finfo(float).tiny) * np.sqrt(1 + 1 / len(others))
     chance = len(longer) * 2 * stdtr(len(others) - 1, -abs(apart) / scatter)
-    if chance > 1 - CERTAIN or abs(apart) < SCALE_SD:
+    agree = np.abs(others - others.mean()).max() < SCALE_SD
+    if chance > 1 - CERTAIN or abs(apart) < SCALE_SD or not agree:
         return None
     return int(np.flatnonzero(seen)[worst]), float(np.expm1(apart))
 
