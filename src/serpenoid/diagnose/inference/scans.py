@@ -23,21 +23,23 @@ from serpenoid.effects.catalogue import motion_effects
 from serpenoid.effects.scan import Grid, Scan
 from serpenoid.simulation.sensitivity import EPS
 
+FELT = float(np.exp(-2.0))  # of a spot's strength, all visits of all vertices together: two radii from the nearest
 Ranked = tuple[ActiveEffect, float, np.ndarray]  # candidate, gain, where its full fit begins
 
 
 @dataclass(frozen=True)
 class Scanned:
-    """A grid of candidates of one effect."""
+    """Candidates of one effect: those of a grid that some vertex came near, by their numbers (K,)."""
 
     name: str
     scan: Scan
     grid: Grid
+    near: np.ndarray
 
     @property
     def candidates(self) -> list[ActiveEffect]:
         """At their neutral strength."""
-        return [ActiveEffect.neutral(self.name, None, **values) for values in self.grid.values]
+        return [ActiveEffect.neutral(self.name, None, **self.grid.values[i]) for i in self.near]
 
     def felt(self, places: Floats, by: Floats, first: np.ndarray) -> Floats:
         """What candidates of strength 1 do to windows (W, 3, K), from what the effect that they are made of does at
@@ -48,18 +50,29 @@ class Scanned:
         for begin, end in zip(first, [*first[1:], steps], strict=True):
             rows = (end - begin) * vertices
             weighted = by[begin:end].transpose(1, 0, 2).reshape(3, 1, rows) * one[begin:end].reshape(rows, -1).T
-            windows.append((weighted @ two[begin:end].reshape(rows, -1)).reshape(3, -1))
+            windows.append((weighted @ two[begin:end].reshape(rows, -1)).reshape(3, -1)[:, self.near])
         return np.stack(windows)
 
 
 def on_offer(motion: Motion, base: Fit) -> list[Scanned]:
-    """Grids over the floor that was visited, of every effect that may still be there."""
+    """Grids over the floor that was visited, of every effect that may still be there.
+
+    A grid spans all that lies between places that were visited; candidates there that nothing came near would do
+    nothing, and on a large floor they are nearly all.
+    """
     absent = {e.name for e in base.effects} | motion.untestable
     length = motion.tracks[0].recording.body.total_length_m
     place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
     low, high = place.min(axis=0), place.max(axis=0)
-    kinds = [(k.name, k.scan) for k in motion_effects() if k.name not in absent]
-    return [Scanned(name, scan, g) for name, scan in kinds if scan is not None for g in scan.grids(low, high, length)]
+    ends = [(t.poses[t.boundaries], t.vertices[t.boundaries]) for t in motion.tracks]
+    visited = np.concatenate([(p[:, None, :2] + turn(p[:, 2:], v)).reshape(-1, 2) for p, v in ends])
+    found = []
+    for kind in motion_effects():
+        if kind.scan is not None and kind.name not in absent:
+            for grid in kind.scan.grids(low, high, length):
+                one, two = grid.felt(visited)
+                found.append(Scanned(kind.name, kind.scan, grid, np.flatnonzero((one.T @ two).ravel() > FELT)))
+    return found
 
 
 def score_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> list[Ranked]:

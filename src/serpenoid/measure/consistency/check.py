@@ -33,6 +33,7 @@ from serpenoid.measure.consistency.signals import Signal, moving_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
+MOST_ROWS = 100_000  # of a recording in a promised cycle: closer ones count in another unit
 MOST_CYCLES = 1000  # of a promise are laid over a recording
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
@@ -97,9 +98,15 @@ def _in_other_units(claim: Claim) -> list[Contradiction]:
     for signal, witness in ((claim.servos, "the servo log's positions"), (claim.cameras, "the recorded shapes")):
         if claim.schedule is not None and signal is not None and signal.enough:
             said = other_unit(_longer(signal, claim.schedule))
-            if said is not None:
+            if said is not None and (signal.period_s is not None or not _ends_early(signal, claim.schedule)):
                 found.append(Contradiction(claim.trial, "rate", f"{witness} {said[0]}", said[1], np.inf))
     return found
+
+
+def _ends_early(signal: Signal, schedule: Schedule) -> bool:
+    """Whether a motion that is too short may be the beginning of the promised one: by how closely it was recorded."""
+    each = float(np.median(np.diff(signal.time_s)))
+    return moving_s(signal) < schedule.moving_s and schedule.period_s < MOST_ROWS * each
 
 
 def _longer(signal: Signal, schedule: Schedule) -> float:
