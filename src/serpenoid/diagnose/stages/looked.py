@@ -108,7 +108,9 @@ def effect_of(found: Looked, key: Key) -> ActiveEffect:
 def gained_beyond(found: Looked, key: Key) -> float:
     """Chi squared that an effect gains by numbers beyond its bounds, the others as they are; 0 of what is within."""
     effect, values = effect_of(found, key), values_of(found.data.body, found.now, *key)
-    held, now = effect.coordinates if effect.effect.marks is None else [*effect.parameters.values()], found.now
+    held, now = [*effect.parameters.values()], found.now
+    if effect.effect.marks is None:
+        held = effect.coordinates[:-1]  # the last says that it is there
     if np.allclose(held, values, rtol=1e-9, atol=0.0):
         return 0.0
     for column, value, end in zip(columns_of(found.data.body, *key), values, held, strict=True):
