@@ -6,7 +6,6 @@ By the implicit function theorem, as `simulation.newton.implicit_derivative`; wh
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -15,43 +14,11 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics.columns import BLOCKS, GATHER, call
-from serpenoid.mechanics.compile import loaded
 from serpenoid.mechanics.extended import SETTING, Vertex, coordinate_count, vertex_functions
-from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
-from serpenoid.mechanics.vertices import LONGEST, QUICKLY, edge, links
+from serpenoid.mechanics.lanes import LANES, PRELUDE, kernel
+from serpenoid.mechanics.vertices import QUICKLY, SOLVED, edge, in_c, links
 
 RootColumns = Callable[..., Floats]
-
-INVERSE = """
-/* Inverse of slopes by elimination with pivots; of what is singular or no number the identity */
-static void inverted(const double *slopes, double inverse[3][3]) {
-  double m[3][3], b[3][3], size = 1.0;
-  int known = 1;
-  for (int j = 0; j < 3; ++j)
-    for (int c = 0; c < 3; ++c) {
-      known &= isfinite(m[j][c] = slopes[3 * j + c]) != 0;
-      b[j][c] = inverse[j][c] = j == c;
-    }
-  for (int c = 0; known && c < 3; ++c) {
-    int top = c;
-    for (int j = c + 1; j < 3; ++j) if (fabs(m[j][c]) > fabs(m[top][c])) top = j;
-    for (int k = 0; k < 3; ++k) {
-      const double held = m[c][k], other = b[c][k];
-      m[c][k] = m[top][k], b[c][k] = b[top][k], m[top][k] = held, b[top][k] = other;
-    }
-    size *= m[c][c];
-    known = fabs(m[c][c]) > 0.0;
-    for (int j = 0; known && j < 3; ++j) {
-      if (j == c) continue;
-      const double share = m[j][c] / m[c][c];
-      for (int k = 0; k < 3; ++k) m[j][k] -= share * m[c][k], b[j][k] -= share * b[c][k];
-    }
-  }
-  if (known && fabs(size) > 1e-300)
-    for (int j = 0; j < 3; ++j)
-      for (int c = 0; c < 3; ++c) inverse[j][c] = b[j][c] / m[j][j];
-}
-"""
 
 
 @lru_cache(maxsize=16)
@@ -63,9 +30,7 @@ def root_columns(law: str) -> RootColumns | None:
     `extended.vertex_functions`' "sensitivity" with a place, or without one. Gives (S, 3, K).
     """
     vertex = vertex_functions(law)["sensitivity"]
-    if vertex.function.n_instructions() > LONGEST:
-        return None
-    run = loaded("root_columns", _source(vertex), lambda library: ctypes.CDLL(library).root_columns, flags())
+    run = in_c("root_columns", "root_columns", vertex, _source)
     if run is None:
         return None
 
@@ -105,17 +70,15 @@ void root_columns(long count, const double *before, const double *after, const d
     for (long w = 0; w < width; ++w) if (columns[2 * w] < 0.0)
       {put} y[(6 * (long)columns[2 * w + 1] + j) * {LANES} + i];
     for (long i = 0; i < n; ++i) {{
-      double inverse[3][3], *to = b + (first + i) * 3 * width;
+      double *to = b + (first + i) * 3 * width;
       const double turned = poses[6 * (first + i) + 2], c = cos(turned), s = sin(turned);
-      inverted(slopes + 9 * (first + i), inverse);
+      solved(slopes + 9 * (first + i), width, to);
       for (long w = 0; w < width; ++w) {{
-        double d[3];
-        for (int j = 0; j < 3; ++j)
-          d[j] = -(inverse[j][0] * to[w] + inverse[j][1] * to[width + w] + inverse[j][2] * to[2 * width + w]);
-        to[w] = c * d[0] + s * d[1], to[width + w] = c * d[1] - s * d[0], to[2 * width + w] = d[2];
+        const double x = to[w], y_ = to[width + w];
+        to[w] = c * x + s * y_, to[width + w] = c * y_ - s * x;
       }}
     }}
   }}
 }}
 """
-    return "\n".join([QUICKLY, PRELUDE, kernel(edge()), kernel(function, [3, 5], add=True), GATHER, INVERSE, body])
+    return "\n".join([QUICKLY, PRELUDE, kernel(edge()), kernel(function, [3, 5], add=True), GATHER, SOLVED, body])

@@ -6,7 +6,6 @@ are the vertices of `vertices`. Legend: S steps, M elements, P coordinates.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -15,45 +14,16 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics.columns import call
-from serpenoid.mechanics.compile import loaded
 from serpenoid.mechanics.extended import SETTING, Vertex, coordinate_count, vertex_functions
-from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
-from serpenoid.mechanics.vertices import LONGEST, QUICKLY, edge, links
+from serpenoid.mechanics.lanes import LANES, PRELUDE, kernel
+from serpenoid.mechanics.vertices import QUICKLY, SOLVED, edge, in_c, links
 
 Roots = Callable[..., tuple[Floats, Floats, Floats, Floats]]
 
-SUPPORT = f"""
+GATHER = f"""
 static void gather(long eights, const long *step, const long k, const long apart, const double *a, double *x) {{
   for (long i = 0; i < 8 * eights; ++i)
     for (long r = 0; r < k; ++r) x[r * {LANES} + i] = a[step[i] * apart + r];
-}}
-/* d = -m^-1 r by elimination with pivots; where m is singular or no number -r, a short step downhill */
-static void direction(const double *slopes, const double *residual, double *d) {{
-  double m[3][4];
-  int known = 1;
-  for (int j = 0; j < 3; ++j) {{
-    for (int c = 0; c < 3; ++c) known &= isfinite(m[j][c] = slopes[3 * j + c]) != 0;
-    d[j] = -(m[j][3] = residual[j]);
-  }}
-  if (!known) return;
-  double size = 1.0;
-  for (int c = 0; c < 3; ++c) {{
-    int top = c;
-    for (int j = c + 1; j < 3; ++j) if (fabs(m[j][c]) > fabs(m[top][c])) top = j;
-    for (int k = 0; k < 4; ++k) {{ const double held = m[c][k]; m[c][k] = m[top][k]; m[top][k] = held; }}
-    size *= m[c][c];
-    if (!(fabs(m[c][c]) > 0.0)) return;
-    for (int j = c + 1; j < 3; ++j) {{
-      const double share = m[j][c] / m[c][c];
-      for (int k = c; k < 4; ++k) m[j][k] -= share * m[c][k];
-    }}
-  }}
-  if (!(fabs(size) > 1e-300)) return;
-  for (int j = 2; j >= 0; --j) {{
-    double sum = m[j][3];
-    for (int k = j + 1; k < 3; ++k) sum += m[j][k] * d[k];
-    d[j] = -sum / m[j][j];
-  }}
 }}
 """
 
@@ -68,9 +38,7 @@ def roots(law: str) -> Roots | None:
     infinite where the guess has none.
     """
     vertex = vertex_functions(law)["balance"]
-    if vertex.function.n_instructions() > LONGEST:
-        return None
-    run = loaded("roots", _source(vertex), lambda library: ctypes.CDLL(library).roots, flags())
+    run = in_c("roots", "roots", vertex, _source)
     if run is None:
         return None
 
@@ -150,7 +118,8 @@ void roots(long count, const double *before, const double *after, const double *
           }}
         }}
         energy[s] = y[6 * {LANES} + i], size[s] = lane->size = now;
-        direction(slopes + 9 * s, residual, lane->direction);
+        memcpy(lane->direction, residual, sizeof residual);
+        solved(slopes + 9 * s, 1, lane->direction);
         lane->damping = first ? 1.0 : fmin(1.0, 2.0 * lane->damping);
       }} else {{
         lane->damping /= 3.0;
@@ -168,4 +137,5 @@ void roots(long count, const double *before, const double *after, const double *
   }}
 }}
 """
-    return "\n".join([QUICKLY, PRELUDE, kernel(edge()), kernel(function, [3, 5], add=True), SUPPORT, evaluated, run])
+    kernels = [kernel(edge()), kernel(function, [3, 5], add=True)]
+    return "\n".join([QUICKLY, PRELUDE, *kernels, GATHER, SOLVED, evaluated, run])

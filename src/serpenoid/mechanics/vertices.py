@@ -28,6 +28,36 @@ LONGEST = 6000  # instructions: compilers take minutes for the loop of a longer 
 QUICKLY = """#if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize ("O2", "tree-loop-vectorize", "vect-cost-model=unlimited")
 #endif"""
+SOLVED = """
+/* b = -m^-1 b, of `width` columns, by elimination with pivots; where m is singular or no number -b */
+static void solved(const double *slopes, const long width, double *b) {
+  double m[3][3], size = 1.0;
+  int top[3], known = 1;
+  for (int j = 0; j < 9; ++j) known &= isfinite(m[j / 3][j % 3] = slopes[j]) != 0;
+  for (int c = 0; known && c < 3; ++c) {
+    top[c] = c;
+    for (int j = c + 1; j < 3; ++j) if (fabs(m[j][c]) > fabs(m[top[c]][c])) top[c] = j;
+    for (int k = 0; k < 3; ++k) { const double held = m[c][k]; m[c][k] = m[top[c]][k]; m[top[c]][k] = held; }
+    size *= m[c][c];
+    known = fabs(m[c][c]) > 0.0;
+    for (int j = c + 1; known && j < 3; ++j) {
+      m[j][c] /= m[c][c];
+      for (int k = c + 1; k < 3; ++k) m[j][k] -= m[j][c] * m[c][k];
+    }
+  }
+  known = known && fabs(size) > 1e-300;
+  for (long w = 0; w < width; ++w) {
+    double d[3] = {b[w], b[width + w], b[2 * width + w]};
+    for (int c = 0; known && c < 3; ++c) { const double held = d[c]; d[c] = d[top[c]]; d[top[c]] = held; }
+    for (int j = 1; known && j < 3; ++j) for (int k = 0; k < j; ++k) d[j] -= m[j][k] * d[k];
+    for (int j = 2; known && j >= 0; --j) {
+      for (int k = j + 1; k < 3; ++k) d[j] -= m[j][k] * d[k];
+      d[j] /= m[j][j];
+    }
+    for (int j = 0; j < 3; ++j) b[j * width + w] = -d[j];
+  }
+}
+"""
 BLOCK = 256  # steps of one call of CasADi's maps
 OverSteps = Callable[..., list[Floats]]
 
@@ -38,9 +68,7 @@ def over_steps(which: str, law: str) -> OverSteps:
     theta (M, P)): its outputs (S, ...), column after column of each step's, summed or vertex by vertex.
     """
     vertex = vertex_functions(law)[which]
-    run = None
-    if vertex.function.n_instructions() <= LONGEST:
-        run = loaded(f"{which}_steps", _source(vertex), lambda library: ctypes.CDLL(library).over_steps, flags())
+    run = in_c(f"{which}_steps", "over_steps", vertex, _source)
     if run is None:
         return lambda *given: _mapped(which, law, *given)
 
@@ -52,6 +80,13 @@ def over_steps(which: str, law: str) -> OverSteps:
         return found
 
     return over
+
+
+def in_c(library: str, entry: str, vertex: Vertex, source: Callable[[Vertex], str]) -> Any | None:
+    """The function `entry` of the library of what `source` writes about a vertex; None where it cannot be compiled."""
+    if vertex.function.n_instructions() > LONGEST:
+        return None
+    return loaded(library, source(vertex), lambda path: getattr(ctypes.CDLL(path), entry), flags())
 
 
 def edge() -> ca.Function:
