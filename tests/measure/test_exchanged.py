@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import linear_sum_assignment
 
 from serpenoid.errors import InputError
-from serpenoid.measure.consistency.exchanged import assigned, exchanges, named_as_in_most
+from serpenoid.measure.consistency.exchanged import exchanges, named_as_in_most
 from serpenoid.measure.load import load_campaign
 
 LABELS = [f"p{k}" for k in range(7)]
@@ -146,10 +145,3 @@ def test_a_recording_in_utf_16_is_told_so(tmp_path):
     (folder / "one.csv").write_text((folder / "one.csv").read_text(), encoding="utf-16")
     with pytest.raises(InputError, match="one.csv: .*UTF-16. Save it as UTF-8"):
         load_campaign(folder)
-
-
-@pytest.mark.parametrize("count", [1, 2, 5, 12, 40])
-def test_columns_are_given_as_scipy_gives_them(count: int) -> None:
-    rng = np.random.default_rng(count)
-    for costs in rng.normal(size=(20, count, count)):
-        assert np.array_equal(assigned(costs), linear_sum_assignment(costs)[1])

@@ -133,11 +133,13 @@ def _changes(points: Floats, time_s: Floats) -> list[Change]:
 
 
 def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
+    from scipy.optimize import linear_sum_assignment  # where every point goes on as it went, nobody waits for it
+
     here = np.flatnonzero(np.isfinite(cut.behind[frame, :, 0]) & np.isfinite(cut.ahead[frame, :, 0]))
     moved = cut.ahead[frame, here][:, None] - cut.behind[frame, here][None]  # [k, j]: point k after, j before
     scale = usual * (cut.first_s[frame, here][:, None] - cut.last_s[frame, here][None])
     missed = np.linalg.norm(moved, axis=2) / scale
-    rows, order = np.arange(len(here)), assigned(np.log1p(missed**2))
+    rows, order = linear_sum_assignment(np.log1p(missed**2))
     changed = here[rows[order != rows]]
     pushed = np.diagonal(moved).T  # (K, 2): by a camera that is pushed all move alike
     away = np.linalg.norm(pushed - np.median(pushed, axis=0), axis=1) / np.diagonal(scale)
@@ -159,30 +161,6 @@ def _change(cut: _Cuts, frame: int, usual: float) -> Change | None:
     names[here[rows]] = here[order]
     since, until = cut.last_s[frame, changed].min(), cut.first_s[frame, changed].max()
     return Change(frame, tuple(names.tolist()), gain, float(since), float(until))
-
-
-def assigned(costs: Floats) -> np.ndarray:
-    """Which column each row of costs (K, K) is given, all together least: row after row by the shortest way of giving
-    columns on (Kuhn and Munkres). SciPy's takes as long to import as all files to be read."""
-    count = len(costs)
-    rows, columns = np.zeros(count), np.zeros(count)  # prices: no cost is less than its row's and its column's
-    owner = np.full(count, -1)
-    for row in range(count):
-        far, before, done = np.full(count, np.inf), np.full(count, -1), np.zeros(count, dtype=bool)
-        now, last, way = row, -1, 0.0
-        while now >= 0:
-            length = way + costs[now] - rows[now] - columns
-            nearer = ~done & (length < far)
-            far[nearer], before[nearer] = length[nearer], last
-            last = int(np.where(done, np.inf, far).argmin())
-            way, done[last], now = float(far[last]), True, int(owner[last])
-        reached = done & (owner >= 0)
-        rows[row] += way
-        rows[owner[reached]] += way - far[reached]
-        columns[done] -= way - far[done]
-        while last >= 0:
-            owner[last], last = (owner[before[last]] if before[last] >= 0 else row), int(before[last])
-    return np.argsort(owner)
 
 
 def _along_itself(points: Floats) -> list[Floats]:
