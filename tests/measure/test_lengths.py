@@ -10,7 +10,7 @@ import pytest
 
 from rehearsal import serpenoid_table, snake
 from serpenoid.compare.rehearse import Laboratory, write_campaign
-from serpenoid.measure.consistency.lengths import all_longer
+from serpenoid.measure.consistency.lengths import Shown, all_longer
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import build_motion
 from serpenoid.simulation import simulate_joint_angles
@@ -30,27 +30,27 @@ def film(rng: np.random.Generator, scale: float, noise: float, beside: float = 0
 @pytest.mark.parametrize("noise", [0.0002, 0.003])
 @pytest.mark.parametrize("scale", [0.985, 1.01])
 def test_a_scale_that_all_links_share_is_told(scale, noise):
-    found = all_longer([film(np.random.default_rng(seed), scale, noise) for seed in range(4)], EDGES)
+    found = all_longer(Shown.of([film(np.random.default_rng(seed), scale, noise) for seed in range(4)], EDGES))
     assert found == pytest.approx(scale - 1, abs=0.001)
 
 
 @pytest.mark.parametrize("noise", [0.0002, 0.003, 0.006])
 def test_noise_lengthens_no_link(noise):
     rng = np.random.default_rng(7)
-    assert [all_longer([film(rng, 1.0, noise)], EDGES) for _ in range(40)] == [None] * 40
+    assert [all_longer(Shown.of([film(rng, 1.0, noise)], EDGES)) for _ in range(40)] == [None] * 40
 
 
 def test_markers_beside_their_places_are_no_scale():
     rng = np.random.default_rng(8)
-    said = [all_longer([film(rng, 1.0, 0.0005, beside=0.002)], EDGES) for _ in range(200)]
+    said = [all_longer(Shown.of([film(rng, 1.0, 0.0005, beside=0.002)], EDGES)) for _ in range(200)]
     assert sum(one is not None for one in said) <= 2
 
 
 def test_a_single_link_says_nothing_and_unknown_links_are_left_out():
     points = film(np.random.default_rng(1), 1.02, 0.0002)
-    assert all_longer([points[:, :2]], EDGES[:1]) is None
+    assert all_longer(Shown.of([points[:, :2]], EDGES[:1])) is None
     unknown = np.where(np.arange(len(EDGES)) == 2, np.nan, EDGES)
-    assert all_longer([points], unknown) == pytest.approx(0.02, abs=0.001)
+    assert all_longer(Shown.of([points], unknown)) == pytest.approx(0.02, abs=0.001)
 
 
 def test_a_campaign_whose_film_is_too_large_says_so_and_what_helps(tmp_path: Path):

@@ -13,7 +13,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.consistency.claims import contradictions
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.lengths import one_longer
+from serpenoid.measure.consistency.lengths import Shown, one_longer
 from serpenoid.measure.consistency.reach import Reach, reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.links import chain_vertices
@@ -165,11 +165,13 @@ def test_the_upward_axis_of_a_short_chain_is_the_one_along_which_nothing_moves()
 def test_one_length_that_is_wrong_is_told_and_markers_beside_their_places_are_not():
     body, points = chain(7, (2, 4), [0.055, 0.055, 0.095, 0.095, 0.07, 0.07], 400)
     seen = points[:, [0, 2, 4, 6]]
-    assert one_longer([seen], np.array([0.11, 0.19, 0.14])) is None
-    edge, share = one_longer([seen], np.array([0.11, 0.22, 0.14]))
+    assert one_longer(Shown.of([seen], np.array([0.11, 0.19, 0.14]))) is None
+    edge, share = one_longer(Shown.of([seen], np.array([0.11, 0.22, 0.14])))
     assert edge == 1
     assert share == pytest.approx(0.19 / 0.22 - 1, abs=0.01)
-    assert one_longer([seen], np.array([0.11, 0.22, 0.13])) is None  # two are off: a marker between them
+    assert one_longer(Shown.of([seen], np.array([0.11, 0.22, 0.13]))) is None  # two are off: a marker between them
     rng = np.random.default_rng(2)
-    beside = [one_longer([seen], np.array([0.11, 0.19, 0.14]) * (1 + 0.05 * rng.normal(size=3))) for _ in range(200)]
+    beside = [
+        one_longer(Shown.of([seen], np.array([0.11, 0.19, 0.14]) * (1 + 0.05 * rng.normal(size=3)))) for _ in range(200)
+    ]
     assert sum(one is not None for one in beside) <= 6

@@ -89,15 +89,17 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
     found = [f"dissipation at each {model.medium.dissipation}, {len(calibration.trials)} trial(s)"]
     for i, name in enumerate(calibration.names):
         value, (low, high) = together.values[i], together.interval[i]
-        robust = [min(max(value + z * together.robust_sd[i], lows[i]), highs[i]) for z in (-1.96, 1.96)]
+        robust = np.clip(value + 1.96 * together.robust_sd[i] * np.array([-1, 1]), lows[i], highs[i])
         found += [
             f"{name}",
             f"  all together    {value:.6g}   95 % {low:.6g} .. {high:.6g} (noise), "
             f"{robust[0]:.6g} .. {robust[1]:.6g} (robust)",
         ]
         if np.isfinite(half := together.spread_half[i]):
-            low, high = max(value - half, lows[i]), min(value + half, highs[i])
-            found.append(f"  trials differ   by more than chance: 95 % {low:.6g} .. {high:.6g} by their spread")
+            spread = np.clip(value + half * np.array([-1, 1]), lows[i], highs[i])
+            found.append(
+                f"  trials differ   by more than chance: 95 % {spread[0]:.6g} .. {spread[1]:.6g} by their spread"
+            )
         if len(calibration.trials) > 1:
             low, high = calibration.mean_interval[i]
             text = f"95 % {low:.6g} .. {high:.6g}, SD {calibration.spread[i]:.2g}"

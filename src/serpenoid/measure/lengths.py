@@ -48,8 +48,6 @@ def chord_shares(body: Body, points: Floats, between: Sequence[int] | None = Non
     of frames before and after."""
     bends = bridged(np.arange(float(len(points))), marker_angles(body, points))
     drawn = curve(body, np.concatenate([np.zeros((len(bends), 1)), np.cumsum(bends, axis=1)], axis=1))
-    if between is None:
-        return np.asarray(np.linalg.norm(np.diff(drawn, axis=1), axis=2) / body.edges)
-    ends = list(between)
+    ends = list(range(body.vertices) if between is None else between)
     arcs = np.diff(np.concatenate([[0.0], np.cumsum(body.edges)])[ends])
     return np.asarray(np.linalg.norm(np.diff(drawn[:, ends], axis=1), axis=2) / arcs)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
@@ -180,9 +181,14 @@ def stated_between(vertices: Sequence[int], edges: Floats, body: Body) -> Floats
     return np.where(bent, np.nan, np.diff(np.concatenate([[0.0], np.cumsum(edges)])[list(vertices)]))
 
 
+def ever_seen(vertices: Floats) -> NDArray[np.int64]:
+    """Which vertices (F, N, 2) have a marker that is ever seen."""
+    return np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0))
+
+
 def neighbour_ratio(vertices: Floats, body: Body) -> float:
     """Measured over stated distance of neighbours, the median; NaN where no two are ever seen together."""
-    shown = np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0))
+    shown = ever_seen(vertices)
     distances = np.linalg.norm(np.diff(vertices[:, shown], axis=1), axis=2)
     if body.is_animal and len(shown) == body.vertices:
         distances = shown_lengths(body, vertices)

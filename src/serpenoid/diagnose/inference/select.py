@@ -103,9 +103,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         others = [t for t in tries if t.added.name != added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
         with meanwhile(needed, motion, first) as least:
-            again = retracked(motion, retrack, first.model)
+            motion = retracked(motion, retrack, first.model)
             idle = 0 if best.chi2 - first.chi2 > least() else idle + 1
-        motion = again
         motion, first = calibrated(motion, fit_guided(motion, first))
         null = fit_guided(motion, null, STEPS)
         best = pruned(motion, first, len(ranked))

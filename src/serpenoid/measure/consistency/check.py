@@ -97,24 +97,21 @@ def _in_other_units(claim: Claim) -> list[Contradiction]:
     found = []
     for signal, witness in ((claim.servos, "the servo log's positions"), (claim.cameras, "the recorded shapes")):
         if claim.schedule is not None and signal is not None and signal.enough:
-            said = other_unit(_longer(signal, claim.schedule))
-            if said is not None and (signal.period_s is not None or not _ends_early(signal, claim.schedule)):
+            said = _other_unit(signal, claim.schedule)
+            if said is not None:
                 found.append(Contradiction(claim.trial, "rate", f"{witness} {said[0]}", said[1], np.inf))
     return found
 
 
-def _ends_early(signal: Signal, schedule: Schedule) -> bool:
-    """Whether a motion that is too short may be the beginning of the promised one: by how closely it was recorded."""
-    each = float(np.median(np.diff(signal.time_s)))
-    return moving_s(signal) < schedule.moving_s and schedule.period_s < MOST_ROWS * each
-
-
-def _longer(signal: Signal, schedule: Schedule) -> float:
-    """By how much longer than promised it takes to repeat, or, where nothing repeats, how much longer it moves."""
+def _other_unit(signal: Signal, schedule: Schedule) -> tuple[str, str] | None:
+    """By how much longer than promised it takes to repeat, or, where nothing repeats, how much longer it moves; what
+    moves for too short a time may be the beginning of the promised motion, by how closely it was recorded."""
     own = signal.period_s
     if own is not None:
-        return own / schedule.period_s
-    return moving_s(signal) / schedule.moving_s
+        return other_unit(own / schedule.period_s)
+    longer = moving_s(signal) / schedule.moving_s
+    each = float(np.median(np.diff(signal.time_s)))
+    return None if longer < 1 and schedule.period_s < MOST_ROWS * each else other_unit(longer)
 
 
 def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:

@@ -26,7 +26,15 @@ from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial_files import Files, by_words, label_markers, neighbour_ratio, read_files, stated_between
+from serpenoid.measure.trial_files import (
+    Files,
+    by_words,
+    ever_seen,
+    label_markers,
+    neighbour_ratio,
+    read_files,
+    stated_between,
+)
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
@@ -135,7 +143,7 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
         edges = edges * neighbour_ratio(vertices, body)
         if np.isnan(edges).any():  # nothing tells how large a pixel is
             return []
-    shown = list(keys.marked(body.vertices)) if edges is None else _shown(vertices)
+    shown = list(keys.marked(body.vertices)) if edges is None else ever_seen(vertices).tolist()
     plan = layout(vertices[:, shown], None if edges is None else reach(body, edges, vertices, shown))
     if len(shown) < 2 or not len(plan.points):
         return []
@@ -150,11 +158,6 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
     found = marker_faults(plan, [every[k] for k in shown], plane)
     certain = [fault for fault in found[:1] if fault.gain > odds]
     return [Contradiction(files.entry.name, f.kind, f"its markers {f.words}", f.cure, f.gain) for f in certain]
-
-
-def _shown(vertices: Floats) -> list[int]:
-    """Which vertices (F, N, 2) have a marker that is ever seen."""
-    return np.flatnonzero(np.isfinite(vertices[..., 0]).any(axis=0)).tolist()
 
 
 def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
@@ -178,8 +181,8 @@ def _scale(file: CampaignFile, body: Body, read: Sequence[Files]) -> dict[str, s
     marked = {name: f.labelled.vertices for name, f in films.items() if f.labelled is not None}
     if not marked:
         return {}
-    shown = np.array(_shown(np.concatenate(list(marked.values()))))
-    stated = stated_between(shown.tolist(), body.edges_m, body)
+    shown = sorted({k for points in marked.values() for k in ever_seen(points).tolist()})
+    stated = stated_between(shown, body.edges_m, body)
     names, seen = next(iter(films.values())).names(body), [points[:, shown] for points in marked.values()]
     words = beside_film(seen, stated, [names[k] for k in shown], len(shown) == body.vertices)
     return dict.fromkeys(marked, words) if words else {}

@@ -62,7 +62,8 @@ def other_bodies(vertices: Mapping[str, Floats], edges: Floats) -> list[Longer]:
 
 def beside_film(vertices: Sequence[Floats], stated: Floats, names: Sequence[str], all_marked: bool) -> str:
     """What is said where recordings (F, M, 2) show all or one of M - 1 stated distances other than said, or ""."""
-    share, one = all_longer(vertices, stated), one_longer(vertices, stated)
+    found = Shown.of(vertices, stated)
+    share, one = all_longer(found), one_longer(found)
     if share is not None:
         more = "longer" if share > 0 else "shorter"
         what = f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`: one of the two is off"
@@ -77,22 +78,41 @@ def beside_film(vertices: Sequence[Floats], stated: Floats, names: Sequence[str]
     return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{tells}"
 
 
-def all_longer(vertices: Sequence[Floats], edges: Floats) -> float | None:
-    """By which share all edges (N - 1,) are longer in the recordings (F, N, 2) than they are said to be; None: they
-    agree, or differ among each other as much."""
-    seen, longer, noise = _longer(vertices, edges)
-    if seen.sum() < 2:
+@dataclass(frozen=True)
+class Shown:
+    """Of which edges (N - 1,) lengths are known both ways; of these log(shown / said), and the relative variance by
+    noise."""
+
+    known: np.ndarray
+    longer: Floats
+    noise: Floats
+
+    @classmethod
+    def of(cls, vertices: Sequence[Floats], edges: Floats) -> Shown:
+        """By recordings (F, N, 2) of edges that are said to have these lengths (N - 1,) [m]; NaN: not said."""
+        distance = np.concatenate([np.linalg.norm(np.diff(points, axis=1), axis=2) for points in vertices])
+        known = np.isfinite(distance).any(axis=0) & np.isfinite(edges)
+        middle = np.nanmedian(distance[:, known], axis=0)
+        scatter = np.nanmedian(np.abs(distance[:, known] - middle), axis=0) / NORMAL_MAD
+        noise = scatter**2 / middle**2
+        return cls(known, np.log(middle * np.sqrt(np.maximum(1 - noise, 0.5)) / edges[known]), noise)
+
+
+def all_longer(found: Shown) -> float | None:
+    """By which share all edges are longer than they are said to be; None: they agree, or differ among each other as
+    much."""
+    longer = found.longer
+    if len(longer) < 2:
         return None
     mean = float(longer.mean())
     gain = len(longer) / 2 * np.log1p(mean**2 / max(float(longer.var()), np.finfo(float).tiny))
-    return float(np.expm1(mean)) if gain > ODDS and abs(mean) > noise.max() / 2 else None
+    return float(np.expm1(mean)) if gain > ODDS and abs(mean) > found.noise.max() / 2 else None
 
 
-def one_longer(vertices: Sequence[Floats], edges: Floats) -> tuple[int, float] | None:
-    """Which one edge of those (N - 1,) is longer in the recordings (F, N, 2) than it is said to be, and by which share,
-    if the others agree."""
-    seen, longer, _ = _longer(vertices, edges)
-    if seen.sum() < 3:
+def one_longer(found: Shown) -> tuple[int, float] | None:
+    """Which one edge is longer than it is said to be, and by which share, if the others agree."""
+    longer = found.longer
+    if len(longer) < 3:
         return None
     worst = int(np.abs(longer - np.median(longer)).argmax())
     others = np.delete(longer, worst)
@@ -102,18 +122,7 @@ def one_longer(vertices: Sequence[Floats], edges: Floats) -> tuple[int, float] |
     agree = np.abs(others - others.mean()).max() < SCALE_SD
     if chance > 1 - CERTAIN or abs(apart) < SCALE_SD or not agree:
         return None
-    return int(np.flatnonzero(seen)[worst]), float(np.expm1(apart))
-
-
-def _longer(vertices: Sequence[Floats], edges: Floats) -> tuple[np.ndarray, Floats, Floats]:
-    """Of which edges (N - 1,) lengths are known both ways; of these log(shown / said), and the relative variance by
-    noise."""
-    distance = np.concatenate([np.linalg.norm(np.diff(points, axis=1), axis=2) for points in vertices])
-    seen = np.isfinite(distance).any(axis=0) & np.isfinite(edges)
-    middle = np.nanmedian(distance[:, seen], axis=0)
-    scatter = np.nanmedian(np.abs(distance[:, seen] - middle), axis=0) / NORMAL_MAD
-    noise = scatter**2 / middle**2
-    return seen, np.log(middle * np.sqrt(np.maximum(1 - noise, 0.5)) / edges[seen]), noise
+    return int(np.flatnonzero(found.known)[worst]), float(np.expm1(apart))
 
 
 def _scale(points: Floats, edges: Floats) -> tuple[float, float] | None:
