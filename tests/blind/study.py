@@ -31,7 +31,7 @@ from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
 from blind.follow_up import follow_up
 from blind.kinds import KINDS, Case, case
-from blind.known_law import left_open
+from blind.known_law import known_law
 from blind.pages import write_page
 from blind.score import REQUIRED, Answer, Name, answer, errors, judge, odds
 from blind.separation import separation
@@ -131,9 +131,10 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}
     strengths = [strength(c, e, f) for e in c.effects]
     verdict = judge(said, c.effects, strengths, lambda i, n: separation(c, c.effects[i], n.name, n.place, f))
-    missed = errors(diagnosis, c.effects)
+    missed, known = errors(diagnosis, c.effects), known_law(c)
     return row | {
-        "left_open_m": left_open(c),
+        "left_open_m": known.left_open,
+        "held_out_known_m": known.held_out,
         "strengths": strengths,
         "outcome": verdict.outcome,
         "separations": verdict.separations,

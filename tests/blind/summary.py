@@ -38,7 +38,11 @@ def _right(row: Row) -> bool:
 
 
 def _as_far_as_told(row: Row) -> bool:
-    """Whether held-out paths are within the target and what the other gaits leave open to one who knows the law."""
+    """Whether held-out paths are within the target of what the other gaits tell one who knows the law; older tables say
+    only how much is expected to be left open."""
+    if "held_out_known_m" in row:
+        known = float(row["held_out_known_m"]) / float(row["noise_level_m"])
+        return bool(row["held_out_over_floor"] <= HELD_OUT * max(known, 1.0))
     left_open = LIKELY * float(row["left_open_m"]) / float(row["noise_level_m"])
     return bool(row["held_out_over_floor"] <= np.hypot(HELD_OUT, left_open))
 

@@ -10,7 +10,7 @@ import pytest
 from blind.campaign import COMBINATIONS, Campaign, make
 from blind.catalogue import Effect
 from blind.gaits import random_table
-from blind.known_law import held_out_together, left_open
+from blind.known_law import held_out_together, known_law
 from blind.protocol import Combination, usual
 from blind.strength import floor
 
@@ -32,19 +32,23 @@ def campaign(*effects: Effect, tails: int = 1, seed: int = 2) -> Campaign:
 
 def test_what_one_gait_alone_tells_is_open_without_it() -> None:
     alone, again = campaign(BACKWARD), campaign(BACKWARD, tails=2)
-    assert left_open(alone) > 10 * floor(alone) > 10 * left_open(again)
+    one, two = known_law(alone), known_law(again)
+    assert one.left_open > 10 * floor(alone) > 10 * two.left_open
+    assert one.held_out > 2 * floor(alone)
+    assert two.held_out < 1.2 * floor(again)
 
 
 def test_what_every_gait_tells_is_known_without_one() -> None:
     c = campaign(TOE)
-    assert left_open(c) < 0.5 * floor(c)
+    assert known_law(c).left_open < 0.5 * floor(c)
+    assert known_law(c).held_out == pytest.approx(floor(c), rel=0.1)
 
 
 def test_of_what_nothing_is_told_the_effect_itself_is_open() -> None:
     """Two gaits, one of them tail first: without it nobody knows of so weak an asymmetry."""
     few = COMBINATIONS[:2]
     weak, weaker = (make(2, [Effect(BACKWARD.name, None, {"asymmetry": a})], combinations=few) for a in (2e-3, 1e-3))
-    assert left_open(weak) == pytest.approx(2 * left_open(weaker), rel=0.1)
+    assert known_law(weak).left_open == pytest.approx(2 * known_law(weaker).left_open, rel=0.1)
 
 
 def test_gaits_are_held_out_else_settings_else_trials() -> None:

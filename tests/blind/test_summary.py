@@ -68,7 +68,15 @@ def test_times_held_out_errors_and_intervals_are_summed_up() -> None:
     assert quantiles([]) is None
 
 
-def test_held_out_paths_are_judged_by_what_the_other_gaits_leave_open_too() -> None:
+def test_held_out_paths_are_judged_by_what_the_other_gaits_tell_one_who_knows_the_law() -> None:
+    told = {"noise_level_m": 1e-3, "held_out_over_floor": 3.0, "left_open_m": 9.0}
+    rows = [row("right", 7.0, ["slope"], held_out_known_m=known, **told) for known in (0.5e-3, 2.4e-3, 2.6e-3)]
+    near = told | {"held_out_over_floor": 1.1}
+    s = summarise("one", [*rows, row("right", 7.0, ["slope"], held_out_known_m=0.5e-3, **near)])
+    assert (s["held_out_as_far_as_told"]["good"], s["held_out_as_far_as_told"]["of"]) == (2, 4)
+
+
+def test_held_out_paths_of_older_tables_are_judged_by_what_is_expected_to_be_open() -> None:
     told = {"noise_level_m": 1e-3, "held_out_over_floor": 3.0}
     rows = [row("right", 7.0, ["slope"], left_open_m=open_m, **told) for open_m in (0.0, 1e-3, 2e-3)]
     s = summarise("one", [*rows, *ROWS])  # rows of older tables do not say what is open

@@ -20,14 +20,14 @@ from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference import jumps
+from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.medium import fit_eps
 from serpenoid.diagnose.inference.ranking import score
 from serpenoid.diagnose.inference.select import Fit, calibrated
-from serpenoid.diagnose.stages import jumps
 from serpenoid.diagnose.stages.actuation import attempts, plays
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.jumps import find_jumps
 from serpenoid.diagnose.stages.marker_evidence import evidence, sample
 from serpenoid.effects import catalogue
 from serpenoid.medium import Medium

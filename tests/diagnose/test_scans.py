@@ -17,7 +17,11 @@ def track(begin: tuple[float, float]) -> SimpleNamespace:
     body = SimpleNamespace(total_length_m=0.9)
     vertices = np.broadcast_to(BODY, (STEPS, 12, 2))
     return SimpleNamespace(
-        poses=poses, vertices=vertices, boundaries=np.arange(0, STEPS, 10), recording=SimpleNamespace(body=body)
+        poses=poses,
+        on_floor=poses,
+        vertices=vertices,
+        boundaries=np.arange(0, STEPS, 10),
+        recording=SimpleNamespace(body=body),
     )
 
 

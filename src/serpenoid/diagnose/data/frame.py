@@ -22,6 +22,11 @@ def of_frame(effects: Iterable[ActiveEffect]) -> list[ActiveEffect]:
     return [e for e in effects if e.effect.marks == "frame"]
 
 
+def displaced(effects: Sequence[ActiveEffect], poses: Floats, time: Floats) -> Floats:
+    """How far effects of the frame show bodies from where they are (B, 2) [m]; poses (B, 3) as they are seen."""
+    return _seen_poses(effects, poses, time)[:, :2] - poses[:, :2] if effects else np.zeros((len(poses), 2))
+
+
 def added(effects: Sequence[ActiveEffect], poses: Floats, time: Floats) -> Floats:
     """What effects of the frame add to the displacements (B - 1, 3) between true poses (B, 3) at times (B,)."""
     if not effects:

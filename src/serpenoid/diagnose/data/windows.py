@@ -55,14 +55,21 @@ class Track:
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
     doubt: Floats | float = 0.0
     least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
+    shifted: Floats | float = 0.0  # (R, 2) [m] how far cameras show the body from where it is on the floor
 
     @cached_property
     def steps(self) -> MeasuredSteps:
         """With those of the lead before them; the same in every evaluation."""
         model = Model(self.recording.body, Medium(anisotropy_ratio=1.0))
         length = model.body.total_length_m
-        time, vertices, poses, _ = led(self.lead, self.time, self.vertices, self.poses)
+        time, vertices, poses, before = led(self.lead, self.time, self.vertices, self.poses)
+        poses = np.concatenate([poses[:before], self.on_floor])
         return MeasuredSteps.of(model, vertices / length, time, poses / np.array([length, length, 1.0]))
+
+    @property
+    def on_floor(self) -> Floats:
+        """Poses (R, 3) on the floor, which does not move with the cameras' frame."""
+        return np.column_stack([self.poses[:, :2] - self.shifted, self.poses[:, 2]])
 
     @property
     def duration(self) -> Floats:

@@ -71,7 +71,7 @@ class Laboratory:
         """A campaign's: durations a little beyond its own, the floor that its centroids have visited."""
         schedules = [t.recording.schedule for t in motion.tracks if isinstance(t.recording, Recording)]
         used = [s.cycle_duration_s for s in schedules]
-        place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
+        place = np.concatenate([t.on_floor[:, :2] for t in motion.tracks])
         durations = SHORTER * min(used), LONGER * max(used)
         floor = place.min(axis=0), place.max(axis=0)
         return cls(choice, tuple(rivals[:RIVALS]), motion.noise, schedules[0], durations, floor)

@@ -62,9 +62,9 @@ def on_offer(motion: Motion, base: Fit) -> list[Scanned]:
     """
     absent = {e.name for e in base.effects} | motion.untestable
     length = motion.tracks[0].recording.body.total_length_m
-    place = np.concatenate([t.poses[:, :2] for t in motion.tracks])
+    place = np.concatenate([t.on_floor[:, :2] for t in motion.tracks])
     low, high = place.min(axis=0), place.max(axis=0)
-    ends = [(t.poses[t.boundaries], t.vertices[t.boundaries]) for t in motion.tracks]
+    ends = [(t.on_floor[t.boundaries], t.vertices[t.boundaries]) for t in motion.tracks]
     visited = np.concatenate([(p[:, None, :2] + turn(p[:, 2:], v)).reshape(-1, 2) for p, v in ends])
     found = []
     for kind in motion_effects():
@@ -113,7 +113,7 @@ def _columns(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Iterator[Fl
         for e in frame:
             derivatives = added_by(frame, e, *ends)
             mine |= {c: derivatives[..., i] for i, c in enumerate(columns_of([e]))}
-        world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+        world = track.on_floor[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
         middle = (world[1:] + world[:-1]) / 2
         loads = {name: np.stack([by[c] for c in columns_of(p)], axis=-1) * weights for name, p in parts.items()}
         fitted = np.stack([mine[c] for c in (EPS, *columns_of(base.effects))], axis=-1)

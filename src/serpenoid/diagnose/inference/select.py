@@ -29,6 +29,7 @@ from serpenoid.diagnose.inference.medium import (
     fit_without,
 )
 from serpenoid.diagnose.inference.names import Kept, Key, Try, each_without, kept, trace
+from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
 from serpenoid.diagnose.inference.room import chance
@@ -77,6 +78,9 @@ def calibrated(motion: Motion, base: Fit) -> tuple[Motion, Fit]:
 def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Selection:
     """Forward selection from eps alone. `retrack` makes the tracks again about the chosen model: its own mesh error."""
     motion, null = calibrated(motion, fit_eps(motion, model))
+    again = placed(motion, null)
+    if again is not motion:
+        motion, null = calibrated(again, fit_guided(again, null))
     best = null
     hidden: tuple[Key, ...] = ()  # whose traces are below detection
     rival: Try | None = None  # what else might have come first
@@ -103,7 +107,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         others = [t for t in tries if t.added.name != added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
         with meanwhile(needed, motion, first) as least:
-            motion = retracked(motion, retrack, first.model)
+            motion = placed(retracked(motion, retrack, first.model), first)
             idle = 0 if best.chi2 - first.chi2 > least() else idle + 1
         motion, first = calibrated(motion, fit_guided(motion, first))
         null = fit_guided(motion, null, STEPS)

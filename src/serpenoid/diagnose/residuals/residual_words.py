@@ -79,7 +79,7 @@ def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:
     place, size = [], []
     for track, x in zip(motion.tracks, left, strict=True):
         white = (x / motion.noise.of(track)) ** 2
-        place.append(track.poses[track.boundaries[:-1], :2])
+        place.append(track.on_floor[track.boundaries[:-1], :2])
         size.append(white.mean(axis=1))
     p, s = np.concatenate(place), np.concatenate(size)
     good = np.isfinite(s)

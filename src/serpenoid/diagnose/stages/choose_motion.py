@@ -20,6 +20,7 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
+from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
@@ -30,7 +31,6 @@ from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.jumps import find_jumps
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 

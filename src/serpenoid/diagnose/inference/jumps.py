@@ -44,10 +44,22 @@ def find_jumps(
 ) -> Named | None:
     """Steps across gaps, if they show them; missed_m: see `gap_lengths`; tries: candidates that might be named."""
     kind = next((k for k in marking("jumps") if k.name not in motion.untestable), None)
-    lengths, noises = gap_lengths(motion, predictions, missed_m)
-    if len(lengths) < 3 or kind is None:
+    found = None if kind is None else length_of_steps(motion, predictions, missed_m, tries)
+    if kind is None or found is None:
         return None
+    size, ends = found
     (parameter,) = kind.parameters
+    effect = ActiveEffect.neutral(kind.name).with_coordinates([size])
+    return Named(effect, {parameter.name: interval(ends)}, MEAN_SHARE * size / noise_level_m)
+
+
+def length_of_steps(
+    motion: Motion, predictions: Sequence[Prediction], missed_m: float = 0.0, tries: int = 1
+) -> tuple[float, list[float]] | None:
+    """Length [m] and its 95 % interval; None where gaps show no more than chance."""
+    lengths, noises = gap_lengths(motion, predictions, missed_m)
+    if len(lengths) < 3:
+        return None
 
     def log_likelihood(size: float) -> float:
         z = lengths * size / noises**2
@@ -61,6 +73,4 @@ def find_jumps(
     if 2 * (best - log_likelihood(0.0)) < most_gained(1, tries):
         return None
     drop = (NORMAL * SYSTEMATIC) ** 2 / 2
-    ends = [brentq(lambda x: log_likelihood(x) - best + drop, size, end) for end in (0.0, size + 2 * most)]
-    effect = ActiveEffect.neutral(kind.name).with_coordinates([size])
-    return Named(effect, {parameter.name: interval(ends)}, MEAN_SHARE * size / noise_level_m)
+    return size, [brentq(lambda x: log_likelihood(x) - best + drop, size, end) for end in (0.0, size + 2 * most)]

@@ -1,0 +1,64 @@
+"""Where on the floor a body is: a frame that drifts or jumps shows it elsewhere, what lies on the floor stays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.cameras import resample
+from blind.campaign import COMBINATIONS, Campaign, make
+from blind.catalogue import Effect
+from blind.folder import write
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
+from serpenoid.diagnose.inference.places import placed
+from serpenoid.diagnose.inference.room import chance
+from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+
+PATCH = Effect("friction_patch", None, {"strength": -0.7, "x": 0.1, "y": 0.05, "radius": 0.14})
+JUMPS = Effect("position_jumps", None, {"size": 0.035})
+DRIFT = Effect("frame_drift", None, {"velocity_x": 3e-3, "velocity_y": -3e-3})
+
+
+def fitted(folder: Path, *hidden: Effect) -> tuple[Campaign, Motion, Fit]:
+    """A short campaign, and a fit of what moves windows in it, from the truth on."""
+    campaign = make(5, hidden, "short", COMBINATIONS[:4])
+    write(campaign, folder)
+    recordings = read_recordings(folder)[1]
+    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
+    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
+    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    effects = [ActiveEffect.of(e.name, e.place, **e.parameters) for e in hidden if e != JUMPS]
+    x = np.array([campaign.eps, *(c for e in effects for c in e.coordinates[:-1])])
+    found = fit(motion, model, effects, x, TO_THE_END)
+    return campaign, motion, found
+
+
+@pytest.mark.parametrize("hidden", [JUMPS, DRIFT], ids=lambda e: e.name)
+def test_a_patch_stays_where_it_is_however_cameras_show_the_body(hidden: Effect, tmp_path: Path) -> None:
+    campaign, motion, found = fitted(tmp_path, PATCH, hidden)
+    again = placed(motion, found)
+    for trial, track in zip(campaign.trials, again.tracks, strict=True):
+        away = resample(track.time, trial.film.time, trial.film.jumps)
+        away = away + track.time[:, None] * np.array(campaign.world.cameras.drift)
+        missed = np.hypot(*(track.shifted - away).T)
+        assert np.median(missed) < 3e-3 < 5e-3 < np.hypot(*away.T).max()
+    x = found.coordinates
+    better = fit(again, found.model, list(found.effects), x, TO_THE_END)
+    assert better.chi2 < 0.7 * found.chi2
+    (patch,) = [e for e in better.effects if e.name == PATCH.name]
+    assert patch.parameters["x"] == pytest.approx(PATCH.parameters["x"], abs=4e-3)
+
+
+def test_places_are_as_they_are_seen_where_the_frame_stays(tmp_path: Path) -> None:
+    _, motion, found = fitted(tmp_path, PATCH)
+    quiet = Motion(motion.tracks, chance(motion, found), motion.labels)
+    assert placed(quiet, found) is quiet
