@@ -85,7 +85,7 @@ def test_no_step_crosses_frames_that_are_missing_from_the_file(apart, hole, runs
     at[30:] += hole
     motion, _, notes = build_motion(Body(vertices=4), at, bending(at), None, ((), ()))
     assert motion.runs == ((slice(0, 30), slice(30, 60)) if runs == 2 else (slice(0, 60),))
-    assert any("frames are missing from the file in 1 places" in note for note in notes) is (runs == 2)
+    assert any("frames are missing from the file in 1 place," in note for note in notes) is (runs == 2)
 
 
 def test_links_in_a_circle_have_no_content(tmp_path):

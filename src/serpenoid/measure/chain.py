@@ -9,18 +9,22 @@ Legend: F frames, N vertices, L = m + 1 links, m joints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammainc, gammaincinv
 
 from serpenoid.body import Body
+from serpenoid.measure.bends import Bends, bends_in_time
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.links import laid_over, link_directions, link_of_edge, vertices_by_links
+from serpenoid.measure.chain_start import start, within_half_a_turn
+from serpenoid.measure.links import link_directions, link_of_edge, vertices_by_links
 
 Flags = NDArray[np.bool_]
+OF_FRAMES = ("poses", "joint_angles", "covariance", "vertices", "determined", "marker_residual")
+Weighted = tuple[Floats, Floats]
 ITERATIONS = 60
 CONVERGED = 1e-9  # rad and body lengths: far below any marker noise
 SINGULAR = 1e-9  # smallest eigenvalue of the information over its largest: no more than rounding
@@ -42,6 +46,7 @@ class ChainEstimate:
     determined: Flags  # (F,)
     marker_sd: float  # [body lengths], from the misfit of the rigid links
     marker_residual: Floats  # (F, N, 2), NaN where hidden
+    vague: float  # SD of a link's direction, in that of a marker, beyond which a frame is not determined
 
 
 def estimate_chain(
@@ -56,24 +61,55 @@ def estimate_chain(
 
     `surely` (F,): frames that are known to be determined (by their markers alone).
     """
-    first = marker_sd or 1e-3
-    weight_servo = None if servo is None or servo_sd is None else (first / servo_sd) ** 2
-    unknowns, information, residual = _fit(body, vertices, servo, weight_servo)
-    determined = _determined(information)
+    said = Bends.of(servo, servo_sd)
+    unknowns, information, residual = _fit(body, vertices, said, marker_sd or 1e-3)
+    uncertain = _uncertainty(information)
+    regular = np.isfinite(uncertain)
+    vague = UNCERTAIN * float(np.median(uncertain[regular])) if regular.any() else 0.0
+    determined = uncertain <= vague
     if surely is not None:
         determined = determined | surely
     sd = marker_sd or _misfit(
         residual[determined],
         np.isfinite(vertices[determined]),
-        servo_given=weight_servo is not None,
+        servo_given=said is not None,
         unknowns=unknowns.shape[1],
         joints=body.joint_count,
     )
     if np.isnan(sd):  # as many unknowns as numbers in every frame: any mirror image of a hidden stretch fits exactly
         determined = np.zeros_like(determined)
-    elif marker_sd is None and weight_servo is not None:
+    elif marker_sd is None and said is not None:
         return estimate_chain(body, vertices, servo, servo_sd, sd)
-    return _assemble(body, unknowns, information, residual, determined, sd)
+    return _assemble(body, unknowns, information, residual, determined, sd, vague)
+
+
+def completed(body: Body, vertices: Floats, time_s: Floats, by_markers: ChainEstimate) -> ChainEstimate:
+    """The same where frames that markers alone leave open have bends of the frames about them; others as they are.
+
+    The nearer they are, and the smoother the motion, the better they are known (`serpenoid.measure.bends`).
+    """
+    left = np.flatnonzero(~by_markers.determined)
+    if not len(left) or not by_markers.determined.any():
+        return by_markers
+    variance = np.diagonal(by_markers.covariance[:, 3:, 3:], axis1=1, axis2=2)
+    said = bends_in_time(body, time_s, vertices, by_markers.joint_angles, variance, by_markers.determined)
+    fit = _fit(body, vertices[left], said.of_rows(left), by_markers.marker_sd)
+    told = _uncertainty(fit[1]) <= by_markers.vague
+    part = _assemble(body, *fit, told, by_markers.marker_sd, by_markers.vague)
+    whole = replace(by_markers, **{name: getattr(by_markers, name).copy() for name in OF_FRAMES})
+    for name in OF_FRAMES:
+        getattr(whole, name)[left] = getattr(part, name)
+    whole.poses[whole.determined, 2] = np.unwrap(whole.poses[whole.determined, 2])
+    return whole
+
+
+def fitted_beside(body: Body, vertices: Floats, said: Bends, marker_sd: float) -> tuple[Floats, Floats, Floats]:
+    """Of each frame: chi squared (F,) of markers (F, N, 2) and of all joint angles, which are said (F, m); how far
+    these are missed (F, m) [standard deviations]; the chain (F, N, 2)."""
+    unknowns, _, residual = _fit(body, vertices, said, marker_sd)
+    missed = (said.angles - unknowns[:, 2:] @ _bending(body).T) / said.sd
+    cost = (residual**2).sum(axis=(1, 2)) / marker_sd**2 + (missed**2).sum(axis=1)
+    return cost, missed, vertices_by_links(body, unknowns)[0]
 
 
 def estimate_about(
@@ -90,27 +126,27 @@ def estimate_about(
     (A fit's own noise is in its Jacobian and in its covariance, and both are correlated with its error.) Where markers
     are hidden the covariance is large instead of the frame missing: the time grid stays whole.
     """
-    weight = None if servo is None or servo_sd is None else (marker_sd / servo_sd) ** 2
+    said = Bends.of(servo, servo_sd)
     moved = link_directions(body, poses, joint_angles)
     information, residual = _room(moved, vertices)
     for b in blocks(len(moved)):
-        _, own, gradient, _ = _normal(body, vertices[b], _of(servo, b), weight, moved[b])
+        _, own, gradient, _ = _normal(body, vertices[b], _weighted(said, b, marker_sd), moved[b])
         information[b] = own + (marker_sd / VAGUE_SD) ** 2 * np.eye(moved.shape[1])
         moved[b] += np.linalg.solve(information[b], gradient[..., None])[..., 0]
-        residual[b] = _normal(body, vertices[b], None, None, moved[b])[3]
-    return _assemble(body, moved, information, residual, np.ones(len(poses), dtype=bool), marker_sd)
+        residual[b] = _normal(body, vertices[b], None, moved[b])[3]
+    return _assemble(body, moved, information, residual, np.ones(len(poses), dtype=bool), marker_sd, np.inf)
 
 
-def _fit(body: Body, vertices: Floats, servo: Floats | None, weight: float | None) -> tuple[Floats, Floats, Floats]:
+def _fit(body: Body, vertices: Floats, said: Bends | None, marker_sd: float) -> tuple[Floats, Floats, Floats]:
     """Unknowns (F, 2 + L), information (F, 2 + L, 2 + L) per unit marker variance, residuals (F, N, 2).
 
     Levenberg-Marquardt, every frame with its own damping: a hidden vertex in a straight stretch is nearly singular.
     """
-    unknowns = _start(body, vertices, servo)
+    unknowns = start(body, vertices, None if said is None else said.angles)
     information, residual = _room(unknowns, vertices)
     for b in blocks(len(vertices)):
-        information[b], residual[b] = _descended(body, vertices[b], _of(servo, b), weight, unknowns[b])
-    unknowns[:, 2:] = _within_half_a_turn(unknowns[:, 2:])
+        information[b], residual[b] = _descended(body, vertices[b], _weighted(said, b, marker_sd), unknowns[b])
+    unknowns[:, 2:] = within_half_a_turn(unknowns[:, 2:])
     return unknowns, information, residual
 
 
@@ -119,22 +155,24 @@ def _room(unknowns: Floats, vertices: Floats) -> tuple[Floats, Floats]:
     return np.empty((*unknowns.shape, unknowns.shape[1])), np.empty_like(vertices)
 
 
-def _of(servo: Floats | None, block: slice) -> Floats | None:
-    return None if servo is None else servo[block]
+def _weighted(said: Bends | None, block: slice, marker_sd: float) -> Weighted | None:
+    """Angles of a block (F, m), 0 where nothing says them, and their weights beside a marker's."""
+    if said is None:
+        return None
+    own = said.of_rows(block)
+    return np.nan_to_num(own.angles), own.weights(marker_sd)
 
 
-def _descended(
-    body: Body, vertices: Floats, servo: Floats | None, weight: float | None, unknowns: Floats
-) -> tuple[Floats, Floats]:
+def _descended(body: Body, vertices: Floats, said: Weighted | None, unknowns: Floats) -> tuple[Floats, Floats]:
     """Moves `unknowns`, in place, to where the cost is least; information and residuals there."""
     damping = np.full(len(vertices), 1e-6)
-    kept = list(_normal(body, vertices, servo, weight, unknowns))
+    kept = list(_normal(body, vertices, said, unknowns))
     live = np.arange(len(vertices))
     for _ in range(ITERATIONS):
         regular = kept[1][live] + (damping[live, None] + 1e-12)[..., None] * np.eye(unknowns.shape[1])
         step = np.linalg.solve(regular, kept[2][live][..., None])[..., 0]
         tried = unknowns[live] + np.clip(step, -0.5, 0.5)
-        new = _normal(body, vertices[live], None if servo is None else servo[live], weight, tried)
+        new = _normal(body, vertices[live], None if said is None else (said[0][live], said[1][live]), tried)
         better = new[0] <= kept[0][live]
         damping[live] = np.where(better, damping[live] / 10, np.minimum(damping[live] * 20, 1e3))
         unknowns[live[better]] = tried[better]
@@ -147,7 +185,7 @@ def _descended(
 
 
 def _normal(
-    body: Body, vertices: Floats, servo: Floats | None, weight: float | None, unknowns: Floats
+    body: Body, vertices: Floats, said: Weighted | None, unknowns: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Cost (F,), information, gradient and marker residuals at `unknowns`."""
     seen = np.asarray(np.isfinite(vertices).all(axis=2))
@@ -157,87 +195,31 @@ def _normal(
     information = np.swapaxes(masked, 1, 2) @ masked
     gradient = np.einsum("fia,fi->fa", masked, residual.reshape(len(vertices), -1))
     cost = (residual**2).sum(axis=(1, 2))
-    if servo is not None and weight is not None:
-        bend = np.eye(body.joint_count + 1)[1:] - np.eye(body.joint_count + 1)[:-1]  # psi -> joint angles
-        usable = np.asarray(np.isfinite(servo).all(axis=1))
-        miss = np.where(usable[:, None], servo - unknowns[:, 2:] @ bend.T, 0.0)
-        information[:, 2:, 2:] += weight * usable[:, None, None] * (bend.T @ bend)
-        gradient[:, 2:] += weight * miss @ bend
-        cost = cost + weight * (miss**2).sum(axis=1)
+    if said is not None:
+        angles, weights = said
+        bend = _bending(body)
+        miss = angles - unknowns[:, 2:] @ bend.T
+        information[:, 2:, 2:] += bend.T @ (weights[..., None] * bend)
+        gradient[:, 2:] += (weights * miss) @ bend
+        cost = cost + (weights * miss**2).sum(axis=1)
     return cost, information, gradient, residual
 
 
-def _start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
-    """Link directions from seen vertices, else bent from a neighbour as servos say, else as in frames before and after;
-    a frame that shows no two neighbours is turned to meet the vertices that it shows; centroid to match them."""
-    link, edge = link_of_edge(body), np.diff(vertices, axis=1)
-    psi = _directions(np.diff(vertices[:, body.corners], axis=1))
-    for its_link in range(psi.shape[1]):
-        parts = _directions(np.nansum(edge[:, link == its_link], axis=1))
-        psi[:, its_link] = np.where(np.isfinite(psi[:, its_link]), psi[:, its_link], parts)
-    adrift = ~np.isfinite(psi).any(axis=1)
-    psi[adrift, 0] = 0.0
-    if servo is not None:
-        psi = _fill_by_bends(psi, servo)
-    # not directions: while a vertex is hidden the body may turn, and a bend of it to the other side fits as well
-    bends = (np.diff(psi, axis=1) + np.pi) % (2 * np.pi) - np.pi
-    psi = _fill_by_bends(psi, np.stack([_fill_in_time(column) for column in bends.T], axis=1))
-    psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
-    unknowns = np.concatenate([np.zeros((len(psi), 2)), _within_half_a_turn(psi)], axis=1)
-    unknowns[adrift, 2:] += laid_over(vertices_by_links(body, unknowns[adrift])[0], vertices[adrift])[0][:, None]
-    shape, _ = vertices_by_links(body, unknowns)
-    with np.errstate(invalid="ignore"):
-        seen = np.isfinite(vertices)
-        offset = np.where(seen, vertices - shape, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
-    unknowns[:, :2] = offset
-    return unknowns
+def _bending(body: Body) -> Floats:
+    """Joint angles from link directions, (m, L)."""
+    links = np.eye(body.joint_count + 1)
+    return links[1:] - links[:-1]
 
 
-def _directions(stretches: Floats) -> Floats:
-    """Of vectors (..., 2); NaN where one is unknown or nothing."""
-    known = np.abs(stretches).sum(axis=-1) > 0
-    return np.asarray(np.where(known, np.arctan2(stretches[..., 1], stretches[..., 0]), np.nan))
-
-
-def _within_half_a_turn(psi: Floats) -> Floats:
-    """Link directions (F, L), less whole turns, such that joint angles are within half a turn."""
-    straight = psi.copy()
-    for its_link in range(1, psi.shape[1]):
-        turns = np.round((straight[:, its_link] - straight[:, its_link - 1]) / (2 * np.pi))
-        straight[:, its_link] -= 2 * np.pi * turns
-    return straight
-
-
-def _fill_by_bends(psi: Floats, bends: Floats) -> Floats:
-    """Link directions (F, L), unknown ones from the next known link and joint angles (F, m)."""
-    filled = psi.copy()
-    for its_link in range(1, psi.shape[1]):
-        guess = filled[:, its_link - 1] + bends[:, its_link - 1]
-        filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
-    for its_link in range(psi.shape[1] - 2, -1, -1):
-        guess = filled[:, its_link + 1] - bends[:, its_link]
-        filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
-    return filled
-
-
-def _fill_in_time(angle: Floats) -> Floats:
-    known = np.flatnonzero(np.isfinite(angle))
-    if not len(known):
-        return np.zeros_like(angle)
-    return np.interp(np.arange(len(angle)), known, np.unwrap(angle[known]))
-
-
-def _determined(information: Floats) -> Flags:
+def _uncertainty(information: Floats) -> Floats:
+    """SD (F,) of the least certain link direction for markers of SD 1; infinite where the information is singular."""
     eigen = np.linalg.eigvalsh(information)
-    regular = eigen[:, 0] > SINGULAR * eigen[:, -1]
-    if not regular.any():
-        return regular
     worst = np.full(len(information), np.inf)
-    rows = np.flatnonzero(regular)
+    rows = np.flatnonzero(eigen[:, 0] > SINGULAR * eigen[:, -1])
     for b in blocks(len(rows)):
         variance = np.diagonal(np.linalg.inv(information[rows[b]]), axis1=1, axis2=2)
         worst[rows[b]] = np.sqrt(variance[:, 2:].max(axis=1))
-    return np.asarray(worst <= UNCERTAIN * np.median(worst[regular]))
+    return worst
 
 
 def _misfit(residual: Floats, seen: Flags, servo_given: bool, unknowns: int, joints: int) -> float:
@@ -260,7 +242,7 @@ def _trimming_bias(freedom: float) -> float:
 
 
 def _assemble(
-    body: Body, unknowns: Floats, information: Floats, residual: Floats, determined: Flags, sd: float
+    body: Body, unknowns: Floats, information: Floats, residual: Floats, determined: Flags, sd: float, vague: float
 ) -> ChainEstimate:
     """The covariance takes the place of the information, which is as large as all else together."""
     share = np.bincount(link_of_edge(body), minlength=body.joint_count + 1) / (body.vertices - 1)
@@ -268,7 +250,7 @@ def _assemble(
     to_state = np.zeros((3 + m, 3 + m))
     to_state[:2, :2] = np.eye(2)
     to_state[2, 2:] = share
-    to_state[3:, 2:] = np.eye(m + 1)[1:] - np.eye(m + 1)[:-1]
+    to_state[3:, 2:] = _bending(body)
     state = unknowns @ to_state.T
     covariance, points = information, np.empty_like(residual)
     for b in blocks(len(state)):
@@ -280,4 +262,4 @@ def _assemble(
     for values in (poses, angles, covariance, points):
         values[~determined] = np.nan
     hidden = np.where(residual == 0.0, np.nan, residual)
-    return ChainEstimate(poses, angles, covariance, points, determined, sd, hidden)
+    return ChainEstimate(poses, angles, covariance, points, determined, sd, hidden, vague)

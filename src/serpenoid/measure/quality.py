@@ -55,6 +55,15 @@ def _span(first: int, last: int, time_s: Floats) -> float:
     return float(time_s[after] - time_s[before])
 
 
+def between_jumps(poses: Floats, time_s: Floats, fewest: int) -> NDArray[np.bool_]:
+    """Frames (F,) between two jumps of the body that are followed by each other in fewer frames than `fewest`."""
+    found = np.zeros(len(poses), dtype=bool)
+    frames = [jump.frame for jump in _body_jumps(poses, time_s)]
+    for first, stop in zip(frames, frames[1:], strict=False):
+        found[first:stop] = stop - first < fewest
+    return found
+
+
 def find_jumps(poses: Floats, marker_residual: Floats, marker_sd: float, time_s: Floats) -> tuple[Jump, ...]:
     """Whole-body jumps from the poses (F, 3), single-marker jumps from the misfit (F, N, 2) to the rigid chain."""
     return (*_body_jumps(poses, time_s), *_marker_jumps(marker_residual, marker_sd, time_s))
@@ -80,9 +89,14 @@ def _running_median(values: Floats, width: int) -> Floats:
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1))
 
 
+def misfit_limit(marker_sd: float) -> float:
+    """How far links may miss a marker and it be noise [body lengths]; infinite where noise is not known."""
+    return max(SMALLEST_JUMP / 2, JUMP_SIGMA * marker_sd) if np.isfinite(marker_sd) else np.inf
+
+
 def _marker_jumps(residual: Floats, marker_sd: float, time_s: Floats) -> list[Jump]:
     size = np.linalg.norm(residual, axis=2)
-    limit = max(SMALLEST_JUMP / 2, JUMP_SIGMA * marker_sd) if np.isfinite(marker_sd) else np.inf
+    limit = misfit_limit(marker_sd)
     with np.errstate(invalid="ignore"):
         odd = size > limit
     worst = np.where(odd, size, 0.0)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.chain import ChainEstimate, estimate_about, estimate_chain
+from serpenoid.measure.chain import ChainEstimate, completed, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
@@ -27,6 +27,7 @@ from serpenoid.measure.servo_alignment import (
     joints_unseen,
 )
 from serpenoid.measure.smooth import smooth_curves, smooth_states
+from serpenoid.measure.strays import without_strays
 
 SHORTEST_RUN = 8  # frames: less is no motion
 
@@ -126,6 +127,8 @@ def build_motion(
     """
     notes: list[str] = []
     estimate = estimate_chain(body, markers)
+    markers, strays = without_strays(body, time_s, markers, estimate)
+    estimate = estimate_chain(body, markers) if strays else estimate
     servo = helped = None
     never = _never_seen(markers)
     if log is not None:
@@ -137,7 +140,9 @@ def build_motion(
     if helped is not None:
         sd = estimate.marker_sd if estimate.determined.any() else None
         estimate = estimate_chain(body, markers, helped.angles, helped.frame_sd, sd, estimate.determined)
-    cuts = _cuts(estimate, time_s) if like is None else (like.gaps, like.jumps, like.runs)
+    else:
+        estimate = completed(body, markers, time_s, estimate)
+    cuts = _cuts(estimate, time_s, strays) if like is None else (like.gaps, like.jumps, like.runs)
     # the polygon of the others fits as well with such a joint bent to the other side
     either_way = [] if helped is not None else sorted({*never} & {*body.joint_vertices})
     if either_way or not cuts[2]:
@@ -148,7 +153,8 @@ def build_motion(
     holes = find_holes(time_s)
     if len(holes):
         longest = float((time_s[holes] - time_s[holes - 1]).max())
-        notes.append(f"frames are missing from the file in {len(holes)} places, for {longest:.3g} s at most")
+        places = "1 place" if len(holes) == 1 else f"{len(holes)} places"
+        notes.append(f"frames are missing from the file in {places}, for {longest:.3g} s at most")
     return _motion(body, time_s, markers, helped, estimate, cuts, labels), servo, notes
 
 
@@ -161,10 +167,11 @@ def _counted(never: NDArray[np.int64]) -> str:
     return f" (never seen: vertices {names}; 0 is the tail)" if len(never) else ""
 
 
-def _cuts(estimate: ChainEstimate, time_s: Floats) -> tuple:
-    """Gaps, jumps, and the runs of frames between them."""
+def _cuts(estimate: ChainEstimate, time_s: Floats, strays: tuple[Jump, ...]) -> tuple:
+    """Gaps, jumps, and the runs of frames between them; strays: markers that were left out, which cut nothing."""
     gaps = find_gaps(estimate.determined, time_s)
     jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
+    jumps = tuple(sorted((*jumps, *strays), key=lambda jump: jump.frame))
     return gaps, jumps, _runs(gaps, jumps, find_holes(time_s), len(time_s))
 
 
