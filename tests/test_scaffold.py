@@ -105,7 +105,8 @@ def test_a_new_campaign_is_measured_with_its_made_up_trial(tmp_path: Path, capsy
     ("words", "complaint"),
     [
         (["problem", "--joints", "0"], "--joints: needs a whole number from 1 to 98, got '0'"),
-        (["problem", "--edges", "1,2"], "--edges: 6 joints need 7 edges, got 2"),
+        (["problem", "--joints", "6", "--edges", "1,2"], "--edges: 6 joints need 7 edges, got 2"),
+        (["problem", "--edges", "1"], "--edges: a joint stands between two edges, got 1"),
         (["problem", "--mass", "heavy"], "--mass: needs a number, got 'heavy'"),
         (["problem", "--anisotropy", "1.5"], "--anisotropy: needs a number above 0 and at most 1, got '1.5'"),
         (["robot", "--ids", "1,1,2,3,4,5"], "--ids: needs a different ID for every servo"),
@@ -141,6 +142,18 @@ def test_links_of_a_body_without_edges_are_as_the_question_says(tmp_path: Path, 
     assert "half as long at both ends" in " ".join(capsys.readouterr().out.split())
 
 
+def test_edges_alone_say_how_many_joints_there_are(tmp_path: Path) -> None:
+    assert load(new("problem", tmp_path / "p.toml", "--edges", "0.1,0.2,0.1")).body.joint_count == 2
+    assert load(new("problem", tmp_path / "q.toml")).body.joint_count == 6
+
+
+def test_an_animal_has_no_servos_and_no_limit_of_theirs(tmp_path: Path) -> None:
+    path = new("problem", tmp_path / "worm.toml", "--kind", "crawler")
+    assert load(path).body.joint_speed_limit_rpm is None
+    assert "servo" not in path.read_text()
+    assert load(new("problem", tmp_path / "snake.toml")).body.joint_speed_limit_rpm == 57.0
+
+
 def test_kind_and_dissipation_of_a_new_problem_are_options(tmp_path: Path) -> None:
     path = new("problem", tmp_path / "eel.toml", "--kind", "swimming robot", "--dissipation", "edge")
     found = load(path)
@@ -172,7 +185,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     said = os.read(master, 65536).decode()
     os.close(master)
     assert process.returncode == 0
-    assert "How many joints? [6]" in said
+    assert "How many joints (empty: one fewer than edges, else 6)?" in said
     assert "needs a whole number from 1 to 98, got 'many'" in said
     assert "Begin: serpenoid solve" in out
     assert load(tmp_path / "mine.toml").body.joint_count == 4

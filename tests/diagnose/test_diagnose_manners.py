@@ -17,6 +17,7 @@ from serpenoid.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 SNAKE, PURCELL = str(ROOT / "problems" / "snake10.toml"), str(ROOT / "problems" / "purcell.toml")
+LAMPREY = str(ROOT / "problems" / "campaigns" / "lamprey.toml")
 
 
 def replaced(name: str, change: Callable[[str], str]) -> Callable[[Path], None]:
@@ -68,6 +69,7 @@ def test_a_faulty_campaign_is_refused_in_a_sentence(
     [
         (["--model", PURCELL], "a body of 13 vertices, but the campaign `snake10, two` records one of 12"),
         (["--model", "none.toml"], "none.toml: no such file"),
+        (["--model", LAMPREY], "is a campaign file, where --model takes a problem or model file. Leave --model out"),
         (["--out", __file__], "is a file, not a folder"),
     ],
 )

@@ -48,6 +48,17 @@ def test_a_floor_of_which_no_square_was_visited_often_is_not_drawn(
     assert "on-floor" not in diagnosis.draw_motion(tmp_path, diagnosed[0].motion.selection)
 
 
+def test_a_ranking_that_nothing_stands_in_is_not_drawn(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, jobs = diagnosed[0].motion.selection, []
+    monkeypatch.setattr(diagnosis, "_draw", lambda folder, asked: jobs.append(set(asked)))
+    diagnosis.draw_motion(tmp_path, found)
+    monkeypatch.setattr(diagnosis_ranking, "ranked", lambda found: {})
+    diagnosis.draw_motion(tmp_path, found)
+    assert jobs[0] - jobs[1] == {"ranking"}
+
+
 def test_the_report_needs_no_other_file(report: tuple[str, list[str]]) -> None:
     page, names = report
     sources = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', page)
@@ -87,7 +98,7 @@ def test_all_axes_are_labelled_with_units(diagnosed: tuple[Diagnosis, dict[str, 
         diagnosis_maps.body_figure(w, True, found.scores),
         diagnosis_maps.floor_figure(w, True),
     ]
-    unlike = {"joint", "vertex", "vertex (0 = tail)", "chi squared to first order, thousands", "RMS over chance", ""}
+    unlike = {"joint", "vertex", "vertex (0 = tail)", "chi squared gained, thousands", "RMS over chance", ""}
     for fig in figures:
         shown = [ax for ax in fig.axes if ax.axison]
         labels = {text for ax in shown for text in (ax.get_xlabel(), ax.get_ylabel())}
@@ -239,7 +250,7 @@ def test_large_gains_are_in_thousands_or_millions_and_say_so(gain: float, drawn:
     ax = figure(4.0, 3.0).add_subplot()
     diagnosis_maps.vertex_scores([("load", 0, gain), ("inertia", None, 9e9)], ax)
     assert ax.lines[0].get_ydata()[0] == pytest.approx(drawn)
-    assert ax.get_ylabel() == f"chi squared to first order{words}"
+    assert ax.get_ylabel() == f"chi squared gained{words}"
 
 
 @pytest.mark.parametrize("vertices", [5, 12, 41])

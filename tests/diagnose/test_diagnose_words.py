@@ -11,6 +11,7 @@ from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.words import (
+    drag_ratio,
     lines,
     meaning,
     parameter,
@@ -73,7 +74,14 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:
     repeated = {"verdict": "nothing", "reference": None, "noise_from": "trials"}
     assert "has changed" in meaning(repeated | {"reference": {"campaign": "healthy"}})
-    assert "drag alone explains" in meaning(repeated)
+    assert "drag alone explains" in meaning(repeated | {"law": {"name": "viscous"}})
+    assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})
+
+
+def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:
+    record = {"drag_ratio": {"value": 2.719, "interval": [2.718, 2.72]}, "law": {"name": "coulomb"}}
+    assert "if dry friction is all there is" in drag_ratio(record)
+    assert "if drag is all there is" in drag_ratio(record | {"law": {"name": "viscous"}})
 
 
 def test_it_is_told_how_rows_were_taken_and_who_said_so() -> None:

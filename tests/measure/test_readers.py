@@ -283,6 +283,13 @@ def test_what_is_no_plain_number_is_refused_by_its_place(tmp_path, cell):
         read_tidy(tmp_path / "t.csv")
 
 
+@pytest.mark.parametrize("cell", ["2023-11-14 22:13:20", "2023-11-14T22:13:20.031Z"])
+def test_of_times_that_are_dates_it_is_said_what_to_write_instead(tmp_path, cell):
+    (tmp_path / "t.csv").write_text(f"t_s,x_0,y_0\n{cell},1,2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="row 2, column A .*write seconds .*frames_per_second"):
+        read_tidy(tmp_path / "t.csv")
+
+
 def test_a_point_with_one_coordinate_is_refused_by_its_place(tmp_path):
     (tmp_path / "t.csv").write_text("t_s,x_0,y_0\n0,1,2\n0.1,1,\n")
     with pytest.raises(InputError, match="row 3, column B .*all its coordinates or none"):

@@ -21,6 +21,7 @@ from serpenoid.model import Model
 from serpenoid.objectives import demands, terms
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
+from serpenoid.objectives.reach import Reach
 from serpenoid.objectives.term import Played
 from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
@@ -227,6 +228,18 @@ def test_what_an_obstacle_misses_is_said_with_place_and_step() -> None:
     moved = Played(np.zeros((3, 3)), points, np.zeros((2, 1)))
     assert disc.outcome(moved) == "disc missed by 0.1000 body lengths at vertex 1, step 2"
     assert Disc(centre=(5.0, 0.0), radius=1.0).outcome(moved) == ""
+
+
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [(0.02 + 5e-8, "0.02 body lengths (0.02 allowed)"), (0.02003, "0.02003 body lengths (0.02 allowed)"),
+     (0.02 + 2e-7, "0.0200002 body lengths (0.02 allowed)"), (0.5, "0.5000 body lengths (0.02 allowed)")],
+)  # fmt: skip
+def test_what_is_missed_and_what_is_allowed_have_as_many_digits_as_tell_them_apart(left: float, said: str) -> None:
+    poses = np.zeros((3, 3))
+    poses[-1, 0] = left
+    moved = Played(poses, np.zeros((3, 2, 2)), np.zeros((2, 1)))
+    assert Reach(target=(0.0, 0.0), radius=0.02).outcome(moved) == f"(0, 0) missed by {said}"
 
 
 def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:

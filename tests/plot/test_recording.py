@@ -38,6 +38,28 @@ def test_what_is_said_of_hidden_markers_is_within_the_figure(trial):
     assert title.get_window_extent().x1 < fig.bbox.x1
 
 
+def test_the_time_axes_of_a_recording_are_one_and_have_no_long_numbers(trial):
+    for since, label, first in ((0.0, "time [s]", 0.0), (1.7e9, "time since 1700000000 s [s]", 0.0)):
+        motion = replace(trial.motion, time_s=trial.motion.time_s - trial.motion.time_s[0] + since)
+        late = replace(trial, motion=motion)
+        axes = [draw(late, Figure().add_subplot()) for draw in (recording.visibility, recording.angles)]
+        assert {ax.get_xlabel() for ax in axes} == {label}
+        for ax in axes:
+            assert ax.get_xlim() == pytest.approx((first, np.ptp(motion.time_s)))
+
+
+def test_what_is_seen_when_stands_at_its_time_and_missing_frames_show_nothing():
+    time = np.concatenate([np.arange(10), 30.0 + np.arange(10)])  # the picture's middle is a hole
+    seen = np.ones((2, 20), dtype=bool)
+    seen[1, 10:] = False
+    shown = recording.evenly(time, seen)
+    assert shown.shape == (2, 40)
+    assert shown[0, :10].all()
+    assert not shown[:, 12:28].any()
+    assert shown[0, -9:].all()
+    assert not shown[1, -9:].any()
+
+
 def test_no_ratio_is_drawn_that_cannot_be():
     fit = SimpleNamespace(values=[0.5], robust_sd=[0.6], sd=[0.1])
     trials = [SimpleNamespace(trial="a", estimate=fit, best_rms_eps=0.5)]

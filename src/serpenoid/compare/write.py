@@ -76,7 +76,9 @@ def _draw(folder: Path, study: Study, progress: Callable[[int, str], None]) -> d
         name = f"compare-{c.trial}-{c.cycle + 1}"
         keep(plots.comparison_figure(c), name, f"{c.trial}, cycle {c.cycle + 1}: paths, displacement, residuals")
     if study.ratios:
-        keep(plots.heat_maps(list(study.ratios), list(study.gaits)), "ratios", "Quotients Xi of the performance ratios")
+        if len(study.gaits) > 2:  # of two there is one quotient, and the summary says it
+            maps = plots.heat_maps(list(study.ratios), list(study.gaits))
+            keep(maps, "ratios", "Quotients Xi of the performance ratios")
         fig = figure(4.6, 4.4)
         plots.scatter(study.displacement, fig.add_subplot())
         keep(fig, "ratios-scatter", "Predicted against measured displacement of every gait")

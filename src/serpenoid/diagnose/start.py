@@ -12,6 +12,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.files import schema
+from serpenoid.files.kinds import kind_of
 from serpenoid.files.schema import Record
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import Medium
@@ -34,7 +35,7 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     """
     medium, known = file.medium or Medium(anisotropy_ratio=FIRST_GUESS), tuple[ActiveEffect, ...]()
     if path is not None:
-        data = schema.read_toml(path, "model")
+        data = _model(path)
         if "medium" in data:
             medium = schema.validate(Medium, data["medium"], str(path))
         known = schema.validate(_Known, {"effects": data.get("effects", [])}, str(path)).effects
@@ -43,10 +44,22 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
 
 def at_middles(path: str | Path | None, file: CampaignFile) -> bool:
     """Whether drag sits in the middles of the recorded body's edges: [medium] says so, or an extended model's body."""
-    data = schema.read_toml(path, "model") if path is not None else {}
+    data = _model(path) if path is not None else {}
     stated = data.get("medium") if isinstance(data.get("medium"), dict) else None
     where = stated.get("dissipation") if stated else file.medium and file.medium.dissipation
     return where == "edge" or _vertices(data) == file.body.with_middles().vertices
+
+
+def _model(path: str | Path) -> dict[str, Any]:
+    """What a problem or model file says. Raises InputError about a file of another kind, which would say nothing."""
+    data = schema.read_toml(path, "model")
+    found = kind_of(data)
+    if found not in (None, "problem", "model"):
+        raise InputError(
+            f"{path}: is a {found} file, where --model takes a problem or model file. Leave --model out: the "
+            "campaign's own [medium] is the baseline, or a first guess, and eps is calibrated either way."
+        )
+    return data
 
 
 def _vertices(data: dict[str, Any]) -> Any:
@@ -67,7 +80,7 @@ def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[s
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:
     """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
-    vertices = _vertices(schema.read_toml(path)) if path is not None else None
+    vertices = _vertices(_model(path)) if path is not None else None
     if vertices not in (None, file.body.vertices, file.body.with_middles().vertices):
         raise InputError(
             f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "

@@ -17,6 +17,11 @@ from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 Floats = NDArray[np.float64]
 Rows = list[list[str]]
 PLAIN = re.compile(r"[0-9eE+., \t-]*", re.ASCII)  # cells that float() takes as everybody does
+DATED = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}.*", re.ASCII | re.DOTALL)  # ISO 8601
+NO_DATES = (
+    " Dates are not read: write seconds (or `time_unit`) since any moment, with their fractions, or count frames "
+    "(`frames_per_second`)."
+)
 LARGEST = 1e19  # a larger number is no measurement: nanoseconds since 1970 are 2e18
 
 
@@ -65,7 +70,8 @@ def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> flo
         return math.nan
     value = inputs.number(cell)
     if value is None or abs(value) > LARGEST:
-        raise InputError(f"{place(path, row, column, name)}: must be a number or empty, got {cell[:40]!r}.")
+        cure = NO_DATES if DATED.fullmatch(cell) else ""
+        raise InputError(f"{place(path, row, column, name)}: must be a number or empty, got {cell[:40]!r}.{cure}")
     return value
 
 

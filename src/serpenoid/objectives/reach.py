@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, after, miss
+from serpenoid.objectives.term import Ask, Demand, Played, Rows, after, beside, miss
 
 
 class Reach(Demand):
@@ -41,7 +41,8 @@ class Reach(Demand):
         left = np.hypot(*(pose[:2] - self.target))
         place = f"({self.target[0]:g}, {self.target[1]:g})"
         turn = "" if self.heading_rad is None else f", heading by {miss(pose[2] - self.heading_rad)} rad"
-        return f"{place} missed by {miss(left)} body lengths ({self.radius:g} allowed){turn}"
+        by, allowed = beside(float(left), self.radius)
+        return f"{place} missed by {by} body lengths ({allowed} allowed){turn}"
 
     def asks(self, rows: Rows) -> list[Ask]:
         """x and y within the radius; at the end of one cycle the displacement."""

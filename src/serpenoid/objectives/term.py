@@ -90,6 +90,15 @@ def miss(amount: float, digits: int = 4) -> str:
     return "0" if abs(amount) < NOTHING else f"{amount:.{digits}f}" if abs(amount) >= 10**-digits else f"{amount:.0e}"
 
 
+def beside(amount: float, allowed: float) -> tuple[str, str]:
+    """An amount and what is allowed of it: alike where they differ by less than the optimiser leaves of a constraint,
+    else with as many digits as tell them apart."""
+    if abs(amount - allowed) < NOTHING:
+        return f"{allowed:g}", f"{allowed:g}"
+    digits = next(d for d in range(4, 10) if f"{amount:.{d}f}" != f"{allowed:.{d}f}")
+    return miss(amount, digits), f"{allowed:g}" if round(allowed, digits) == allowed else f"{allowed:.{digits}f}"
+
+
 def after(poses: Floats, cycles: int) -> Floats:
     """Pose (3 or 6,) after several cycles of a motion with poses (T + 1, 3 or 6) from the origin."""
     motion, pose = ca.DM(poses[-1]), ca.DM.zeros(poses.shape[1])

@@ -69,7 +69,7 @@ def profile(calibration: Calibration, ax: Axes) -> Axes:
     ax.text(0.99, 3.95, "95 %", transform=ax.get_yaxis_transform(), ha="right", fontsize=SMALL, color=GREY)
     ax.ticklabel_format(axis="x", useOffset=False)
     ax.tick_params(axis="x", rotation=30)
-    return dress(ax, "Profile", calibration.names[0].replace("_", " "), "chi squared above its least")
+    return dress(ax, "Profile", calibration.names[0].replace("_", " "), "chi squared above least")
 
 
 def left_over(calibration: Calibration, ax: Axes) -> Axes:

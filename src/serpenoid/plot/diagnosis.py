@@ -46,7 +46,9 @@ def draw_motion(folder: Path, found: Selection) -> list[str]:
     jobs["along-body"] = lambda: diagnosis_maps.body_figure(w, extended, found.scores, middles)
     if on_floor(w, w.before):  # some square was visited often enough
         jobs["on-floor"] = lambda: diagnosis_maps.floor_figure(w, extended)
-    return _draw(folder, jobs | {"ranking": lambda: diagnosis_ranking.ranking_figure(found)})
+    if diagnosis_ranking.ranked(found):  # something gains, or was chosen
+        jobs["ranking"] = lambda: diagnosis_ranking.ranking_figure(found)
+    return _draw(folder, jobs)
 
 
 def draw_rest(folder: Path, d: Diagnosis) -> list[str]:

@@ -38,6 +38,8 @@ HEAT = colormaps["YlOrRd"]
 MOST_TICKS = 14  # of vertices, that stand beside each other without touching
 LARGE_GAINS = ((1e6, ", millions"), (1e3, ", thousands"), (0.0, ""))
 TURN = 180 / np.pi
+ARROW = 1.4  # squares that the arrow of the key is long: the next to it mostly point the same way
+HEAD: dict[str, Any] = {"width": 0.003, "headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0, "minlength": 0.5}
 PALE = 4.0  # times chance: the darkest colour at least
 SPEEDS = {"m": ("mm/s", 1e3), "bl": ("body lengths/s", 1.0)}
 AGAINST: tuple[tuple[str, str, Callable[[Windows], list[Bin]]], ...] = (
@@ -145,7 +147,7 @@ def vertex_speeds(w: Windows, extended: bool, component: int, name: str, ax: Axe
 
 
 def vertex_scores(scores: Scores, ax: Axes) -> Axes:
-    """First-order gain of each effect that has a vertex, along the body; what only harms is at zero."""
+    """Gain to first order of each effect that has a vertex, along the body; what only harms is at zero."""
     names = [kind.name for kind in motion_effects() if kind.place == "vertex"]
     largest = max([gained_by_chance(len(scores)), *(s for n, _, s in scores if n in names)])
     unit, words = next((least or 1.0, words) for least, words in LARGE_GAINS if largest >= least)
@@ -158,7 +160,7 @@ def vertex_scores(scores: Scores, ax: Axes) -> Axes:
             at[np.subtract(places, places[0])] = gains
             ax.plot(every, at, "-", marker=mark, color=colour, ms=4, label=name)
     ax.set_ylim(0, 1.1 * largest / unit)
-    return dress(ax, "Gain of an effect there", "", f"chi squared to first order{words}")
+    return dress(ax, "Gain there, to first order", "", f"chi squared gained{words}")
 
 
 def floor_figure(w: Windows, extended: bool) -> Figure:
@@ -217,8 +219,9 @@ def squares(cells: Sequence[Cell], name: str, s: FloorScales, ax: Axes) -> Quive
         PolyCollection(place[:, None] + corners, facecolors=HEAT(over / s.darkest), edgecolors="white", lw=0.5)
     )
     arrows = ax.quiver(
-        *place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=s.key / (1.6 * half), width=0.004
-    )
+        *place.T, *mean.T, color=INK, angles="xy", scale_units="xy", scale=s.key / (ARROW * 2 * half), pivot="mid",
+        **HEAD,
+    )  # fmt: skip
     dress(ax, name, f"x [{s.unit}]", f"y [{s.unit}]", grid=False)
     fill_equal(ax)
     return arrows

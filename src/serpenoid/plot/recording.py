@@ -5,16 +5,24 @@ Legend: F frames, N vertices, m joints.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
-from serpenoid.measure.trial import Trial
+from serpenoid.measure.cells import clock as moment
+from serpenoid.measure.quality import find_holes
+from serpenoid.measure.trial import Motion, Trial
 from serpenoid.plot.body import draw_body
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREY, INK, ORANGE, RED, SMALL, dress, figure, legend_above
 
+LONG_AGO = 100.0  # times the recording's length: numbers of a clock that began earlier are too long for an axis
+MOST_COLUMNS = 4000  # of a picture: more are narrower than its dots
 DRAWN = 400  # points of a path: more cannot be seen
 
 
@@ -28,6 +36,47 @@ def trial_figure(trial: Trial) -> Figure:
     angles(trial, fig.add_subplot(grid[1, 1]))
     fig.suptitle(f"{trial.name}: what was recorded", fontsize=11, x=0.01, ha="left")
     return fig
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The time axis of a recording: moments as they stand in its file, or, where these are long numbers, since its
+    first frame. start, end: in the file [s]; zero: what the axis begins to count from [s]."""
+
+    start: float
+    end: float
+    zero: float
+
+    @classmethod
+    def of(cls, motion: Motion) -> Clock:
+        """Of a motion file."""
+        start, end = float(motion.time_s[0]), float(motion.time_s[-1])
+        return cls(start, end, start if abs(start) > LONG_AGO * (end - start) else 0.0)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Of the axis."""
+        return self.start - self.zero, self.end - self.zero
+
+    @property
+    def label(self) -> str:
+        """Name of the axis."""
+        return f"time since {moment(self.zero)} s [s]" if self.zero else "time [s]"
+
+    def at(self, time_s: Any) -> Any:
+        """Moments of the file on the axis."""
+        return time_s - self.zero
+
+
+def evenly(time_s: Floats, seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """What frames (N, F) show, at even times: a picture knows no others. Nothing where frames are missing."""
+    apart = np.diff(time_s)
+    count = int(min(max(round(float(time_s[-1] - time_s[0]) / float(np.median(apart))) + 1, 2), MOST_COLUMNS))
+    at = np.linspace(time_s[0], time_s[-1], count)
+    after = np.clip(np.searchsorted(time_s, at), 1, len(time_s) - 1)
+    nearest = np.where(at - time_s[after - 1] < time_s[after] - at, after - 1, after)
+    missing = np.isin(after, find_holes(time_s)) & (np.abs(time_s[nearest] - at) > np.median(apart))
+    return np.asarray(seen[:, nearest] & ~missing)
 
 
 def _is_wide(markers: Floats) -> bool:
@@ -70,12 +119,12 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
     motion = trial.motion
     if motion is None:
         return _nothing(ax, "no motion file")
-    seen = np.isfinite(motion.markers[..., 0]).T
+    clock, seen = Clock.of(motion), np.isfinite(motion.markers[..., 0]).T
     shares = seen.mean(axis=1)
-    extent = (motion.time_s[0], motion.time_s[-1], -0.5, seen.shape[0] - 0.5)
+    extent = (*clock.ends, -0.5, seen.shape[0] - 0.5)
     ax.imshow(
-        np.where(seen, 0.12, 0.75), aspect="auto", origin="lower", extent=extent, cmap="Greys", vmin=0, vmax=1,
-        interpolation="nearest",
+        np.where(evenly(motion.time_s, seen), 0.12, 0.75), aspect="auto", origin="lower", extent=extent, cmap="Greys",
+        vmin=0, vmax=1, interpolation="nearest",
     )  # fmt: skip
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     for vertex in (0, len(shares) - 1):
@@ -90,16 +139,17 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
         )
     for gap in motion.gaps:
         if not gap.short:
-            ax.axvspan(motion.time_s[gap.first], motion.time_s[gap.last], color=ORANGE, alpha=0.4, lw=0)
+            ax.axvspan(*clock.at(motion.time_s[[gap.first, gap.last]]), color=ORANGE, alpha=0.4, lw=0)
     for jump in motion.jumps:
         if jump.vertex is None:  # the whole body
-            ax.axvline(jump.time_s, color=RED, lw=1.0)
+            ax.axvline(clock.at(jump.time_s), color=RED, lw=1.0)
         else:
-            ax.plot(jump.time_s, jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
+            ax.plot(clock.at(jump.time_s), jump.vertex, marker="x", color=RED, ms=6, mew=1.5)
     title = f"Dark: {motion.hidden_said}".replace("; ", ";\n")
     title += "\norange: too long to bridge" if any(not gap.short for gap in motion.gaps) else ""
     title += "\nred: jumps (cross: one marker, line: the body)" if motion.jumps else ""
-    return dress(ax, title, "time [s]", "vertex", grid=False)
+    ax.set_xlim(*clock.ends)
+    return dress(ax, title, clock.label, "vertex", grid=False)
 
 
 def angles(trial: Trial, ax: Axes) -> Axes:
@@ -109,18 +159,19 @@ def angles(trial: Trial, ax: Axes) -> Axes:
         return _nothing(ax, "no motion file")
     joints = sorted({0, motion.joint_angles.shape[1] // 2, motion.joint_angles.shape[1] - 1})
     step = max(1, len(motion.time_s) // (4 * DRAWN))
-    time = motion.time_s[::step]
+    clock, time = Clock.of(motion), motion.time_s[::step]
     commanded = None
     if trial.schedule is not None and trial.start_source != "none":
         commanded = trial.schedule.commanded(time)
     for joint in joints:
         colour = CHAIN_MAP(joint / max(motion.joint_angles.shape[1] - 1, 1))
-        ax.plot(time, motion.smooth_angles[::step, joint], color=colour, lw=1.3, label=f"joint {joint + 1}")
+        ax.plot(clock.at(time), motion.smooth_angles[::step, joint], color=colour, lw=1.3, label=f"joint {joint + 1}")
         if commanded is not None:
-            ax.plot(time, commanded[:, joint], color=INK, lw=0.9, ls=(0, (3, 2)), zorder=3)
+            ax.plot(clock.at(time), commanded[:, joint], color=INK, lw=0.9, ls=(0, (3, 2)), zorder=3)
     for passage in trial.passages:
-        ax.axvspan(motion.time_s[passage.first], motion.time_s[passage.last], color=FAINT, alpha=0.6, lw=0, zorder=0)
-    dress(ax, "", "time [s]", "joint angle [rad]")
+        ax.axvspan(*clock.at(motion.time_s[[passage.first, passage.last]]), color=FAINT, alpha=0.6, lw=0, zorder=0)
+    ax.set_xlim(*clock.ends)
+    dress(ax, "", clock.label, "joint angle [rad]")
     if commanded is not None:
         ax.plot([], [], color=INK, lw=0.9, ls=(0, (3, 2)), label="commanded")
     legend_above(ax, 4)

@@ -12,17 +12,18 @@ from itertools import pairwise
 from pathlib import Path
 from typing import get_args
 
-from serpenoid.body import Body, Kind
+from serpenoid.body import ANIMALS, Body, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.scaffold.json_schema import write_schema
-from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, whole
+from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, or_empty, whole
 
 KINDS = get_args(Kind)
+JOINTS = 6  # where nothing is said
 PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its own turning
 QUESTIONS = (
     Question("kind", f"What is it: {', '.join(KINDS)} (empty: not said)?", "", one_of("", *KINDS)),
-    Question("joints", "How many joints?", "6", whole(1, 98)),
+    Question("joints", "How many joints (empty: one fewer than edges, else 6)?", "", or_empty(whole(1, 98))),
     Question(
         "edges", "Edge lengths in metres, tail to head (empty: equal links, half as long at both ends)", "", numbers
     ),
@@ -48,7 +49,10 @@ QUESTIONS = (
 
 def edges_of(answers: Answers) -> list[float]:
     """N - 1 lengths [m]; raises InputError where given ones do not fit the joints."""
-    joints, given = answers["joints"], answers["edges"]
+    given = answers["edges"]
+    joints = answers["joints"] or (len(given) - 1 if given else JOINTS)
+    if given and len(given) < 2:
+        raise InputError(f"--edges: a joint stands between two edges, got {len(given)}.")
     if given and len(given) != joints + 1:
         raise InputError(f"--edges: {joints} joints need {joints + 1} edges, got {len(given)}.")
     spacing = answers["length"] / joints
@@ -64,21 +68,19 @@ def write(path: Path, answers: Answers) -> str:
 
 def _text(hint: str, name: str, answers: Answers, edges: list[float]) -> str:
     return f"""{hint}
-# {name}: a chain of {answers["joints"]} joints. `serpenoid schema problem` lists every key.
+# {name}: a chain of {len(edges) - 1} joints. `serpenoid schema problem` lists every key.
 #   serpenoid simulate {name}.toml             the gait below
 #   serpenoid solve {name}.toml --c 1.0        the gait that carries it farthest for what it dissipates
-#   serpenoid new robot --problem {name}.toml  which servo moves which joint
-
+{_of_servos(name, answers)}
 [about]
 question = "Which gait carries {name} farthest per cycle, at a given price of dissipation?"
 
 [body]
 {_chain(answers, edges)}
-{"# " * (not answers["kind"])}kind = "{answers["kind"] or KINDS[0]}"     # one of {", ".join(KINDS)}: which effects
-# `diagnose` tries; all, where it is left out
+# one of {", ".join(KINDS)}: which effects `diagnose` tries; all, where it is left out
+{"# " * (not answers["kind"])}kind = "{answers["kind"] or KINDS[0]}"
 mass_kg = {answers["mass"]:g}
-joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
-joint_speed_limit_rpm = 57.0  # XL430-W250-T at 11.1 V
+{_limits(answers)}
 
 [medium]
 anisotropy_ratio = {answers["anisotropy"]:g}     # `serpenoid fit` finds it from recordings
@@ -101,6 +103,21 @@ y_c = [-6.0, 6.0]
 a = [0.0, 15.0]
 xi = [0.5, 2.5]
 """
+
+
+def _of_servos(name: str, answers: Answers) -> str:
+    """The line that leads on to a robot file; none of an animal."""
+    if answers["kind"] in ANIMALS:
+        return ""
+    return f"#   serpenoid new robot --problem {name}.toml  which servo moves which joint\n"
+
+
+def _limits(answers: Answers) -> str:
+    """How far a joint may bend, and of what has servos how fast."""
+    if answers["kind"] in ANIMALS:
+        return f"joint_limit_deg = {answers['joint-limit']:g}         # holds in solve"
+    return f"""joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
+joint_speed_limit_rpm = 57.0  # of the servos: XL430-W250-T at 11.1 V"""
 
 
 def _chain(answers: Answers, edges: list[float]) -> str:

@@ -61,6 +61,11 @@ def whole(low: int, high: int) -> Callable[[str], int]:
     return read
 
 
+def or_empty(read: Callable[[str], Any]) -> Callable[[str], Any]:
+    """What `read` takes, or nothing: None."""
+    return lambda text: read(text) if text else None
+
+
 def one_of(*words: str) -> Callable[[str], str]:
     """One of some words."""
 

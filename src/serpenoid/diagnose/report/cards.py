@@ -8,6 +8,7 @@ from serpenoid.diagnose.report.words import (
     advice,
     drag_ratio,
     inadequacy,
+    law,
     meaning,
     open_gaits,
     parameter,
@@ -58,7 +59,8 @@ def _cause(record: Record) -> Card:
     said += [f"The data cannot tell this from {', '.join(others)}."] if others else []
     said += [f"{text.capitalize()}." for text in undetected(record)]
     if record["drag_ratio"]:
-        said.append(f"Drag across over drag along the body, K = 1 / eps: {drag_ratio(record)}.")
+        what = law(record)
+        said.append(f"{what.capitalize()} across over {what} along the body, K = 1 / eps: {drag_ratio(record)}.")
     elif not effects:
         said.append(f"The anisotropy ratio was calibrated to {record['anisotropy_ratio']['after']:.4g}.")
     return Card("Cause and place", ", ".join(title(e) for e in effects) or "none named", said, rows)

@@ -23,11 +23,12 @@ UNSAID = (
 WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
-    "nothing": "drag alone explains this recording within its noise",
+    "nothing": "{law} alone explains this recording within its noise",
     "explained": "what is named accounts for all beyond chance; nothing here speaks for a cause outside the catalogue",
     "partly explained": "what is named below was found, and more is left than it and chance explain",
     "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
 }
+LAWS = {"viscous": "drag", "coulomb": "dry friction"}
 SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 UNREPEATED = {
     "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
@@ -41,7 +42,12 @@ def meaning(record: Record) -> str:
         return UNREPEATED[record["verdict"]]
     if record["verdict"] == "nothing" and record["reference"]:
         return "nothing has changed since the reference beyond the noise of either"
-    return MEANINGS[record["verdict"]]
+    return MEANINGS[record["verdict"]].format(law=law(record))
+
+
+def law(record: Record) -> str:
+    """What the floor or the water does, in the model that was fitted."""
+    return LAWS[record["law"]["name"]]
 
 
 STAND_IN = ", perhaps a stand-in"
@@ -68,9 +74,9 @@ def inadequacy(record: Record) -> list[str]:
 
 def rival_law(record: Record) -> list[str]:
     """How another law of the floor does, or another place of the drag, and how to follow it."""
-    law, follow = record["law"], "to follow it, diagnose with a --model whose [medium] has"
+    other, follow = record["law"], "to follow it, diagnose with a --model whose [medium] has"
     found = []
-    for said, key in ((law["rival"], 'law = "coulomb"'), (law["drag_at"], 'dissipation = "edge"')):
+    for said, key in ((other["rival"], 'law = "coulomb"'), (other["drag_at"], 'dissipation = "edge"')):
         found += [said, f"{follow} {key}"] if said else []
     return found
 
@@ -198,10 +204,11 @@ def rows(record: Record) -> list[str]:
 
 
 def drag_ratio(record: Record) -> str:
-    """K of an animal with its interval, if drag is all there is."""
+    """K of an animal with its interval, if its law of the floor is all there is."""
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
-    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) if drag is all there is: frame by frame, as in `fit`"
+    alone = f"if {law(record)} is all there is: frame by frame, as in `fit`"
+    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) {alone}"
 
 
 def lines(record: Record) -> list[str]:
