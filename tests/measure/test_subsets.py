@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
+from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.measure.bends import bends_in_time
 from serpenoid.measure.chain import completed, estimate_chain
+from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.links import chain_vertices
+from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import build_motion
 
 POINTS, FRAMES, RATE, SD = 11, 180, 30.0, 1e-3
@@ -109,3 +113,22 @@ def test_a_body_that_jumps_as_a_whole_still_jumps():
     motion, _, _ = build_motion(body, TIME, markers, None, ((), ()))
     assert [(jump.frame, jump.vertex) for jump in motion.jumps] == [(90, None)]
     assert len(motion.runs) == 2
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_robot_without_a_log_of_which_a_quarter_of_the_markers_is_hidden_is_measured(tmp_path):
+    """Rows in which all markers are seen are few, and too far apart to be laid over a table: no verdict on them."""
+    lab = Laboratory(frames_per_second=30.0, hidden_share=0.25)
+    write_campaign(tmp_path, snake(), {"g": serpenoid_table(50)}, lab, 1, 14000, cycles=1, pause_s=1.0)
+    text = (tmp_path / "campaign.toml").read_text()
+    (tmp_path / "campaign.toml").write_text(text.replace('servo_log = "g-1/servo.csv"\n', ""))
+    (trial,) = load_campaign(tmp_path).trials
+    assert trial.motion.measured.mean() > 0.8
+    assert len(trial.passages) == 1
+
+
+def test_rows_that_are_far_apart_are_not_enough_to_be_laid_over_anything():
+    angles = np.sin(2 * np.pi * TIME)[:, None]
+    assert Signal(TIME, angles).enough
+    few = np.where((np.arange(FRAMES) % 6 == 0)[:, None], angles, np.nan)
+    assert not Signal(TIME, few).enough

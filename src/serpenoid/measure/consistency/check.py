@@ -138,7 +138,7 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
         if schedule is not None and signal is not None and signal.enough:
             own = signal.period_s
             periods = _periods(signal, own, schedule)
-            slower = schedule.period_s / min(schedule.period_s, *periods)
+            slower = schedule.period_s / min([schedule.period_s, *periods])
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
             faults = schedule_faults(shown, claim.label, tables, periods)
             return compared(claim.trial, signal, course_of(shown), own, faults, witness, prior)

@@ -36,8 +36,10 @@ class Signal:
 
     @cached_property
     def enough(self) -> bool:
-        """Whether it can be laid over anything."""
-        return self.known.sum() >= LEAST_ROWS and self.moves
+        """Whether it can be laid over anything: it moves, and known rows are near enough to each other."""
+        if self.known.sum() < LEAST_ROWS or not self.moves:
+            return False
+        return bool(sample(self, float(np.median(np.diff(self.time_s)))).weight.sum() >= LEAST_ROWS)
 
     @cached_property
     def known(self) -> NDArray[np.bool_]:
