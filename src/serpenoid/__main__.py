@@ -1,18 +1,32 @@
 """The console script `serpenoid`, and `python -m serpenoid`: one exit code, whenever Ctrl-C comes."""
 
+import ctypes
 import gc
 import os
 import signal
 import sys
+from contextlib import suppress
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # of linear algebra
+NEW_OBJECTS = 100_000  # until Python looks for garbage among them
+TRIM, TOP_PAD, MMAP = -1, -2, -3  # names of the GNU C library's mallopt
+KEPT_BYTES, LARGE_BYTES = 2**30, 2**25  # free memory kept for what comes next; what is asked of the system at once
 
 
 def calm() -> None:
     """One thread of linear algebra in each process: on matrices as small as ours more of them wait for one another,
-    which takes a third of a diagnosis' processor time. Whoever has set a number keeps it."""
+    which takes a third of a diagnosis' processor time. Whoever has set a number keeps it.
+
+    Memory that was freed is kept for what comes next, and garbage is looked for less often: a page that the system
+    gives anew, or that is touched in a process that has forked others, costs more than what is done in it.
+    """
     for name in THREADS:
         os.environ.setdefault(name, "1")
+    gc.set_threshold(NEW_OBJECTS)
+    with suppress(AttributeError, OSError, TypeError):  # another C library
+        mallopt = ctypes.CDLL(None).mallopt
+        for option, value in ((TRIM, KEPT_BYTES), (TOP_PAD, LARGE_BYTES), (MMAP, LARGE_BYTES)):
+            mallopt(option, value)
 
 
 def entry() -> None:

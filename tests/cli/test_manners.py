@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
@@ -193,6 +195,21 @@ def test_what_libraries_have_made_is_not_looked_through_as_a_command_ends(tmp_pa
     words = [sys.executable, "-m", "ended"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout == "3 True\n"
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other C libraries keep memory as they like")
+def test_memory_that_was_freed_is_kept_for_what_comes_next() -> None:
+    import resource
+
+    def used() -> int:
+        """Pages that the system gave for four arrays of 16 MB at once, ten times."""
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+        for _ in range(10):
+            assert all(part.all() for part in [np.ones(2**21) for _ in range(4)])
+        return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+    used()
+    assert used() < 2**26 / resource.getpagesize()
 
 
 def test_what_is_found_after_the_file_was_read_names_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -120,6 +120,11 @@ def test_every_trial_has_a_line_of_its_own_in_time_and_settings_are_not_mixed(
     assert [t.get_text() for t in grid[0].get_yticklabels()] == sorted(
         {f"{gait}, {seconds:.3g} s" for gait, seconds in (t.recording.setting for t in tracks)}
     )
+    settings = len(grid[0].get_yticks())
+    for ax in grid:  # names beside the first column, strokes between settings in all
+        assert list(ax.get_yticks()) == list(grid[0].get_yticks())
+        (strokes,) = (c for c in ax.collections if isinstance(c, LineCollection))
+        assert len(strokes.get_segments()) == settings - 1
     for ax, predictions in zip(grid[::3], (found.null.predictions, found.best.predictions), strict=True):
         over = diagnosis_trials.in_chance(found.motion, tracks, predictions)
         (boxes,) = (c for c in ax.collections if isinstance(c, PolyCollection))

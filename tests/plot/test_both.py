@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axis import Axis
+from matplotlib.mathtext import MathTextParser
 from PIL import Image
 
 from serpenoid.plot import both
@@ -40,3 +41,11 @@ def test_pixels_are_written_as_they_are_drawn_without_a_channel_that_is_all_whit
     picture, _ = drawn(tmp_path, monkeypatch)
     assert picture.mode == "RGB"
     assert np.allclose(picture.info["dpi"], both.PIXELS_PER_INCH, atol=0.1)
+
+
+def test_a_figure_drawn_for_the_fonts_alone_leaves_no_file_and_what_reads_formulas(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(MathTextParser, "_parser", None)
+    both.rehearse()
+    assert MathTextParser._parser is not None
+    assert not list(tmp_path.iterdir())

@@ -51,8 +51,11 @@ class Pictures:
 
 
 def prepare() -> None:
-    """What drawing needs takes as long to import as a stage takes to judge."""
+    """What drawing needs takes as long to import as a stage takes to judge, and the first figure longer than others."""
     import serpenoid.plot.diagnosis  # noqa: F401
+    from serpenoid.plot.both import rehearse
+
+    rehearse()
 
 
 def _motion(folder: Path, found: Selection) -> None:

@@ -8,6 +8,7 @@ fork pieces of its own, and ends them when it is ended.
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import pickle
@@ -107,6 +108,7 @@ def _serve(prepare: Callable[[], object], ours: Connection, pipe: Connection, ro
 
     It ends when nobody holds the other end of its pipe any more: it forks, so it has no thread to look for its parent.
     """
+    gc.freeze()  # as for workers of `in_processes`
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(0))
     ours.close()  # or it would not hear that the first process has closed it

@@ -7,6 +7,7 @@ points itself.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, cast
 
@@ -48,6 +49,16 @@ def draw(fig: Figure, pixels_per_inch: int, png: Path, svg: Path) -> None:
     opaque = np.ascontiguousarray(np.asarray(both.pixels.buffer_rgba())[..., :3])
     resolution = (pixels_per_inch, pixels_per_inch)
     Image.fromarray(opaque).save(png, format="png", dpi=resolution, compress_level=COMPRESSION)
+
+
+def rehearse() -> None:
+    """Draw a figure that nobody sees: the first reads fonts and builds the parser of formulas, a fifth of a second."""
+    fig = Figure(figsize=(1.0, 1.0))
+    ax = fig.add_subplot(xscale="log", title="a")
+    ax.plot([1.0, 1e3], [0.0, 1.0], "-o", label="b")
+    ax.legend()
+    nowhere = Path(os.devnull)
+    draw(fig, PIXELS_PER_INCH, nowhere, nowhere)
 
 
 def _without_needless_places(fig: Figure) -> None:

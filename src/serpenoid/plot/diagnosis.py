@@ -108,16 +108,14 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
                 _path(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), scale, LABELS[name], 1.8)
         _path(ax, relative(track.poses[0], track.poses), scale, INK, 0.8)
     dress(ax, "", f"x [{unit}]", f"y [{unit}]")
-    ax.set_title(diagnosis_trials.setting_name(setting), fontsize=SMALL, loc="left", color=INK)
+    ax.set_title(diagnosis_trials.setting_name(setting), fontsize=SMALL, loc="left", color=INK, y=1.0)
     fill_equal(ax)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
     return ax
 
 
 def _path(ax: Axes, path: Floats, scale: float, colour: str, width: float) -> None:
-    points = scale * path[:, :2]
-    ax.plot(*points.T, color=colour, lw=width)
-    ax.plot(*points[-1], "o", color=colour, ms=3)
+    ax.plot(*(scale * path[:, :2]).T, "-o", color=colour, lw=width, ms=3, markevery=[-1])
 
 
 def table_figure(table: Floats) -> Figure:

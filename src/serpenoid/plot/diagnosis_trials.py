@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import accumulate, groupby
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -43,6 +43,8 @@ def trials_figure(motion: Motion, kinds: Sequence[Kind]) -> Figure:
             last, first = row == len(kinds) - 1, row == 0
             dress(ax, direction if first else "", "time [s]" if last else "", name if not column else "", grid=False)
             ax.title.set_fontsize(NORMAL)
+    named = [(first + (count - 1) / 2, name) for first, count, name in _settings(tracks)]
+    axes[0, 0].set_yticks(*zip(*named, strict=True))  # of all panels: they share it
     settle(fig, axes, above=0.05, title=0.22, right=0.8)
     place = axes[-1, -1].get_position()
     cax = fig.add_axes((place.x1 + 0.01, place.y0, 0.015, axes[0, 0].get_position().y1 - place.y0))
@@ -64,35 +66,28 @@ def in_chance(motion: Motion, tracks: Sequence[Track], predictions: Sequence[Pre
 
 def windows_in_time(tracks: Sequence[Track], left: Sequence[Floats], scale: AsinhNorm, ax: Axes) -> Axes:
     """A box for each window (B - 1,) from its beginning to its end, coloured; grey where there is none."""
-    corners: list[list[tuple[float, float]]] = []
-    values: list[float] = []
-    for line, (track, value) in enumerate(zip(tracks, left, strict=True)):
-        ends = track.time[track.boundaries]
-        for a, b, v in zip(ends[:-1], ends[1:], value, strict=True):
-            if np.isfinite(v):
-                corners.append([(a, line - 0.46), (b, line - 0.46), (b, line + 0.46), (a, line + 0.46)])
-                values.append(v)
-    boxes = PolyCollection(corners, facecolors=ANGLE_MAP(scale(values)), lw=0)
+    ends = [track.time[track.boundaries] for track in tracks]
+    values = np.concatenate(left)
+    begin, end = np.concatenate([e[:-1] for e in ends]), np.concatenate([e[1:] for e in ends])
+    line = np.repeat(np.arange(len(tracks)), [len(value) for value in left])
+    sides = np.stack([begin, end, end, begin], axis=1), line[:, None] + 0.46 * np.array([-1, -1, 1, 1])
+    there = np.isfinite(values)
+    boxes = PolyCollection(list(np.stack(sides, axis=2)[there]), facecolors=ANGLE_MAP(scale(values[there])), lw=0)
     boxes.set_rasterized(True)
     ax.add_collection(boxes)
     ax.set_facecolor(FAINT)
-    ax.set_xlim(0, max(float(t.time[-1]) for t in tracks))
+    longest = max(float(t.time[-1]) for t in tracks)
+    ax.hlines([first - 0.5 for first, _, _ in _settings(tracks)[1:]], 0, longest, color=INK, lw=0.6)
+    ax.set_xlim(0, longest)
     ax.set_ylim(len(tracks) - 0.5, -0.5)
-    _name_settings(tracks, ax)
     return ax
 
 
-def _name_settings(tracks: Sequence[Track], ax: Axes) -> None:
-    """A name beside the lines of each setting, a stroke between settings."""
-    first, middles, names = 0, [], []
-    for setting, repeats in groupby(t.recording.setting for t in tracks):
-        count = len(list(repeats))
-        middles.append(first + (count - 1) / 2)
-        names.append(setting_name(setting))
-        first += count
-        if first < len(tracks):
-            ax.axhline(first - 0.5, color=INK, lw=0.6)
-    ax.set_yticks(middles, names)
+def _settings(tracks: Sequence[Track]) -> list[tuple[int, int, str]]:
+    """Of each setting: the first line, how many, and its name."""
+    counts = [(setting, len(list(repeats))) for setting, repeats in groupby(t.recording.setting for t in tracks)]
+    ends = accumulate(count for _, count in counts)
+    return [(end - count, count, setting_name(setting)) for (setting, count), end in zip(counts, ends, strict=True)]
 
 
 def setting_name(setting: tuple[str, float]) -> str:
