@@ -27,6 +27,7 @@ from serpenoid.measure.consistency.hypotheses import (
     schedule_faults,
     turned,
 )
+from serpenoid.measure.consistency.lost_frames import lost_frames
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
 from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
 from serpenoid.measure.consistency.signals import Signal, moving_s
@@ -124,7 +125,15 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
             rivals += found.rivals
             lost += _unexplained(claim, found)
             remarks += [*_weakness(claim, found.contract, found.witness), *found.doubts]
-    return Verdict(tuple(lost), tuple(remarks), tuple(rivals))
+    return Verdict(tuple(lost), (*remarks, *_lost_frames(claim)), tuple(rivals))
+
+
+def _lost_frames(claim: Claim) -> list[tuple[str, str]]:
+    cameras, servos = claim.cameras, claim.servos
+    if cameras is None or servos is None or not (cameras.enough and servos.enough):
+        return []
+    found = lost_frames(cameras, servos) if cameras.values.shape[1] == servos.values.shape[1] else None
+    return [] if found is None else [(claim.trial, found.said)]
 
 
 def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Compared | None:

@@ -17,6 +17,7 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
 from serpenoid.measure.consistency.exchanged import exchanges, told
+from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import beside_film, other_bodies
@@ -65,6 +66,8 @@ def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files])
     for files in read:
         if files.exchanged_back:
             remarks[files.entry.name].append(f"names put back as in most of the recording: {files.exchanged_back}")
+        if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
+            remarks[files.entry.name].append(still)
     for trial in (said := _scale(file, body, read)):
         remarks[trial].append(said[trial])
     for one in verdict.contradictions:

@@ -1,0 +1,66 @@
+"""Points that stand to the last digit while all others move: frozen by their tracker, or zeros for what was not seen.
+
+A point stands from one frame to the next if no digit of it changes. It is told where it stands for LEAST_ROWS frames or
+more, and the middle one of the others (median) moves meanwhile by more than FAR steps of its file's rounding.
+
+Legend: F frames, N points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.consistency.signals import LEAST_ROWS
+
+FAR = 10.0  # steps of rounding: who turns about a point that rounds alike moves by less
+NAMED = 3  # points at most
+
+
+def frozen(points: Floats) -> NDArray[np.int64]:
+    """In how many frames each of N points (F, N, 2), NaN hidden, stands while the others move: (N,)."""
+    same = (np.diff(points, axis=0) == 0).all(axis=2)
+    changes = np.abs(np.diff(points, axis=0))
+    moved = changes[changes > 0]
+    found = np.zeros(points.shape[1], dtype=np.int64)
+    if not moved.size or points.shape[1] < 3:
+        return found
+    far = FAR * float(moved.min())
+    for k in np.flatnonzero(same.any(axis=0)):
+        others = np.delete(points, k, axis=1)
+        for first, last in _stretches(same[:, k]):
+            if last - first + 1 >= LEAST_ROWS and _middle(others[first : last + 1]) > far:
+                found[k] += last - first + 1
+    return found
+
+
+def frozen_said(counts: NDArray[np.int64], names: Sequence[str]) -> str | None:
+    """Which points stand, and what to do; None: none."""
+    which = np.flatnonzero(counts)
+    if not len(which):
+        return None
+    shown = ", ".join(f"`{names[k]}` in {counts[k]} frames" for k in which[:NAMED])
+    more = f" and {len(which) - NAMED} more" if len(which) > NAMED else ""
+    return (
+        f"to the last digit these markers stand still while the others move: {shown}{more}. Frozen by the tracker, or "
+        "zeros for what was not seen? Leave such cells empty in the file"
+    )
+
+
+def _stretches(same: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last frame of each stretch of equal frames."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _middle(points: Floats) -> float:
+    """How far the middle one of some points moves, NaN hidden."""
+    seen = np.isfinite(points[..., 0])
+    whole = points[:, seen.sum(axis=0) > 1]
+    if not whole.shape[1]:
+        return 0.0
+    extent = (np.nanmax(whole, axis=0) - np.nanmin(whole, axis=0)).max(axis=1)
+    return float(np.median(extent))
