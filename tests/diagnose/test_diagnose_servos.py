@@ -145,6 +145,27 @@ def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     assert high - low < 0.2 * lag
 
 
+def test_what_servos_do_after_a_trial_without_a_pause_is_no_lag(recordings: tuple[Recording, ...]) -> None:
+    """Late by a lag, they stop after the promised end, and nothing says when that is."""
+    rng, lag = np.random.default_rng(8), 0.05
+
+    def read(r: Recording) -> Recording:
+        schedule = replace(r.schedule, pause_s=0.0)
+        time = np.arange(r.read_at[0], r.read_at[-1] + 1e-3, 1e-3)
+        true = Course(time, lagged(time, schedule.commanded(time + lag), np.full(len(time) - 1, lag))).at(r.read_at)
+        position = TICK * np.round((true + 0.4 * TICK * rng.normal(size=true.shape)) / TICK)
+        return replace(r, schedule=schedule, position=position, t0_spread=UNSURE_CYCLE * schedule.cycle_duration_s)
+
+    stage = choose_actuation(plays([read(r) for r in recordings]))
+    assert stage.settled
+    (named,) = stage.named
+    assert named.effect.key == ("servo_lag", None)
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < lag < high
+
+
 def test_where_a_servo_that_is_late_stops_after_the_end_does_not_bend_its_shape_before(
     recordings: tuple[Recording, ...],
 ) -> None:

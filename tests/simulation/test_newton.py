@@ -16,9 +16,9 @@ from serpenoid.simulation.balance import solve_balance, solve_near
 from serpenoid.simulation.chain import Chain, solve_chain, solve_chains
 from serpenoid.simulation.inertia import carried, coefficients, matrix
 from serpenoid.simulation.law import MediumNumbers
-from serpenoid.simulation.newton import State, implicit_derivative, newton, solution
+from serpenoid.simulation.newton import TOLERANCE, State, at_root, implicit_derivative, newton, solution
 from serpenoid.simulation.sensitivity import MeasuredSteps, sensitivities_of
-from serpenoid.simulation.steps import TOLERANCE, shape_rows, solve_steps
+from serpenoid.simulation.steps import shape_rows, solve_steps
 from specimens import reference, serpenoid_table, uneven
 
 SAME = 1e-11  # roots of residuals below 1e-12, of steps whose smallest stiffness is a tenth of the largest
@@ -90,6 +90,24 @@ def test_columns_asked_for_are_those_of_all_derivatives() -> None:
     assert wide.columns == plain.columns
     assert wide.sound.sum() == 98
     np.testing.assert_allclose(wide.jacobian, plain.jacobian, rtol=0, atol=SAME * np.nanmax(np.abs(plain.jacobian)))
+
+
+@pytest.mark.parametrize("effects", [(), (ActiveEffect.typical("slope"),)], ids=["plain", "slope"])
+def test_a_body_that_hardly_moves_has_its_roots_on_dry_friction(effects: tuple[ActiveEffect, ...]) -> None:
+    """Rounding of places, times a stiffness of a million: residuals above the tolerance at roots that are right."""
+    begun, rng = reference(), np.random.default_rng(3)
+    model = Model(begun.body, begun.medium.model_copy(update={"law": "coulomb", "softening": 0.01}), effects)
+    resting = serpenoid_table(model, 4)[:1] + 1e-5 * rng.normal(size=(400, model.body.joint_count))
+    vertices, _ = shape_rows(model, resting)
+    found = sensitivities_of(model, MeasuredSteps.of(model, vertices, np.arange(400) / 100, np.zeros((400, 3))))
+    assert found.sound.all()
+    assert np.isfinite(found.jacobian).all()
+
+
+def test_what_a_residual_is_worth_as_a_motion_decides() -> None:
+    slopes = np.array([np.eye(3), 1e6 * np.eye(3), np.diag([1e6, 1e6, 1.0]), np.full((3, 3), np.nan)])
+    assert at_root(np.array([2e-12, 2e-12, 2e-12, 2e-12]), slopes).tolist() == [False, True, False, False]
+    assert at_root(np.full(4, 1e-12), slopes).all()
 
 
 def pulled(loads: Floats, ages: int) -> tuple[Floats, State]:

@@ -1,7 +1,7 @@
 """Steps with effects that do not depend on each other: Newton's method for all of them, side by side.
 
 Each step starts from the baseline's root. Where that fails, the effects are switched on little by little. A root is
-sound if the residual vanishes and its derivative has the sign of a resisting medium.
+sound if the residual vanishes, but for rounding, and its derivative has the sign of a resisting medium.
 
 Legend: S steps, M elements.
 """
@@ -17,7 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.mechanics.roots import roots
 from serpenoid.model import Model
 from serpenoid.simulation.law import MediumNumbers, evaluate
-from serpenoid.simulation.newton import ENOUGH, ITERATIONS, LEAST_DAMPING, TOLERANCE, State, newton
+from serpenoid.simulation.newton import ENOUGH, ITERATIONS, LEAST_DAMPING, State, at_root, newton
 from serpenoid.simulation.steps import Steps
 
 STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
@@ -112,7 +112,7 @@ def _newton(
     run = roots(law.kind)
     found = plain_roots(law, *given) if run is None else run(*given, law.medium.T, law.theta.T, LIMITS)
     moved, slopes, energy, size = found
-    sound = (size <= TOLERANCE) & (np.linalg.det(slopes) > 0)
+    sound = at_root(size, slopes) & (np.linalg.det(slopes) > 0)
     return Balance(moved + home, energy, size, sound, about(slopes, -home))
 
 

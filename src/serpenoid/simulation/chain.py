@@ -19,7 +19,7 @@ from serpenoid.model import Model
 from serpenoid.simulation.balance import about, by_step
 from serpenoid.simulation.inertia import coefficients
 from serpenoid.simulation.law import MediumNumbers, evaluate
-from serpenoid.simulation.newton import TOLERANCE, State, newton
+from serpenoid.simulation.newton import State, newton
 from serpenoid.simulation.steps import Steps
 
 WINDOW = 256
@@ -85,11 +85,12 @@ class _Found:
     momenta: Floats
     energy: Floats
     residual: Floats
+    rooted: np.ndarray
     resisting: np.ndarray
 
     @property
     def converged(self) -> bool:
-        return bool((self.residual <= TOLERANCE).all())
+        return bool(self.rooted.all())
 
 
 @dataclass
@@ -171,7 +172,7 @@ def _windows(law: MediumNumbers, motions: Sequence[_Motion]) -> Iterator[_Found]
 
     x, state = newton(equations, np.concatenate(guesses) - at_home, lengths)
     energy, own = state.more
-    every = x + at_home, about(own, -at_home), energy, state.size, state.resisting
+    every = x + at_home, about(own, -at_home), energy, state.size, state.found, state.resisting
     ends = np.cumsum(lengths)[:-1]
     for found in zip(*(np.split(value, ends) for value in every), strict=True):
         yield _Found(*found)

@@ -19,7 +19,7 @@ from serpenoid.mechanics import functions, spatial
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.mechanics.wide import Columns, over_columns
 from serpenoid.model import Model, Structure
-from serpenoid.simulation.newton import TOLERANCE, Equations, State, newton
+from serpenoid.simulation.newton import Equations, State, newton
 from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
 from serpenoid.trajectory import LiftedTrajectory
@@ -95,7 +95,7 @@ def _sound(state: State) -> np.ndarray:
     """Which steps are roots, and minima."""
     finite = np.isfinite(state.slopes[0]).all((1, 2))
     stiffness = np.linalg.eigvalsh(np.where(finite[:, None, None], state.slopes[0], 0.0))[:, 0]
-    return np.asarray((state.size <= TOLERANCE) & (stiffness > 0))
+    return np.asarray(state.found & (stiffness > 0))
 
 
 def _anywhere(equations: Equations, step: int) -> tuple[Floats, State] | None:

@@ -20,8 +20,8 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.mechanics.substitution import substituted
 
-TOLERANCE = 1e-12  # of a root's residual
-ENOUGH = TOLERANCE / 10  # and where the search for it ends
+TOLERANCE = 1e-12  # of a root: by how much another step would move it, or of its residual
+ENOUGH = TOLERANCE / 10  # of the residual: where the search ends
 ITERATIONS = 60
 LEAST_DAMPING = 1e-8
 
@@ -40,6 +40,11 @@ class State:
         return np.asarray(np.abs(self.residual).max(1))
 
     @property
+    def found(self) -> np.ndarray:
+        """Whether each step is at a root (n,)."""
+        return at_root(self.size, self.slopes[0])
+
+    @property
     def resisting(self) -> np.ndarray:
         """Whether each step's own slope has the sign of a resisting medium (n,)."""
         return np.asarray(np.linalg.det(self.slopes[0]) > 0)
@@ -49,6 +54,18 @@ class State:
         self.residual[steps], self.slopes[:, steps] = other.residual[which], other.slopes[:, which]
         for mine, theirs in zip(self.more, other.more, strict=True):
             mine[steps] = theirs[which]
+
+
+def at_root(size: Floats, slopes: Floats) -> np.ndarray:
+    """Whether residuals of these sizes (n,) are those of roots (n,), by slopes (n, d, d).
+
+    Dry friction on an element that hardly moves is a million times as stiff as drag, and rounding of a place as much
+    larger in the residual. So where that is not small, what it is worth as a motion decides.
+    """
+    found = np.asarray(size <= TOLERANCE)
+    left = np.flatnonzero(~found & np.isfinite(slopes).all((1, 2)))
+    found[left] = size[left] <= TOLERANCE * np.linalg.svd(slopes[left], compute_uv=False)[:, -1]
+    return found
 
 
 Equations = Callable[[Floats, np.ndarray], State]  # unknowns (n, d), numbers of these steps (n,)

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from serpenoid.body import Floats
 from serpenoid.mechanics import columns, functions
 from serpenoid.model import Model, Structure
-from serpenoid.simulation.newton import TOLERANCE
+from serpenoid.simulation.newton import at_root
 
 SUSPICIOUS_TURN = 0.35  # rad; a step of a resolved gait turns far less
 CHUNK = 1600  # rows whose elements stay in the second cache
@@ -43,8 +43,8 @@ def solve_steps(model: Model, before: Floats, after: Floats) -> Steps:
     for s in np.flatnonzero(~sound):
         found = _search(model, before, after, int(s))
         if found is not None:
-            relative[s], residual[s], energy[s] = found
-            sound[s] = residual[s] <= TOLERANCE
+            relative[s], residual[s], energy[s], stiffness = found
+            sound[s] = bool(at_root(residual[[s]], np.array([[[stiffness]]]))[0])
     return Steps(relative, energy, residual, sound)
 
 
@@ -67,7 +67,7 @@ def _vertices_to_elements(structure: Structure, rows: int) -> ca.Function:
     return functions.shape_elements(structure).map(rows)
 
 
-def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats, float, float] | None:
+def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats, float, float, float] | None:
     m = model.structure.elements
     part = slice(m * s, m * (s + 1))
     moments = functions.step_moments(model.structure)(before[:, part], after[:, part], model.parameters)
@@ -81,8 +81,8 @@ def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats
     if not roots:
         return None
     phi = min(roots, key=abs)
-    b, residual, _, energy = reduced(phi, moments)
-    return np.array([*b.full()[:, 0], phi]), abs(float(residual)), float(energy)
+    b, residual, stiffness, energy = reduced(phi, moments)
+    return np.array([*b.full()[:, 0], phi]), abs(float(residual)), float(energy), float(stiffness)
 
 
 def solve_cycles(model: Model, tables: Floats) -> Steps:
@@ -106,4 +106,5 @@ def _cycles(model: Model, tables: Floats) -> list[Floats]:
 
 def _sound(pose: Floats, residual: Floats, curvature: Floats) -> np.ndarray:
     with np.errstate(invalid="ignore"):
-        return (np.abs(residual[0]) <= TOLERANCE) & (curvature[0] > 0) & (np.abs(pose[2]) <= SUSPICIOUS_TURN)
+        found = at_root(np.abs(residual[0]), curvature[0][:, None, None])
+        return np.asarray(found & (curvature[0] > 0) & (np.abs(pose[2]) <= SUSPICIOUS_TURN))

@@ -97,13 +97,17 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
 
 
 def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats]:
-    """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,)."""
+    """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,).
+
+    Frames after the last boundary are left out: what is done after its end, a trial does not promise.
+    """
     half = max(HALF_AVERAGE_S, HALF_AVERAGE_FRAMES * r.frame_s)
     half = min(half, MOST_OF_WINDOW * r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE)
     needed = max(1.0, LEAST_SHARE * 2 * half / r.frame_s)
     around, counts = np.full((len(times), 3), np.nan), np.ones(len(times))
+    last = int(np.searchsorted(r.time, times[-1], side="right"))
     for i, t in enumerate(times):
-        a, b = np.searchsorted(r.time, [t - half, t + half])
+        a, b = np.searchsorted(r.time[:last], [t - half, t + half])
         good = np.isfinite(miss[a:b, 0])
         if good.sum() >= needed:
             around[i], counts[i] = miss[a:b][good].mean(axis=0), good.sum()

@@ -20,8 +20,7 @@ from serpenoid.parallel import in_processes
 
 ROOTLESS = 0.02  # share of windows: a few steps about rest have no root on dry friction
 RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
-DEFAULT = Medium.model_fields["softening"].default
-SOFTENING = 0.1  # at the default 0.01 a few steps of pauses have no root; chi squared differs by 6 % (arena)
+SOFTENING = Medium.model_fields["softening"].default
 
 
 def dry_friction(found: Selection) -> str:
@@ -35,12 +34,14 @@ def dry_friction(found: Selection) -> str:
     alone = _alone(found, dry)
     if alone is None:
         return ""
-    fits = (found.null, found.best, *(_followed(found, f) for f in (alone, _named(found, dry, alone))))
+    fits = (found.null, found.best, alone, _named(found, dry, alone))
     drag, drag_named, dry_alone, dry_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
     if min(dry_alone, dry_named) < drag_named:
-        named = "with what is named " if found.best.effects else ""
-        by = f"{min(dry_alone, dry_named):.1f} times chance, linear drag by {drag_named:.1f}"
-        return f"{named}dry friction (Coulomb) misses windows by {by}"
+        by_drag = by_dry = " with what is named" if found.best.effects else ""
+        if by_dry and dry_alone <= dry_named:
+            by_dry = " alone"
+        by = f"{min(dry_alone, dry_named):.1f} times chance, linear drag{by_drag} by {drag_named:.1f}"
+        return f"dry friction (Coulomb){by_dry} misses windows by {by}"
     if dry_alone >= drag:
         return ""
     return (
@@ -68,8 +69,8 @@ def _acting(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
 def _alone(found: Selection, dry: Model) -> Fit | None:
     """eps alone on dry friction, the best of what nearly all steps have roots in; None where there is none.
 
-    Dry friction has the square of its ratio where drag has the ratio, and where elements stick steps may have no root,
-    which ends a fit. So the ratios from drag's to one are looked at first.
+    Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So the
+    ratios from drag's to one are looked at first.
     """
     tried = np.geomspace(found.null.model.medium.anisotropy_ratio, 1.0, RATIOS)
     begun = in_processes([(_fit, (found.motion, dry, [], eps, 0)) for eps in tried])
@@ -84,14 +85,6 @@ def _named(found: Selection, dry: Model, alone: Fit) -> Fit:
     effects = _acting(found.best.effects)
     both = _fit(found.motion, dry, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
     return min(_whole(found, [both]), default=alone, key=_missed)
-
-
-def _followed(found: Selection, rough: Fit) -> Fit:
-    """The same as who follows the advice will have it: with the softening that a model file has by default."""
-    medium = rough.model.medium
-    sharp = replace(rough.model, medium=medium.model_copy(update={"softening": DEFAULT}))
-    again = fit(found.motion, sharp, list(rough.effects), rough.coordinates, TO_THE_END)
-    return min(_whole(found, [again]), default=rough, key=_missed)
 
 
 def _whole(found: Selection, fits: Sequence[Fit]) -> list[Fit]:

@@ -10,7 +10,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.plays import Plays, unsure_start
+from serpenoid.diagnose.stages.plays import Plays, played_for_sure, unsure_start
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.servos import realise_all
@@ -43,7 +43,7 @@ def _met(
 
 def _late(r: Recording, course: Course) -> float:
     """How late [s] a trial's readings meet what servos do best."""
-    inside = (r.read_at > 0) & (r.read_at < r.end)
+    inside = played_for_sure(r, begun=False) & (r.read_at < r.end)
     return course.late(r.read_at[inside], r.position[inside], unsure_start(r))
 
 

@@ -221,6 +221,13 @@ class Plays:
         return replace(self, noise=np.minimum(self.noise, np.maximum(quiet, least)))
 
 
+def played_for_sure(r: Recording, begun: bool) -> NDArray[np.bool_]:
+    """Which readings (R,) are of the promised motion; not `begun` (nothing says when it began): however late that was.
+    What servos do after it, nobody has promised."""
+    end = r.schedule.cycles * r.schedule.period_s
+    return (r.read_at > 0) & (r.read_at < end - (0.0 if begun else unsure_start(r)))
+
+
 def unsure_start(r: Recording) -> float:
     """How far t0 may be off [s]."""
     return r.t0_spread + ACTED_ON_S

@@ -16,7 +16,7 @@ from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, unsure_start
+from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, played_for_sure, unsure_start
 
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 
@@ -62,7 +62,7 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
     readings, labels, times, meshes, setpoints, where = [], [], [], [], [], []
     for number, r in enumerate(recordings):
         time = r.read_at
-        inside = (time > 0) & (time < r.schedule.cycles * r.schedule.period_s)
+        inside = played_for_sure(r, told or r.start_said)
         mesh = np.unique(np.concatenate([[0.0], time[inside], *([] if told else [corners(r), _whenever(r)])]))
         course = Course(time, r.commands) if told and r.commands is not None else None
         setpoints.append(r.schedule.commanded(mesh) if course is None else course.at(mesh))
