@@ -19,6 +19,7 @@ from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
 
 TICK = 2 * np.pi / 4096
+FINER = 8  # steps a frame: what the mesh of the truth misses is then well below the interval of eps
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,12 @@ class Rehearsal:
 def rehearse(model: Model, schedule: Schedule, lab: Laboratory, start: Floats | None = None) -> Rehearsal:
     """The motion on the cameras' own time grid, from `still_s` before the first command."""
     end = schedule.end_s + lab.still_s
-    time = np.arange(schedule.start_s - lab.still_s, end, 1 / lab.frames_per_second)
-    angles = _lagged(schedule.commanded(time), lab)
+    often, some = FINER * lab.frames_per_second, slice(None, None, FINER)
+    time = np.arange(schedule.start_s - lab.still_s, end, 1 / often)
+    angles = _lagged(schedule.commanded(time), lab.lag_s * often)
     motion = simulate_joint_angles(model, angles, start=start, closed=False)
-    rate = np.append(motion.step_energy * lab.frames_per_second**2, 0.0)
-    return Rehearsal(time, angles, motion.poses, motion.vertices, lab.idle_W + lab.dissipation_W * rate)
+    power = lab.idle_W + lab.dissipation_W * np.append(motion.step_energy * often**2, 0.0)
+    return Rehearsal(time[some], angles[some], motion.poses[some], motion.vertices[some], power[some])
 
 
 def write_trial(folder: Path, name: str, model: Model, schedule: Schedule, lab: Laboratory, seed: int) -> Rehearsal:
@@ -114,11 +116,11 @@ def _head(model: Model) -> str:
     )
 
 
-def _lagged(command: Floats, lab: Laboratory) -> Floats:
-    """First-order lag; zero lag gives the command itself."""
-    if lab.lag_s <= 0:
+def _lagged(command: Floats, rows: float) -> Floats:
+    """First-order lag by so many rows; zero gives the command itself."""
+    if rows <= 0:
         return command
-    follow = 1 - np.exp(-1 / (lab.lag_s * lab.frames_per_second))
+    follow = 1 - np.exp(-1 / rows)
     angles = command.copy()
     for row in range(1, len(angles)):
         angles[row] = angles[row - 1] + follow * (command[row] - angles[row - 1])

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from serpenoid import group
 from serpenoid.body import Floats
-from serpenoid.compare.linearise import about_centroid, relative_poses
+from serpenoid.compare.linearise import about_centroid, mesh_error, relative_poses
 from serpenoid.files.store import remember
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.smooth import angles_smoother, bends_smoother
@@ -148,7 +149,7 @@ def joined(paths: list[Path]) -> Path:
 
 
 def simulate_path(model: Model, joint_angles: Floats, weights: Floats, start: Floats) -> Path:
-    """Shapes (R, m) played once; an animal's as the smooth curves that its points stand for.
+    """Shapes (R, m) played once, without error of the mesh; an animal's as the curves that its points stand for.
 
     start (3,): the first pose, of the centroid by weights (N,), sum 1, as all poses of the path.
     """
@@ -156,8 +157,11 @@ def simulate_path(model: Model, joint_angles: Floats, weights: Floats, start: Fl
     if model.body.is_animal:
         found = simulate_curve(model, found.vertices, start)
     poses = about_centroid(found.poses, found.vertices, weights)
-    away = start[:2] - poses[0, :2]
-    return Path(poses + np.append(away, 0.0), found.vertices + away, found.step_energy)
+    steps, shapes = relative_poses(poses), group.place(group.inverse(poses), found.vertices)
+    if not model.body.is_animal:
+        steps = steps + mesh_error(model, joint_angles, steps, weights)
+    moved = group.accumulate(steps, start)
+    return Path(moved, group.place(moved, shapes), found.step_energy)
 
 
 def resimulation_error(

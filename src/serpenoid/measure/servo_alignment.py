@@ -13,7 +13,7 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate
-from serpenoid.measure.clock import Offset, find_offset, interpolate
+from serpenoid.measure.clock import Offset, find_offset, interpolate_smoothly
 from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
@@ -58,7 +58,7 @@ def align_servo(
     if offset is None or offset.correlation < MIN_CORRELATION:
         seen = "no common motion" if offset is None else f"correlation {offset.correlation:.2f}"
         return None, [f"servo log does not match the cameras ({seen}): not used"]
-    angles = interpolate(log.time_s + offset.offset_s, log.position, time_s)
+    angles = interpolate_smoothly(log.time_s + offset.offset_s, log.position, time_s)
     shown = estimate.joint_angles if whole else marker_angles(body, markers)
     zero, unseen = _zeros(shown - angles)
     variance = np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2) if whole else None
