@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
@@ -95,7 +96,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         worth = max(HOPELESS * gained_by_chance(len(ranked)), SHARE * ranked[0][1])
         promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > worth]
         tries = attempts(motion, best, promising)
-        if not level and all(t.fit.chi2 > FAR * best.evidence.count.sum() for t in tries):
+        if (not level or motion.unrepeated) and all(off_by(motion, t.fit) > FAR for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
@@ -165,6 +166,17 @@ def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
     moved = np.nanmax([np.nanmax(np.abs(t.displacement), axis=0) for t in tracks], axis=0)
     apart = np.max([np.abs(t.offset).max(axis=0) for t in tracks], axis=0)
     return replace(motion, tracks=tracks) if (apart <= moved).all() else motion
+
+
+def off_by(motion: Motion, found: Fit) -> float:
+    """Mean square of what windows are off by, in units of chance; where nothing was played again, and chance is all
+    that is left, in units of the least that it can be: the markers' own noise."""
+    if not motion.unrepeated:
+        return found.chi2 / float(found.evidence.count.sum())
+    left = residuals(motion.tracks, found.predictions)
+    with np.errstate(divide="ignore", invalid="ignore"):  # markers without noise: then whatever is left is far off
+        off = [x / t.least for t, x in zip(motion.tracks, left, strict=True)]
+    return float(np.nanmean(np.concatenate(off) ** 2))
 
 
 def unclear(found: Fit) -> bool:

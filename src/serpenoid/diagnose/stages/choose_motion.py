@@ -126,7 +126,7 @@ def finding(
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     named = [in_its_range(motion, found.settled, n, wrong) for n in named]
     swaps = groups(found)
-    jumps = find_jumps(motion, best.predictions, noise_level, missed_m, len(candidates_of(best)))
+    jumps = find_jumps(motion, found.settled.predictions, noise_level, missed_m, len(candidates_of(best)))
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
