@@ -131,3 +131,11 @@ def test_show_says_where_a_folder_holds_no_results(tmp_path: Path, capsys: pytes
     (tmp_path / "mine.toml").write_text("")
     assert main(["show", str(tmp_path)]) == 2
     assert "or `serpenoid measure` one of mine.toml" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_a_log_on_a_full_disk_is_said_once_and_stops_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["effects", "--log-file", "/dev/full"]) == 0
+    said = capsys.readouterr().err
+    assert said.count("No space left on device; it ends here.") == 1
+    assert "Traceback" not in said

@@ -8,7 +8,7 @@ import platform
 import shlex
 import sys
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from serpenoid.errors import InputError
@@ -16,6 +16,30 @@ from serpenoid.version import __version__
 
 log = logging.getLogger("serpenoid")
 LINE = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+
+class _LogFile(logging.FileHandler):
+    """A log file that may fill its disk: said once, and the command goes on without it."""
+
+    full = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not self.full:
+            super().emit(record)
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Called by `emit`, of which the exception is."""
+        error = sys.exc_info()[1]
+        if not isinstance(error, OSError):
+            super().handleError(record)
+            return
+        self.full = True
+        sys.stderr.write(f"serpenoid: --log-file {self.baseFilename}: {error.strerror}; it ends here.\n")
+
+    def close(self) -> None:
+        """What could not be written is still in the buffer, and cannot be written now."""
+        with suppress(OSError):
+            super().close()
 
 
 def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
@@ -41,7 +65,7 @@ def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
 def _handler(path: Path) -> logging.FileHandler:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handler = logging.FileHandler(path, encoding="utf-8")
+        handler = _LogFile(path, encoding="utf-8")
     except OSError as error:
         raise InputError(f"--log-file {path}: cannot be written ({error.strerror}).") from None
     handler.setFormatter(logging.Formatter(LINE))
