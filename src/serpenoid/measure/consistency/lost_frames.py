@@ -21,7 +21,7 @@ from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.clock import EARLY, FREEDOM, TINY, find_offset, interpolate
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 
-MOST_ROWS = 4000  # of the film are compared
+MOST_ROWS = 400  # of the film are compared
 REACH = 0.5  # periods: a shift beyond looks like a smaller one
 SHIFTS = 81  # that are tried within
 SLOPES = 41  # rates of the film's clock, up to the reach from one end to the other
