@@ -14,6 +14,7 @@ from serpenoid.effects.active import ActiveEffect, seen
 from serpenoid.effects.view import View
 from serpenoid.group import relative
 
+INVERTED = 8  # rounds, each far better than the last as long as a frame turns by less than a radian
 PART = 0.1  # of a typical value: half a step of the derivatives; laws of observation are linear, or nearly so
 
 
@@ -22,9 +23,14 @@ def of_frame(effects: Iterable[ActiveEffect]) -> list[ActiveEffect]:
     return [e for e in effects if e.effect.marks == "frame"]
 
 
-def displaced(effects: Sequence[ActiveEffect], poses: Floats, time: Floats) -> Floats:
-    """How far effects of the frame show bodies from where they are (B, 2) [m]; poses (B, 3) as they are seen."""
-    return _seen_poses(effects, poses, time)[:, :2] - poses[:, :2] if effects else np.zeros((len(poses), 2))
+def shifted(effects: Sequence[ActiveEffect], poses: Floats, time: Floats) -> Floats:
+    """By how much effects of the frame show bodies elsewhere than they are (B, 3) [m, m, rad]; poses (B, 3): as they
+    are seen. What they do is looked up at the true poses, which are found by and by."""
+    away = np.zeros_like(poses)
+    for _ in range(INVERTED if effects else 0):
+        there = poses - away
+        away = _seen_poses(effects, there, time) - there
+    return away
 
 
 def added(effects: Sequence[ActiveEffect], poses: Floats, time: Floats) -> Floats:

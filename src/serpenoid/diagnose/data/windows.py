@@ -55,7 +55,7 @@ class Track:
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
     doubt: Floats | float = 0.0
     least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
-    shifted: Floats | float = 0.0  # (R, 2) [m] how far cameras show the body from where it is on the floor
+    shifted: Floats | float = 0.0  # (R, 3) [m, m, rad] how far cameras show the body from where it is on the floor
 
     @cached_property
     def steps(self) -> MeasuredSteps:
@@ -69,7 +69,7 @@ class Track:
     @property
     def on_floor(self) -> Floats:
         """Poses (R, 3) on the floor, which does not move with the cameras' frame."""
-        return np.column_stack([self.poses[:, :2] - self.shifted, self.poses[:, 2]])
+        return np.asarray(self.poses - self.shifted)
 
     @property
     def duration(self) -> Floats:
@@ -132,7 +132,7 @@ def predictions(
 
 def in_frame(track: Track, p: Prediction, mine: Sequence[ActiveEffect], more: Sequence[ActiveEffect]) -> Prediction:
     """With what a moving frame adds, and columns for it; more: effects that might be there."""
-    ends = track.poses[track.boundaries], track.time[track.boundaries]
+    ends = track.on_floor[track.boundaries], track.time[track.boundaries]
     by = [p.jacobian, *(added_by(mine, e, *ends) for e in (*mine, *more))]
     moved = p.displacement + added(mine, *ends)
     return replace(

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.frame import displaced, of_frame
+from serpenoid.diagnose.data.frame import of_frame, shifted
 from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import gap_steps
@@ -32,7 +32,7 @@ def placed(motion: Motion, found: Fit) -> Motion:
         return motion
     tracks = []
     for track, p in zip(motion.tracks, found.predictions, strict=True):
-        drifted = displaced(frame, track.poses, track.time)
+        drifted = shifted(frame, track.poses, track.time)
         tracks.append(replace(track, shifted=drifted + (_stepped(track, p) if steps else 0.0)))
     return replace(motion, tracks=tuple(tracks))
 
@@ -48,11 +48,11 @@ def _steps_show(motion: Motion, found: Fit) -> bool:
 
 
 def _stepped(track: Track, predicted: Prediction) -> Floats:
-    """How far steps across gaps have carried a body away from where it is (R, 2) [m]; the measured path across a gap
-    is a straight line, and so is this."""
-    away = np.zeros((len(track.time), 2))
+    """How far steps across gaps have carried a body away from where it is (R, 3) [m, m, rad], unturned; the measured
+    path across a gap is a straight line, and so is this."""
+    away = np.zeros((len(track.time), 3))
     for first, last, step in gap_steps(track, predicted):
         begin, end = track.boundaries[[first, last]]
         share = np.clip((np.arange(len(away)) - begin) / (end - begin), 0.0, 1.0)
-        away += share[:, None] * turn(track.measured[first, 2], step[:2])
+        away[:, :2] += share[:, None] * turn(track.measured[first, 2], step[:2])
     return away

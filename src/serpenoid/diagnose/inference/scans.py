@@ -107,13 +107,13 @@ def _columns(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Iterator[Fl
     frame = of_frame(base.model.effects)
     for track, own, _ in by_track(base.model, motion.tracks, [e for p in parts.values() for e in p], base.predictions):
         _, turned = at_ends(track, own.relative * scale[:, 0], own.jacobian * scale)
-        first, ends = track.boundaries[:-1], (track.poses[track.boundaries], track.time[track.boundaries])
+        first, ends = track.boundaries[:-1], (track.on_floor[track.boundaries], track.time[track.boundaries])
         by = {c: turned[..., i] for i, c in enumerate(own.columns)}
         mine = {c: np.add.reduceat(d, first, axis=0) for c, d in by.items()}
         for e in frame:
             derivatives = added_by(frame, e, *ends)
             mine |= {c: derivatives[..., i] for i, c in enumerate(columns_of([e]))}
-        world = track.on_floor[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+        world = track.on_floor[:, None, :2] + turn(track.on_floor[:, 2:], track.vertices)
         middle = (world[1:] + world[:-1]) / 2
         loads = {name: np.stack([by[c] for c in columns_of(p)], axis=-1) * weights for name, p in parts.items()}
         fitted = np.stack([mine[c] for c in (EPS, *columns_of(base.effects))], axis=-1)
