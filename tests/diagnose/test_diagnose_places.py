@@ -16,11 +16,12 @@ from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.body import Floats
 from serpenoid.diagnose.data import frame
-from serpenoid.diagnose.data.geometry import turn
+from serpenoid.diagnose.data.geometry import shapes, turn
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.tracks import COARSER, _mesh_error, make_tracks
+from serpenoid.diagnose.data.windows import begun_anew, predicted_path
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.room import chance
@@ -28,6 +29,7 @@ from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from specimens import reference, serpenoid_table
 
 PATCH = Effect("friction_patch", None, {"strength": -0.7, "x": 0.1, "y": 0.05, "radius": 0.14})
 JUMPS = Effect("position_jumps", None, {"size": 0.035})
@@ -84,3 +86,23 @@ def test_a_pose_is_where_its_view_came_from() -> None:
         found = poses - frame.shifted([effect], poses, time)
     assert np.abs(poses - true).max() > 0.3
     np.testing.assert_allclose(found, true, atol=1e-3)
+
+
+def test_what_a_mesh_misses_of_windows_is_not_what_it_misses_of_a_run() -> None:
+    """On a patch a run that has strayed by its mesh meets another floor; windows begin where the body is."""
+    patch = ActiveEffect.of("friction_patch", strength=-0.87, x=0.3, y=0.0, radius=0.3)
+    begun = reference()
+    model = Model(begun.body, begun.medium, (patch,))
+    rows, finest = 8 * 18, 8
+    table = serpenoid_table(model, finest * rows)
+    every = shapes(model.body, np.concatenate([table] * 4 + [table[:1]]))
+    time = np.linspace(0, 16, len(every))
+    path = predicted_path(model, every, time, np.array([0.1, 0.1, 0.5]))
+    bounds = 18 * np.arange(4 * 8 + 1)
+    some = slice(None, None, finest)
+    guess = predicted_path(model, every[some], time[some], path[0])
+    run, windows = _mesh_error(model, every[some], time[some], guess, path[some], bounds)
+    true = begun_anew(model, every, time, path, finest * bounds)
+    coarse = begun_anew(model, every[some][::COARSER], time[some][::COARSER], path[some][::COARSER], bounds // COARSER)
+    missed = [np.abs(true - coarse - more).max() for more in (windows, run, 0.0)]
+    assert missed[0] < 0.1 * min(missed[1:])

@@ -15,7 +15,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
-from serpenoid.diagnose.data.windows import Track, predicted_path
+from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
 from serpenoid.group import relative
 from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
@@ -86,14 +86,27 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     gaps = np.array([_crossed(hidden, most, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
     path = guess + bridged(time[bounds], around, time)
     some = slice(None, None, COARSER)
-    rough = predicted_path(model, vertices[some], time[some], guess[0])
-    coarse = bounds // COARSER
-    finer = relative(guess[bounds[:-1]], guess[bounds[1:]]) - relative(rough[coarse[:-1]], rough[coarse[1:]])
-    offset = finer * COARSER**2 / (COARSER**2 - 1)  # second order: extrapolated to a mesh without error
+    run, begun = _mesh_error(model, vertices, time, guess, path, bounds)
     return Track(
-        r, time[some], vertices[some], coarse, playing, cycle, phase, guess[bounds] + around, path[some], r.time, plan,
-        gaps, offset, least=_least(r, counts),
+        r, time[some], vertices[some], bounds // COARSER, playing, cycle, phase, guess[bounds] + around, path[some],
+        r.time, plan, gaps, begun, least=_least(r, counts), strayed=run - begun,
     )  # fmt: skip
+
+
+def _mesh_error(
+    model: Model, vertices: Floats, time: Floats, run: Floats, path: Floats, bounds: np.ndarray
+) -> tuple[Floats, Floats]:
+    """What the coarser mesh misses of each window (B - 1, 3): of a run from the first pose, and of steps that begin on
+    the measured path. Where drag depends on the place, a run that strays by the mesh meets another floor."""
+    some, coarse = slice(None, None, COARSER), bounds // COARSER
+    more = COARSER**2 / (COARSER**2 - 1)  # second order: extrapolated to a mesh without error
+    rough = predicted_path(model, vertices[some], time[some], run[0])
+    free = relative(run[bounds[:-1]], run[bounds[1:]]) - relative(rough[coarse[:-1]], rough[coarse[1:]])
+    if not model.knows("place") or model.knows("history"):
+        return more * free, more * free
+    fine = begun_anew(model, vertices, time, path, bounds)
+    begun = fine - begun_anew(model, vertices[some], time[some], path[some], coarse)
+    return more * free, more * np.where(np.isfinite(begun), begun, free)
 
 
 def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats]:

@@ -55,6 +55,7 @@ class Track:
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
     doubt: Floats | float = 0.0
     least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
+    strayed: Floats | float = 0.0  # (B - 1, 3) what `offset` is more for who runs free from the first pose
     shifted: Floats | float = 0.0  # (R, 3) [m, m, rad] how far cameras show the body from where it is on the floor
 
     @cached_property
@@ -95,6 +96,15 @@ def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) 
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
     known = np.atleast_2d(start)
     return accumulate(steps.relative[len(known) - 1 :] * scale, known[-1])
+
+
+def begun_anew(model: Model, vertices: Floats, time: Floats, poses: Floats, boundaries: np.ndarray) -> Floats:
+    """Displacements (B - 1, 3) of windows by a model whose steps begin at poses (R, 3) [m, rad], each at its own."""
+    length = model.body.total_length_m
+    scale = np.array([length, length, 1.0])
+    found = sensitivities_of(model, MeasuredSteps.of(model, vertices / length, time, poses / scale))
+    path = accumulate(found.relative * scale)
+    return relative(path[boundaries[:-1]], path[boundaries[1:]])
 
 
 @dataclass(frozen=True)
@@ -217,7 +227,7 @@ def _coasted(track: Track, found: PathSensitivities, scale: Floats) -> Predictio
         axis=1,
     )
     poses = found.poses[: len(track.steps) + 1]
-    return Prediction(moved + track.offset, jacobian, found.columns, relative(poses[:-1], poses[1:]))
+    return Prediction(moved + track.offset + track.strayed, jacobian, found.columns, relative(poses[:-1], poses[1:]))
 
 
 def windowed(track: Track, steps: Floats, by: Floats, columns: tuple[Column, ...]) -> Prediction:

@@ -51,7 +51,7 @@ def from_command(model: Model, track: Track, schedule: Schedule) -> Prediction:
     vertices = shapes(model.body, realise(model, commanded, track.time).angles)
     path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
     seen = added(of_frame(model.effects), track.on_floor[track.boundaries], track.time[track.boundaries])
-    moved = relative(path[:-1], path[1:]) + track.offset + seen
+    moved = relative(path[:-1], path[1:]) + track.offset + track.strayed + seen
     return Prediction(np.asarray(moved), np.zeros((*moved.shape, 0)), ())
 
 
