@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import bridged
+from serpenoid.measure.clock import bridged, unwrapped
 from serpenoid.measure.links import marker_angles
 
 LONGEST = 32  # frames that a bend is bridged over: work goes with its square
@@ -58,7 +58,7 @@ def bends_in_time(
     if not determined.any():
         return Bends(np.full_like(shown, np.nan), np.full_like(shown, np.nan))
     at = time_s / float(np.median(np.diff(time_s)))
-    shown = _whole_turns(shown, known)
+    shown = unwrapped(shown)
     noise = np.nanmedian(variance[determined], axis=0)
     before, after = (np.round(np.minimum(d, 2.0 * LONGEST)).astype(int) for d in _distances(at, known))
     wanted = ~known & ~determined[:, None] & (before + after <= LONGEST)
@@ -68,14 +68,6 @@ def bends_in_time(
         missed[rows, joints] = _missed(shown, noise, a, b)[joints]
     within = (bridged(at, shown) + np.pi) % (2 * np.pi) - np.pi
     return Bends(np.where(np.isfinite(missed), within, np.nan), missed)
-
-
-def _whole_turns(angles: Floats, known: NDArray[np.bool_]) -> Floats:
-    """The known ones without jumps by a whole turn."""
-    straight = angles.copy()
-    for column, there in zip(straight.T, known.T, strict=True):
-        column[there] = np.unwrap(column[there])
-    return straight
 
 
 def _distances(at: Floats, known: NDArray[np.bool_]) -> tuple[Floats, Floats]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.clock import bridged, unwrapped
 from serpenoid.measure.links import laid_over, link_of_edge, vertices_by_links
 
 
@@ -23,8 +24,8 @@ def start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
         psi = _fill_by_bends(psi, servo)
     # not directions: while a vertex is hidden the body may turn, and a bend of it to the other side fits as well
     bends = (np.diff(psi, axis=1) + np.pi) % (2 * np.pi) - np.pi
-    psi = _fill_by_bends(psi, np.stack([_fill_in_time(column) for column in bends.T], axis=1))
-    psi = np.stack([_fill_in_time(column) for column in psi.T], axis=1)
+    rows = np.arange(float(len(psi)))
+    psi = bridged(rows, unwrapped(_fill_by_bends(psi, bridged(rows, unwrapped(bends)))))
     unknowns = np.concatenate([np.zeros((len(psi), 2)), within_half_a_turn(psi)], axis=1)
     unknowns[adrift, 2:] += laid_over(vertices_by_links(body, unknowns[adrift])[0], vertices[adrift])[0][:, None]
     shape, _ = vertices_by_links(body, unknowns)
@@ -60,10 +61,3 @@ def _fill_by_bends(psi: Floats, bends: Floats) -> Floats:
         guess = filled[:, its_link + 1] - bends[:, its_link]
         filled[:, its_link] = np.where(np.isfinite(filled[:, its_link]), filled[:, its_link], guess)
     return filled
-
-
-def _fill_in_time(angle: Floats) -> Floats:
-    known = np.flatnonzero(np.isfinite(angle))
-    if not len(known):
-        return np.zeros_like(angle)
-    return np.interp(np.arange(len(angle)), known, np.unwrap(angle[known]))

@@ -41,16 +41,14 @@ def interpolate_smoothly(time_s: Floats, values: Floats, at_s: Floats) -> Floats
     """
     if len(time_s) < 2:
         return interpolate(time_s, values, at_s)
+    from scipy.interpolate import PPoly  # takes long to import, and a film without a log needs it not
+
     step, rows = np.diff(time_s)[:, None], np.arange(len(time_s))
     after, before = np.minimum(rows + 1, rows[-1]), np.maximum(rows - 1, 0)
     slope = (values[after] - values[before]) / (time_s[after] - time_s[before])[:, None]
-    right = np.clip(np.searchsorted(time_s, at_s), 1, rows[-1])
-    left, step = right - 1, step[right - 1]
-    u = (at_s - time_s[left])[:, None] / step
-    rise = values[right] - values[left]
-    bend = (1 - u) * (slope[left] * step - rise) - u * (slope[right] * step - rise)
-    inside = (at_s >= time_s[0]) & (at_s <= time_s[-1])
-    return np.where(inside[:, None], values[left] + u * rise + u * (1 - u) * bend, np.nan)
+    left, right, chord = slope[:-1], slope[1:], np.diff(values, axis=0) / step
+    powers = [(left + right - 2 * chord) / step**2, (3 * chord - 2 * left - right) / step, left, values[:-1]]
+    return np.asarray(PPoly(np.stack(powers), time_s, extrapolate=False)(at_s))
 
 
 def bridged(time_s: Floats, values: Floats, at_s: Floats | None = None) -> Floats:
@@ -62,6 +60,15 @@ def bridged(time_s: Floats, values: Floats, at_s: Floats | None = None) -> Float
         known = np.isfinite(column)
         columns.append(np.interp(at_s, time_s[known], column[known]) if known.any() else np.zeros(len(at_s)))
     return np.stack(columns, axis=1)
+
+
+def unwrapped(angles: Floats) -> Floats:
+    """Columns of `angles` (R, m), NaN unknown, without jumps by a whole turn from one known row to the next."""
+    straight = angles.copy()
+    for column in straight.T:
+        known = np.isfinite(column)
+        column[known] = np.unwrap(column[known])
+    return straight
 
 
 def held(time_s: Floats, values: Floats, at_s: Floats) -> Floats:

@@ -39,9 +39,13 @@ class Jump:
 
 def find_gaps(determined: NDArray[np.bool_], time_s: Floats) -> tuple[Gap, ...]:
     """Every run of undetermined frames."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], (~determined).astype(int), [0]])))
-    runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    return tuple(Gap(a, b, _span(a, b, time_s)) for a, b in runs)
+    return tuple(Gap(a, b - 1, _span(a, b - 1, time_s)) for a, b in stretches(~determined))
+
+
+def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First row of each stretch of true flags (R,), and the row after its last."""
+    edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def find_holes(time_s: Floats) -> NDArray[np.int64]:

@@ -37,8 +37,13 @@ class Schedule:
         return self.cycle_duration_s + self.pause_s
 
     @property
+    def whole_s(self) -> float:
+        """From the first command to the end of the last pause."""
+        return self.cycles * self.period_s
+
+    @property
     def end_s(self) -> float:
-        return self.start_s + self.cycles * self.period_s
+        return self.start_s + self.whole_s
 
     @property
     def moving_s(self) -> float:
@@ -70,7 +75,7 @@ class Schedule:
         any shape."""
         since = time_s - self.start_s
         phase = np.where(since < 0, 0.0, np.mod(since, self.period_s) / self.cycle_duration_s)
-        at = np.where(since >= self.cycles * self.period_s, 0.0, np.minimum(phase, 1.0)) * len(self.table)
+        at = np.where(since >= self.whole_s, 0.0, np.minimum(phase, 1.0)) * len(self.table)
         if self.held:
             return (at + ON_TIME).astype(int), np.zeros_like(at)
         row = np.minimum(at.astype(int), len(self.table) - 1)
@@ -108,13 +113,13 @@ def start_by_log(log: ServoLog, cycle_duration_s: float, pause_s: float, rows: i
 def start_by_shape(schedule: Schedule, time_s: Floats, joint_angles: Floats) -> Offset | None:
     """t0 on the cameras' clock, by laying the commanded angles over the measured ones (servo lag goes into it)."""
     schedule, before = schedule.seen_in(float(np.ptp(time_s))), min(1.0, schedule.pause_s)
-    grid = np.arange(-before, schedule.cycles * schedule.period_s + before, schedule.cycle_duration_s / 200)
+    grid = np.arange(-before, schedule.whole_s + before, schedule.cycle_duration_s / 200)
     return find_offset(time_s, joint_angles, grid, schedule.commanded(grid + schedule.start_s))
 
 
 def play_record(schedule: Schedule, rate_hz: float) -> tuple[Floats, list[tuple[str, int, int]]]:
     """Times from 0 and (phase, cycle, step) of a log sampled at `rate_hz`: for rehearsals."""
-    times = np.arange(0.0, schedule.cycles * schedule.period_s, 1.0 / rate_hz)
+    times = np.arange(0.0, schedule.whole_s, 1.0 / rate_hz)
     rows = len(schedule.table)
     labels = []
     for time in times:

@@ -74,7 +74,7 @@ def align_commands(
 
     What it misses of the joints that are seen (lag, play) is its scatter, and how long that lasts.
     """
-    told = np.arange(-schedule.pause_s - STILL_S, schedule.cycles * schedule.period_s + STILL_S, np.diff(time_s).min())
+    told = np.arange(-schedule.pause_s - STILL_S, schedule.whole_s + STILL_S, np.diff(time_s).min())
     angles = schedule.commanded(told + schedule.start_s)
     log = ServoLog(told, angles, None, None, None, None, {}, "joint table")
     found, complaints = align_servo(body, estimate, markers, time_s, log)

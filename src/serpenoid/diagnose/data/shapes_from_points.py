@@ -19,7 +19,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import register, shapes
 from serpenoid.errors import InputError
 from serpenoid.measure.chain import estimate_chain
-from serpenoid.measure.clock import bridged
+from serpenoid.measure.clock import bridged, unwrapped
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.smooth import WINDOWS, cross_validated, smooth
 
@@ -72,7 +72,7 @@ class Smoothed:
 def from_points(body: Body, time: Floats, markers: Floats) -> Smoothed:
     """Smooth states of points (F, N, 2) [m], short holes bridged."""
     rows = np.arange(float(len(markers)))
-    angles = bridged(rows, np.unwrap(bridged(rows, marker_angles(body, markers)), axis=0))
+    angles = bridged(rows, unwrapped(marker_angles(body, markers)))
     poses = bridged(rows, register(shapes(body, angles), markers)[0])
     smooth_poses, pose_noise, pose_weights = _smoothed(time, poses, np.array([1.0, 1.0, body.total_length_m / 4]))
     smooth_angles, angle_noise, angle_weights = _smoothed(time, angles, np.ones(angles.shape[1]))

@@ -18,7 +18,6 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
-ROOTLESS = 0.02  # share of windows: a few steps about rest have no root on dry friction
 RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
 SOFTENING = Medium.model_fields["softening"].default
 
@@ -67,33 +66,31 @@ def _acting(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
 
 
 def _alone(found: Selection, dry: Model) -> Fit | None:
-    """eps alone on dry friction, the best of what nearly all steps have roots in; None where there is none.
+    """eps alone on dry friction; None where no window has a root.
 
     Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So the
     ratios from drag's to one are looked at first.
     """
     tried = np.geomspace(found.null.model.medium.anisotropy_ratio, 1.0, RATIOS)
     begun = in_processes([(_fit, (found.motion, dry, [], eps, 0)) for eps in tried])
-    near = sorted(_whole(found, begun), key=_missed)[:POLISHED]
+    near = sorted(begun, key=_missed)[:POLISHED]
     ratios = [f.model.medium.anisotropy_ratio for f in near]
     fits = in_processes([(_fit, (found.motion, dry, [], eps, TO_THE_END)) for eps in ratios])
-    return min(_whole(found, fits), key=_missed, default=None)
+    best = min(fits, key=_missed)
+    return best if np.isfinite(_missed(best)) else None
 
 
 def _named(found: Selection, dry: Model, alone: Fit) -> Fit:
     """The same with what is named, as far as it acts there; begun without the effects."""
     effects = _acting(found.best.effects)
     both = _fit(found.motion, dry, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
-    return min(_whole(found, [both]), default=alone, key=_missed)
-
-
-def _whole(found: Selection, fits: Sequence[Fit]) -> list[Fit]:
-    """Those in which nearly all steps have roots."""
-    return [f for f in fits if f.evidence.count.sum() >= (1 - ROOTLESS) * found.best.evidence.count.sum()]
+    return both if np.isfinite(_missed(both)) else alone
 
 
 def _missed(fit: Fit) -> float:
-    return fit.chi2 / float(fit.evidence.count.sum())
+    """Chi squared of a window that has a root; infinite: none has."""
+    count = float(fit.evidence.count.sum())
+    return fit.chi2 / count if count else np.inf
 
 
 def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float, steps: int) -> Fit:

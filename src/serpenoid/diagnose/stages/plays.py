@@ -224,8 +224,7 @@ class Plays:
 def played_for_sure(r: Recording, begun: bool) -> NDArray[np.bool_]:
     """Which readings (R,) are of the promised motion; not `begun` (nothing says when it began): however late that was.
     What servos do after it, nobody has promised."""
-    end = r.schedule.cycles * r.schedule.period_s
-    return (r.read_at > 0) & (r.read_at < end - (0.0 if begun else unsure_start(r)))
+    return (r.read_at > 0) & (r.read_at < r.schedule.whole_s - (0.0 if begun else unsure_start(r)))
 
 
 def unsure_start(r: Recording) -> float:

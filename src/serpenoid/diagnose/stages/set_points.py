@@ -81,7 +81,7 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
 
 def _whenever(r: Recording) -> Floats:
     """Times at which a trial is followed whose beginning its readings tell: they may lie anywhere between two rows."""
-    return np.arange(0.0, 0.0 if r.start_said else r.schedule.cycles * r.schedule.period_s, ACTED_ON_S)
+    return np.arange(0.0, 0.0 if r.start_said else r.schedule.whole_s, ACTED_ON_S)
 
 
 def corners(r: Recording) -> Floats:

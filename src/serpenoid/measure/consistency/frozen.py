@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import LEAST_ROWS
+from serpenoid.measure.quality import stretches
 
 FAR = 10.0  # steps of rounding: who turns about a point that rounds alike moves by less
 NAMED = 3  # points at most
@@ -31,7 +32,7 @@ def frozen(points: Floats) -> NDArray[np.int64]:
     far = FAR * float(moved.min())
     for k in np.flatnonzero(same.any(axis=0)):
         others = np.delete(points, k, axis=1)
-        for first, last in _stretches(same[:, k]):
+        for first, last in stretches(same[:, k]):  # of steps: its last frame is that after its last step
             if last - first + 1 >= LEAST_ROWS and _middle(others[first : last + 1]) > far:
                 found[k] += last - first + 1
     return found
@@ -48,12 +49,6 @@ def frozen_said(counts: NDArray[np.int64], names: Sequence[str]) -> str | None:
         f"to the last digit these markers stand still while the others move: {shown}{more}. Frozen by the tracker, or "
         "zeros for what was not seen? Leave such cells empty in the file"
     )
-
-
-def _stretches(same: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last frame of each stretch of equal frames."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _middle(points: Floats) -> float:

@@ -59,9 +59,7 @@ class Course:
 
 def course_of(schedule: Schedule) -> Course:
     """What a schedule promises, from its own start on."""
-    return Course(
-        lambda time: schedule.commanded(time + schedule.start_s), schedule.cycles * schedule.period_s, schedule.period_s
-    )
+    return Course(lambda time: schedule.commanded(time + schedule.start_s), schedule.whole_s, schedule.period_s)
 
 
 @dataclass(frozen=True)
