@@ -64,3 +64,10 @@ def test_a_log_that_agrees_with_the_table_says_that_the_film_is_wrong() -> None:
     film = replace(played(-0.01, 0), by_servos=True, clock=Clock(0.0, 0.0101, 1e-3, 1e-5))
     (found,) = at_played_rate([replace(film, log_time=film.time * 1.0101)])
     assert "so the film's is wrong" in found.remarks[-1]
+
+
+def test_one_clock_is_told_once_whatever_cycles_last() -> None:
+    recordings = [replace(played(0.02, n, cycle_s=duration), name=str(n)) for n, duration in enumerate((3.0, 4.0, 5.0))]
+    found = at_played_rate(recordings)
+    assert len({r.remarks[-1] for r in found}) == 1
+    assert "3.06, 4.08, 5.1 s on the film's clock" in found[0].remarks[-1]

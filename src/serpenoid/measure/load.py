@@ -87,7 +87,7 @@ def _aligned(
 ) -> tuple[Body, tuple[Trial, ...]]:
     """The body, and every trial aligned; each is kept as soon as it is done."""
     body, read = read_files(file, folder)
-    said = believe(file, folder, body, read)
+    read, said = believe(file, folder, body, read)
     found: dict[str, Trial | InputError] = {}
     for index, trial in results(_kept, [(file, files, body) for files in read], workers):
         if progress is not None:

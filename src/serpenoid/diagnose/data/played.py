@@ -38,8 +38,9 @@ def at_played_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
             found[i] = _replayed(found[i], rate, late)
     if not told:
         return tuple(recordings)
+    lasting = sorted({r.schedule.cycle_duration_s for r, now in zip(recordings, found, strict=True) if now is not r})
     return tuple(
-        now if now is r else replace(now, remarks=(*r.remarks, _words(r, told)))
+        now if now is r else replace(now, remarks=(*r.remarks, _words(r, told, lasting)))
         for r, now in zip(recordings, found, strict=True)
     )
 
@@ -96,14 +97,15 @@ def _replayed(r: Recording, rate: float, late: Floats) -> Recording:
     )  # fmt: skip
 
 
-def _words(r: Recording, rate: float) -> str:
-    duration, which = r.schedule.cycle_duration_s, "more" if rate < 0 else "fewer"
-    said = (
-        f"a cycle lasts {duration * (1 + rate):.4g} s on the film's clock, and `cycle_duration_s` says {duration:g}: "
-    )
+def _words(r: Recording, rate: float, lasting: Sequence[float]) -> str:
+    """One clock, one sentence, whatever cycles last [s] in the trials it is said of."""
+    which = "more" if rate < 0 else "fewer"
+    on_film, promised = (", ".join(f"{f * duration:.4g}" for duration in lasting) for f in (1 + rate, 1.0))
+    each = ", in this order" if len(lasting) > 1 else ""
+    said = f"a cycle lasts {on_film} s on the film's clock, and `cycle_duration_s` says {promised}{each}: "
     on_log = (1 + rate) * (1 + r.clock.rate) - 1
     if r.by_servos and abs(on_log) < abs(rate) / 2:
-        said += f"on the servo log's clock it lasts {duration * (1 + on_log):.4g} s, so the film's is wrong; check its"
+        said += "on the servo log's clock it lasts as long as promised, so the film's is wrong; check its"
     else:
         said += "the film's clock or the player's is wrong; check the"
     return (

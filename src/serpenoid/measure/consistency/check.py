@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from serpenoid.measure.consistency.hypotheses import (
     schedule_faults,
     turned,
 )
-from serpenoid.measure.consistency.lost_frames import lost_frames
+from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
 from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
 from serpenoid.measure.consistency.signals import Signal, moving_s
@@ -72,11 +72,13 @@ class Contradiction:
 
 @dataclass(frozen=True)
 class Verdict:
-    """All contradictions of a campaign, remarks that are none, and all rivals that were scored."""
+    """All contradictions of a campaign, remarks that are none, all rivals that were scored; torn: where trials' films
+    lack frames that their clocks do not tell of."""
 
     contradictions: tuple[Contradiction, ...]
     remarks: tuple[tuple[str, str], ...]  # (trial, remark)
     rivals: tuple[Rival, ...]
+    torn: Mapping[str, tuple[Lost, ...]] = field(default_factory=dict)
 
 
 def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
@@ -90,7 +92,8 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
     judged = in_processes([(_judged, (claim, claims, tables)) for claim in claims])
     rivals = [rival for one in judged for rival in one.rivals]
     lost = [found for one in judged for found in one.contradictions]
-    return Verdict((*_certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals))
+    torn = {trial: places for one in judged for trial, places in one.torn.items()}
+    return Verdict((*_certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
 
 
 def _in_other_units(claim: Claim) -> list[Contradiction]:
@@ -116,24 +119,27 @@ def _other_unit(signal: Signal, schedule: Schedule) -> tuple[str, str] | None:
 
 
 def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
-    """One trial: its rivals, and what nothing explains."""
+    """One trial: its rivals, and what nothing explains; where frames are missing, beside the film's clock set on."""
     rivals: list[Rival] = []
     lost: list[Contradiction] = []
     remarks: list[tuple[str, str]] = []
+    torn: tuple[Lost, ...] = ()
+    if claim.cameras is not None and claim.servos is not None and _same_joints(claim.cameras, claim.servos):
+        torn = lost_frames(claim.cameras, claim.servos)
+    if claim.cameras is not None and torn:
+        claim = replace(claim, cameras=Signal(set_on(claim.cameras.time_s, torn), claim.cameras.values))
     for found in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
         if found is not None:
             rivals += found.rivals
             lost += _unexplained(claim, found)
             remarks += [*_weakness(claim, found.contract, found.witness), *found.doubts]
-    return Verdict(tuple(lost), (*remarks, *_lost_frames(claim)), tuple(rivals))
+    remarks += [(claim.trial, place.said) for place in torn]
+    return Verdict(tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {})
 
 
-def _lost_frames(claim: Claim) -> list[tuple[str, str]]:
-    cameras, servos = claim.cameras, claim.servos
-    if cameras is None or servos is None or not (cameras.enough and servos.enough):
-        return []
-    found = lost_frames(cameras, servos) if cameras.values.shape[1] == servos.values.shape[1] else None
-    return [] if found is None else [(claim.trial, found.said)]
+def _same_joints(cameras: Signal, servos: Signal) -> bool:
+    """Whether the two can be laid over each other."""
+    return cameras.enough and servos.enough and cameras.values.shape[1] == servos.values.shape[1]
 
 
 def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Compared | None:
@@ -168,9 +174,7 @@ def _periods(signal: Signal, own: float | None, schedule: Schedule) -> list[floa
 
 def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared | None:
     cameras, servos = claim.cameras, claim.servos
-    if cameras is None or servos is None or not (cameras.enough and servos.enough):
-        return None
-    if cameras.values.shape[1] != servos.values.shape[1]:
+    if cameras is None or servos is None or not _same_joints(cameras, servos):
         return None
     cameras = _covered(cameras, servos)
     own, promised = cameras.period_s, servos.period_s

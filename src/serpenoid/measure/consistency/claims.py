@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import beside_film, other_bodies
+from serpenoid.measure.consistency.lost_frames import Lost, set_on
 from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
@@ -46,10 +47,14 @@ PLAYED = {"play", "pause"}  # phases of a servo log in which the table is follow
 UP = {"motive": "y", "c3d": "z"}
 
 
-def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]) -> dict[str, tuple[str, ...]]:
-    """Remarks on every trial by name. Raises InputError with every contradiction and its likely cure.
+def believe(
+    file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]
+) -> tuple[tuple[Files, ...], dict[str, tuple[str, ...]]]:
+    """All files, films' clocks set on where frames are missing, and remarks on every trial by name. Raises InputError
+    with every contradiction and its likely cure.
 
-    A trial with `believe = true` is computed all the same, and the contradiction is among its remarks.
+    A trial with `believe = true` is computed all the same, its clock as it is, and the contradiction is among its
+    remarks.
     """
     verdict = check_files(file, folder, body, read)
     believed = {files.entry.name for files in read if files.entry.believe}
@@ -72,13 +77,21 @@ def believe(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files])
         remarks[trial].append(said[trial])
     for one in verdict.contradictions:
         remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
-    return {trial: tuple(said) for trial, said in remarks.items()}
+    torn = {trial: places for trial, places in verdict.torn.items() if trial not in believed}
+    mended = tuple(_set_on(files, torn.get(files.entry.name, ())) for files in read)
+    return mended, {trial: tuple(said) for trial, said in remarks.items()}
+
+
+def _set_on(files: Files, torn: Sequence[Lost]) -> Files:
+    if files.tracks is None or not torn:
+        return files
+    return replace(files, tracks=replace(files.tracks, time_s=set_on(files.tracks.time_s, torn)))
 
 
 def read_believed(file: CampaignFile, folder: Path) -> Believed:
     """All files of all trials, the body, and remarks on every trial by name; InputError as in `believe`."""
     body, read = read_files(file, folder)
-    return body, read, believe(file, folder, body, read)
+    return body, *believe(file, folder, body, read)
 
 
 def contradictions(path: str | Path) -> tuple[Contradiction, ...]:
