@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import codecs
 import csv
+import gzip
+import io
 import json
 import math
 import os
 import re
 import stat
+import zlib
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -22,6 +25,12 @@ SETTINGS_BYTES = 20_000_000  # problem, model, robot, campaign and result files,
 RECORDING_BYTES = 1_000_000_000  # an hour of a hundred markers at 100 frames/s as text
 DEEPEST = 32  # sections within sections; what the package writes has 7
 CELL_CHARACTERS = 100_000
+GZIP = b"\x1f\x8b"
+NO_TEXT = {
+    b"PK\x03\x04": "a spreadsheet (xlsx, ods) or another zip archive. Save the sheet as CSV in UTF-8",
+    b"\xd0\xcf\x11\xe0": "an old spreadsheet (xls). Save the sheet as CSV in UTF-8",
+    b"\x89HDF": "an HDF5 file. Is `format` that of another program, or the file to be exported as CSV?",
+}  # what files begin with that are often taken for text
 DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?\s*", re.ASCII)
 NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*", re.ASCII)
 
@@ -53,8 +62,13 @@ def read_bytes(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
 
 
 def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
-    """UTF-8 text, with or without a byte-order mark."""
+    """UTF-8 text, with or without a byte-order mark, or such text packed by gzip."""
     data = read_bytes(path, most)
+    if data.startswith(GZIP):
+        data = _unpacked(data, path, most)
+    for begin, what in NO_TEXT.items():
+        if data.startswith(begin):
+            raise InputError(f"{path}: not a text file but {what}{'' if what.endswith('?') else '.'}")
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         raise InputError(f"{path}: not a text file in UTF-8 but in UTF-16. Save it as UTF-8.")
     try:
@@ -65,6 +79,17 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     if "\0" in text:
         raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).")
     return text
+
+
+def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            found = stream.read(most + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(f"{path}: packed by gzip, and cannot be unpacked ({error}). Was the copy cut off?") from None
+    if len(found) > most:
+        raise InputError(f"{path}: must be at most {most / 1e6:g} MB when unpacked. Is it the right file?")
+    return found
 
 
 def csv_rows(text: str, path: str | Path) -> list[list[str]]:

@@ -26,13 +26,14 @@ LARGEST = 1e19  # a larger number is no measurement: nanoseconds since 1970 are 
 
 
 def read_rows(path: Path, live: bool = False) -> Rows:
-    """All rows of a CSV. `live`: the file may end in the middle of a row (power loss): it is dropped."""
+    """All rows of a CSV but those that begin with `#`; where the last of these names as many columns as the first row
+    has numbers, it is the header. `live`: the file may end in the middle of a row (power loss): it is dropped."""
     text = read_text(path, RECORDING_BYTES)
     if not text.strip():
         raise InputError(f"{path}: is empty. Was the recording stopped before anything was written?")
     if live and not text.endswith("\n"):
         text = text[: text.rfind("\n") + 1]
-    rows = csv_rows(text, path)
+    rows = csv_rows(_without_remarks(text), path)
     while rows and not any(cell.strip() for cell in rows[-1]):
         rows.pop()
     if not rows:
@@ -40,6 +41,20 @@ def read_rows(path: Path, live: bool = False) -> Rows:
     if not rows[0]:
         raise InputError(f"{path}: row 1: is empty, where the header belongs.")
     return rows
+
+
+def _without_remarks(text: str) -> str:
+    if "#" not in text:
+        return text
+    lines = text.splitlines()
+    kept = [line for line in lines if not line.startswith("#")]
+    first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+    if kept and first and lines[first - 1].startswith("#"):
+        header, row = (inputs.csv_rows(line.lstrip("# "), "")[:1] for line in (lines[first - 1], lines[first]))
+        numbers = [inputs.number(cell) is not None for cell in row[0]]
+        if header and len(header[0]) == len(row[0]) and all(numbers) and numbers:
+            kept.insert(0, lines[first - 1].lstrip("# "))
+    return "\n".join(kept) + "\n" * text.endswith("\n")
 
 
 def column_letter(column: int) -> str:

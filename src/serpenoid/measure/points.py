@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
+from serpenoid.files.inputs import RECORDING_BYTES, number, read_bytes
 from serpenoid.measure.cells import (
     LARGEST,
     Floats,
@@ -43,7 +43,7 @@ def read_long(
     individual: str | None = None,
 ) -> Tracks:
     """One row per frame and point (and individual). `columns` maps time, frame, point, x, y, individual to the file's
-    own names (time or frame)."""
+    own names (time or frame). Points are numbers, or names in the order in which they first come."""
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
@@ -53,6 +53,7 @@ def read_long(
         raise InputError(f"{path}: has no time column: give `frames_per_second` in [motion].")
     roles = [clock, "point", "x", "y"]
     where = [found[role] for role in roles]
+    called = _numbered(rows, found["point"])
     data = block(rows, 1, where, [columns[role] for role in roles], path)
     _refuse_empty(data[:, :2], where, rows, path)
     whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
@@ -70,7 +71,21 @@ def read_long(
     floor = np.full((len(stamps), len(points), 2), np.nan)
     floor[frame, slot] = data[:, 2:]
     times = stamps * SECONDS[time_unit] if clock == "time" else stamps / float(frames_per_second or 1)
-    return _tracks(times, [f"point_{k:g}" for k in points], floor, length_unit, path)
+    names = [called[int(k)] for k in points] if called else [f"point_{k:g}" for k in points]
+    return _tracks(times, names, floor, length_unit, path)
+
+
+def _numbered(rows: Rows, column: int) -> list[str]:
+    """Names of points, whose cells become their numbers (0, ...); none where any is a number already."""
+    cells = [row[column].strip() for row in rows[1:] if len(row) > column]
+    names = list(dict.fromkeys(cell for cell in cells if cell and cell.lower() != "nan"))
+    if any(number(name) is not None for name in names):
+        return []
+    place_of = {name: str(k) for k, name in enumerate(names)}
+    for row in rows[1:]:
+        if len(row) > column:
+            row[column] = place_of.get(row[column].strip(), "")
+    return names
 
 
 def read_sleap(

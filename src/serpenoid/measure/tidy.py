@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from serpenoid.errors import InputError
@@ -48,10 +49,22 @@ def _tidy_places(header: list[str], path: Path) -> list[int]:
     expected = ["frame" if header[0] == "frame" else "t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
     for column, (got, want) in enumerate(zip(header, expected, strict=False)):
         if got != want:
-            raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}. {OWN_NAMES}")
+            raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}. {_own(header)}")
     if count < 1 or len(header) != len(expected):
         raise InputError(f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns.")
     return list(range(len(header)))
+
+
+def _own(header: list[str]) -> str:
+    """What to write for the names of a file, where two columns a point can be seen."""
+    named = list(dict.fromkeys(re.sub(r"[0-9]+", "*", name) for name in header[1:]))
+    if len(named) != 2 or any(name.count("*") != 1 for name in named) or '"' in "".join(header):
+        return OWN_NAMES
+    x, y = named
+    return (
+        f'Own names: `columns = {{ time = "{header[0]}", x = "{x}", y = "{y}" }}` in [motion], `frame` for `time` '
+        "where frames are counted; points tail first, units as `length_unit` and `time_unit` (docs/your-csv.md)."
+    )
 
 
 def _own_places(header: list[str], columns: MotionColumns, path: Path) -> list[int]:
