@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.files.alone import alone
 from serpenoid.files.writing import atomic
 
 REFERENCE = str(Path(__file__).parents[2] / "problems" / "reference.toml")
@@ -34,6 +35,18 @@ def test_another_question_is_refused_and_nothing_is_touched(tmp_path: Path, caps
     assert f"--out {out}: holds the answer of another `simulate`" in said
     assert "earlier-1 by --force" in said
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
+
+
+def test_a_folder_on_which_another_command_works_is_refused_until_that_ends(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    with alone("folder", tmp_path / "elsewhere" / ".." / "out", ""):
+        assert simulated(out) == 2
+    assert "another serpenoid command is at work on it" in capsys.readouterr().err
+    assert not out.exists()
+    assert simulated(out) == 0
+    assert simulated(out) == 0  # the first has let it go
 
 
 def test_a_command_ended_amid_its_answer_may_be_given_again(

@@ -10,7 +10,7 @@ import pytest
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.residuals.pushes import pushed
-from serpenoid.diagnose.residuals.residual_words import where_pushed
+from serpenoid.diagnose.residuals.residual_words import _moment, _where, where_pushed
 
 PHASES, SETTINGS = 8, 6
 
@@ -24,7 +24,7 @@ def repeated(cycles: int) -> Motion:
             playing=phase < 1,
             time=2.0 * np.arange(len(phase) + 1),
             boundaries=np.arange(len(phase) + 1),
-            recording=SimpleNamespace(setting=(f"gait-{s}", 2.0), name="abcdefghijkl"[2 * s + repeat]),
+            recording=SimpleNamespace(setting=(f"gait-{s}", 2.0), length_unit="m", name="abcdefghijkl"[2 * s + repeat]),
         )
         for s in range(SETTINGS)
         for repeat in range(2)
@@ -58,3 +58,31 @@ def test_a_push_of_one_trial_is_seen_and_one_that_is_no_news_is_not() -> None:
     assert push[0] == pytest.approx(0.03, abs=6e-3)  # three standard deviations of the two windows' chance
     assert where_pushed(motion, [(track, window, push)]).endswith("mm between 8.0 and 10.0 s of `c` or of its repeat")
     assert not pushed(cast(Motion, SimpleNamespace(tracks=motion.tracks, unlike=0.05)), left)
+
+
+@pytest.mark.parametrize(("unit", "words"), [("m", "about x = 0.49 m, y"), ("bl", "about x = 0.49 body lengths, y")])
+def test_what_is_gathered_on_the_floor_has_the_unit_of_the_recording(unit: str, words: str) -> None:
+    motion, left = whole(repeated(3), unit), chance(repeated(3), 1)
+    for track, x in zip(motion.tracks, left, strict=True):
+        x[np.abs(track.on_floor[:-1, 0] - 0.5) < 0.05] *= 100
+    (said,) = _where(motion, left)
+    assert words in said
+
+
+def test_one_bad_moment_is_not_told_as_a_phase_of_the_cycle() -> None:
+    motion, left = whole(repeated(3), "m"), chance(repeated(3), 1)
+    assert not _moment(motion, left)
+    left[2][4:6] += 0.1
+    assert _moment(motion, left) == ["most of it between 8.0 and 10.0 s of `c` or just beside"]
+    for x in left:
+        x[4] += 0.1  # in all trials: that is a phase
+    assert not _moment(motion, left)
+
+
+def whole(motion: Motion, unit: str) -> Motion:
+    """With places, along a line from 0 to 1, and a noise that is that of each setting."""
+    for track in motion.tracks:
+        track.recording.length_unit = unit  # type: ignore[misc]
+        track.on_floor = np.linspace([0, 0, 0], [1, 0, 0], len(track.time))  # type: ignore[misc]
+    sizes = {id(t): np.std(x) for t, x in zip(motion.tracks, chance(motion, 0), strict=True)}
+    return cast(Motion, SimpleNamespace(tracks=motion.tracks, noise=SimpleNamespace(of=lambda t: sizes[id(t)])))

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
+from serpenoid.files.alone import alone
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
 from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
 
@@ -26,8 +27,10 @@ RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json
 def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     """Refuse a folder that answers another request, or move what is in it aside (--force); returns it.
 
-    key: what the answer depends on, JSON values. request.json is written by `sign`.
+    key: what the answer depends on, JSON values. request.json is written by `sign`. Until the command ends the folder
+    is refused to others.
     """
+    _hold(args, folder)
     request = {"verb": args.verb, "request": short_hash(*key)}
     held = [name for name in RECORDS if (folder / name).exists()]
     if held and _held(folder) != request:
@@ -40,6 +43,13 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     clear_unfinished(folder)
     args.requests = [*getattr(args, "requests", []), (folder, request)]
     return folder
+
+
+def _hold(args: argparse.Namespace, folder: Path) -> None:
+    if folder in (mine for mine, _ in getattr(args, "requests", [])):
+        return
+    said = f"--out {folder}: another serpenoid command is at work on it. Name another folder, or wait for its end."
+    args.held.enter_context(alone("folder", folder, said))
 
 
 def place(args: argparse.Namespace, made: Path, folder: Path) -> list[Path]:

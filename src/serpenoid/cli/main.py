@@ -12,6 +12,7 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 import serpenoid
@@ -77,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         logging = log.begin(args, words)
     except InputError as error:
         return _complain(str(error), 2)
-    with logging, interrupts.listening() as interrupted:
+    with logging, interrupts.listening() as interrupted, ExitStack() as args.held:  # what nobody else may use
         return log.ended(_run(args, interrupted))
 
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
-from filelock import FileLock, Timeout
 from serial.tools import list_ports
 
 from serpenoid.errors import InputError
+from serpenoid.files.alone import alone
 
 # USB vendor IDs of the usual adapters: ROBOTIS (OpenRB-150) and FTDI (U2D2)
 KNOWN_VENDORS = {0x2F5D: "ROBOTIS", 0x0403: "FTDI"}
@@ -32,24 +29,10 @@ def resolve_port(name: str) -> str:
     raise InputError(f"--port auto: several adapters are plugged in ({', '.join(found)}). Name one with --port.")
 
 
-@contextmanager
-def exclusive_port(port: str) -> Iterator[None]:
+def exclusive_port(port: str) -> AbstractContextManager[None]:
     """Hold the port for this process; raise InputError at once if another serpenoid holds it."""
-    lock = FileLock(_lock_file(port), timeout=0, mode=0o666)
-    try:
-        lock.acquire()
-    except Timeout:
-        remedy = "Stop the other one (or wait for it): two masters on one bus corrupt each other's packets."
-        raise InputError(f"{port}: another serpenoid process is using this port. {remedy}") from None
-    try:
-        yield
-    finally:
-        lock.release()
-
-
-def _lock_file(port: str) -> Path:
-    real = os.path.realpath(port)
-    return Path(tempfile.gettempdir()) / f"serpenoid-port-{hashlib.sha256(real.encode()).hexdigest()[:12]}.lock"
+    remedy = "Stop the other one (or wait for it): two masters on one bus corrupt each other's packets."
+    return alone("port", port, f"{port}: another serpenoid process is using this port. {remedy}")
 
 
 def _list_ports() -> str:

@@ -12,6 +12,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import noise_uncertain, residuals
 from serpenoid.diagnose.data.paths import path_draws, total
 from serpenoid.diagnose.data.shared import repeatable
+from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.residuals.pushes import calm, pushed, trace
@@ -23,6 +24,7 @@ SIGNS = (
     ("turns more to the left", "turns more to the right"),
 )
 ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
+MOST = 0.5  # of the squares above chance
 
 
 def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -> tuple[str, ...]:
@@ -34,7 +36,7 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
         worst = int(shared.by.argmax())
         verb = "is" if motion.tracks[0].noise is not None else "repeats:"
         words.append(f"what is left {verb} {shared.ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
-        words += _when(motion, left, worst)
+        words += _moment(motion, left) or _when(motion, left, worst)
         words += _where(motion, left)
     chance = calm(motion, left, pushes)
     draws = path_draws(chance, predictions)
@@ -54,8 +56,21 @@ def where_pushed(motion: Motion, pushes: Sequence[tuple[int, int, Floats]]) -> s
     index, window, moved = max(pushes, key=lambda push: float(np.hypot(*push[2][:2])))
     track = motion.tracks[index]
     begin, end = track.time[track.boundaries[[window, window + 1]]]
-    size = 1e3 * float(np.hypot(*moved[:2]))
-    return f": {size:.3g} mm between {begin:.1f} and {end:.1f} s of `{track.recording.name}` or of its repeat"
+    scale, unit = {"m": (1e3, "mm"), "bl": (1.0, "body lengths")}[length_unit(motion.tracks)]
+    size = f"{scale * float(np.hypot(*moved[:2])):.3g} {unit}"
+    return f": {size} between {begin:.1f} and {end:.1f} s of `{track.recording.name}` or of its repeat"
+
+
+def _moment(motion: Motion, left: Sequence[Floats]) -> list[str]:
+    """One moment, where a window and its neighbours hold most of what is above chance: no phase of the cycle."""
+    beyond = [np.nansum((x / motion.noise.of(t)) ** 2 - 1, axis=1) for t, x in zip(motion.tracks, left, strict=True)]
+    about = [np.convolve(b, np.ones(3), mode="same") for b in beyond]
+    index = int(np.argmax([a.max(initial=-np.inf) for a in about]))
+    if about[index].max(initial=0.0) <= MOST * sum(float(b.sum()) for b in beyond):
+        return []
+    track, window = motion.tracks[index], int(beyond[index].argmax())
+    begin, end = track.time[track.boundaries[[window, window + 1]]]
+    return [f"most of it between {begin:.1f} and {end:.1f} s of `{track.recording.name}` or just beside"]
 
 
 def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
@@ -88,5 +103,6 @@ def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:
     spread = np.sqrt((((p - centre) ** 2).sum(axis=1) * s).sum() / s.sum())
     usual = np.sqrt(((p - p.mean(axis=0)) ** 2).sum(axis=1).mean())
     if spread < 0.75 * usual:
-        return [f"gathered on the floor about x = {centre[0]:.2f} m, y = {centre[1]:.2f} m"]
+        unit = {"m": "m", "bl": "body lengths"}[length_unit(motion.tracks)]
+        return [f"gathered on the floor about x = {centre[0]:.2f} {unit}, y = {centre[1]:.2f} {unit}"]
     return []

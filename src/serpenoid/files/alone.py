@@ -1,0 +1,32 @@
+"""One process at a time: a port, or a folder of results."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from serpenoid.errors import InputError
+
+
+@contextmanager
+def alone(kind: str, path: str | Path, refused: str) -> Iterator[None]:
+    """Hold a path of a kind for this process, until it ends at the latest; InputError at once where another holds it.
+
+    The lock is a file of the temporary folder, named after the path.
+    """
+    name = hashlib.sha256(os.path.realpath(path).encode()).hexdigest()[:12]
+    lock = FileLock(Path(tempfile.gettempdir()) / f"serpenoid-{kind}-{name}.lock", timeout=0, mode=0o666)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise InputError(refused) from None
+    try:
+        yield
+    finally:
+        lock.release()
