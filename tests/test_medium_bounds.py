@@ -12,8 +12,10 @@ from serpenoid.compare.calibrate import calibrate
 from serpenoid.compare.parameters import bounds
 from serpenoid.diagnose.inference.bounds import held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.start import at_middles, baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
+from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.load import load_campaign
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -70,3 +72,23 @@ def test_only_what_is_pushed_outwards_is_held_at_a_bound(push: float, held: bool
     sums = held_at_bounds(Model(body, WATER), [inertia], Evidence.of(rows, columns, np.arange(40) // 10))
     values, _ = sums.solve([0, 1])
     assert values == pytest.approx([0.0, 0.0] if held else [1.0, 1.0], abs=1e-6)  # the ridge is 1e-9
+
+
+def test_of_a_recorded_body_the_ratio_may_be_left_to_fits(tmp_path: Path) -> None:
+    """A law or where drag sits can be said alone, in a campaign and in what a diagnosis takes as its baseline."""
+    whole = '[[trial]]\nname = "a"\nmotion = "a.csv"\n'
+    begin = 'format = 1\nname = "c"\n[body]\nvertices = 3\nedge_lengths = [0.1, 0.1]\n[medium]\n'
+    path = tmp_path / "campaign.toml"
+    path.write_text(begin + 'law = "coulomb"\nanisotropy_ratio_bounds = [0.5, 1.0]\n' + whole)
+    file, _ = load_campaign_file(path)
+    assert file.medium is not None
+    assert file.medium.anisotropy_ratio is None
+    assert baseline(None, file, file.body).medium == Medium(
+        law="coulomb", anisotropy_ratio=0.5, anisotropy_ratio_bounds=(0.5, 1.0)
+    )
+    (tmp_path / "m.toml").write_text('[medium]\ndissipation = "edge"\n')
+    assert at_middles(tmp_path / "m.toml", file)
+    assert baseline(tmp_path / "m.toml", file, file.body).medium.law == "viscous"
+    path.write_text(begin + "anisotropy_ratio = 1.7\n" + whole)
+    with pytest.raises(InputError, match=r"must be in \(0, 1\], got 1\.7"):
+        load_campaign_file(path)

@@ -8,6 +8,11 @@ from pydantic import Field, field_validator, model_validator
 
 from serpenoid.files.schema import Record
 
+FIRST_GUESS = 0.2  # of eps, where nothing states it
+
+Site = Literal["vertex", "edge"]
+Law = Literal["viscous", "coulomb"]
+
 
 class Medium(Record):
     """Anisotropic local dissipation at the vertices (the paper's) or at edge midpoints; `law`: see serpenoid.media.
@@ -20,8 +25,8 @@ class Medium(Record):
     """
 
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
-    dissipation: Literal["vertex", "edge"] = Field(default="vertex", description="where the dissipation elements sit")
-    law: Literal["viscous", "coulomb"] = Field(default="viscous", description="linear drag, or dry friction")
+    dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
+    law: Law = Field(default="viscous", description="linear drag, or dry friction")
     softening: Annotated[float, Field(gt=0)] = Field(
         default=0.01,
         description="coulomb: slip below which friction gives way, over the element's way in the body frame",
@@ -54,3 +59,26 @@ class Medium(Record):
     def limits(self, least: float, most: float) -> tuple[float, float]:
         """Bounds of a fit that looks between `least` and `most`: what is stated here goes first."""
         return self.anisotropy_ratio_bounds or (least, most)
+
+
+class OpenMedium(Record):
+    """The medium of a campaign, where fits find the anisotropy ratio: it may be left out. Else as `Medium`."""
+
+    anisotropy_ratio: float | None = Field(default=None, description="eps in (0, 1]; left out: what fits find")
+    dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
+    law: Law = Field(default="viscous", description="linear drag, or dry friction")
+    softening: float | None = Field(default=None, description="coulomb: as in a problem file")
+    anisotropy_ratio_bounds: tuple[float, float] | None = Field(
+        default=None, description="[lower, upper] of what physics allows, for fits; in water [0.5, 1]"
+    )
+
+    @model_validator(mode="after")
+    def _as_a_medium(self) -> Self:
+        self.guessed()
+        return self
+
+    def guessed(self) -> Medium:
+        """The medium, with a first guess within the bounds where the ratio is left out."""
+        stated = {key: value for key, value in self.model_dump().items() if value is not None}
+        lower, upper = self.anisotropy_ratio_bounds or (FIRST_GUESS, FIRST_GUESS)
+        return Medium.model_validate({"anisotropy_ratio": min(max(FIRST_GUESS, lower), upper)} | stated)

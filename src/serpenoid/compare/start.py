@@ -4,27 +4,25 @@ from __future__ import annotations
 
 from serpenoid.files.schema import validate
 from serpenoid.measure.load import Campaign
-from serpenoid.medium import Medium
+from serpenoid.medium import FIRST_GUESS, Medium
 from serpenoid.model import Model
-
-FIRST_GUESS = 0.2
 
 
 def stated_model(campaign: Campaign, eps: float | None = None, dissipation: str | None = None) -> Model | None:
     """The recorded body in the medium that the caller or the campaign states; None where neither gives eps."""
     medium = campaign.file.medium
-    if eps is None and medium is None:
+    if eps is None and (medium is None or medium.anisotropy_ratio is None):
         return None
-    data = medium.model_dump() if medium is not None else {}
-    data |= {} if eps is None else {"anisotropy_ratio": eps}
-    data |= {} if dissipation is None else {"dissipation": dissipation}
-    return Model(campaign.body, validate(Medium, data, "anisotropy ratio" if eps is not None else "campaign"))
+    return neutral_model(campaign, eps, dissipation)
 
 
 def neutral_model(campaign: Campaign, eps: float | None = None, dissipation: str | None = None) -> Model:
     """Where a fit begins: as stated, else at a first guess of eps."""
-    guess = {"anisotropy_ratio": FIRST_GUESS} | ({"dissipation": dissipation} if dissipation else {})
-    return stated_model(campaign, eps, dissipation) or Model(campaign.body, validate(Medium, guess, "medium"))
+    medium = campaign.file.medium
+    data = medium.guessed().model_dump() if medium is not None else {"anisotropy_ratio": FIRST_GUESS}
+    data |= {} if eps is None else {"anisotropy_ratio": eps}
+    data |= {} if dissipation is None else {"dissipation": dissipation}
+    return Model(campaign.body, validate(Medium, data, "anisotropy ratio" if eps is not None else "campaign"))
 
 
 def compared_model(campaign: Campaign, eps: float | None = None, dissipation: str | None = None) -> tuple[Model, str]:

@@ -15,10 +15,9 @@ from serpenoid.files import schema
 from serpenoid.files.kinds import kind_of
 from serpenoid.files.schema import Record
 from serpenoid.measure.campaign import CampaignFile
-from serpenoid.medium import Medium
+from serpenoid.medium import OpenMedium
 from serpenoid.model import Model
 
-FIRST_GUESS = 0.2
 ANEW = ("rate", "jumps")  # marks of what differs between recordings
 
 
@@ -33,13 +32,13 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     Effects have their places at vertices: where drag sits at edges, `body` is the one with vertices in their middles
     (`at_middles`), or an animal's, whose points are dense.
     """
-    medium, known = file.medium or Medium(anisotropy_ratio=FIRST_GUESS), tuple[ActiveEffect, ...]()
+    medium, known = file.medium or OpenMedium(), tuple[ActiveEffect, ...]()
     if path is not None:
         data = _model(path)
         if "medium" in data:
-            medium = schema.validate(Medium, data["medium"], str(path))
+            medium = schema.validate(OpenMedium, data["medium"], str(path))
         known = schema.validate(_Known, {"effects": data.get("effects", [])}, str(path)).effects
-    return Model(body, medium.model_copy(update={"dissipation": "vertex"}), known)
+    return Model(body, medium.guessed().model_copy(update={"dissipation": "vertex"}), known)
 
 
 def at_middles(path: str | Path | None, file: CampaignFile) -> bool:

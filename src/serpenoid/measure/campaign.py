@@ -15,7 +15,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
 from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
 from serpenoid.measure.tracks import LengthUnit, Tracks
-from serpenoid.medium import Medium
+from serpenoid.medium import OpenMedium
 from serpenoid.table_file import read_table as read_joint_table
 
 Positive = Annotated[float, Field(gt=0)]
@@ -118,7 +118,7 @@ class CampaignFile(Record):
     description: Text = ""
     source: Text = Field(default="", description="where the data come from, shown beside every figure")
     body: Body
-    medium: Medium | None = Field(default=None, description="what Sim and Resim assume; default: what `fit` finds")
+    medium: OpenMedium | None = Field(default=None, description="what Sim and Resim assume; default: what fits find")
     motion: MotionKeys = MotionKeys()
     servo_log: ServoKeys = Field(default=ServoKeys(), description="how servo logs are to be read")
     trial: tuple[TrialEntry, ...] = Field(min_length=1, max_length=10_000)
