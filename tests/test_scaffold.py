@@ -274,6 +274,13 @@ def test_a_name_never_leads_out_of_the_campaign(played: Path, name: str, capsys)
     assert not (played / "out").exists()
 
 
+def test_a_trial_may_be_called_as_play_lets_a_log_be_called(played: Path) -> None:
+    (played / "trials" / "wave-1").rename(played / "trials" / "wave 1, cold")
+    parts = ["campaign", "add", str(played / "camp"), str(played / "trials" / "wave 1, cold"), str(played / "take.csv")]
+    assert main([*parts, "--format", "tidy"]) == 0
+    assert [trial.name for trial in load_campaign(played / "camp").trials] == ["wave 1, cold"]
+
+
 def test_the_same_name_twice_is_refused(played: Path, capsys) -> None:
     assert add(played) == 0
     assert add(played) == 2

@@ -28,6 +28,14 @@ def test_formats_that_need_a_robot_or_a_duration_say_so(tmp_path):
     assert (done.returncode, "Give --cycle-duration S or --robot FILE" in done.stderr) == (2, True)
 
 
+def test_a_sketch_has_a_name_that_the_arduino_tools_take(tmp_path):
+    words = ["--format", "openrb", "--robot", ROBOT_FILE, "--out"]
+    done = serpenoid("export", write_gait(tmp_path), *words, tmp_path / "my snake")
+    assert (done.returncode, "a sketch is named as its folder" in done.stderr) == (2, True)
+    assert not (tmp_path / "my snake").exists()
+    assert serpenoid("export", write_gait(tmp_path), *words, tmp_path / "snake-1.b").returncode == 0
+
+
 def test_refused_table_is_not_exported(tmp_path):
     bad = gait()
     bad[3, 0] = 2.0

@@ -17,6 +17,7 @@ checked as `serpenoid robot check` does; nothing is written if a check refuses.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import tempfile
 from collections.abc import Callable
@@ -43,6 +44,7 @@ from serpenoid.robot.firmware import sketch
 from serpenoid.robot.plan import Plan, check_repetition, make_plan
 from serpenoid.robot.table import JointTable, read_table, write_table
 
+SKETCH = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,62}")
 ENDINGS = (".csv", ".ino", ".mcap", ".yaml")  # of a file, where a folder may be meant
 Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 
@@ -107,9 +109,14 @@ def _ticks(args: argparse.Namespace, table: JointTable, robot: Robot | None, fol
 
 
 def _openrb(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
-    """The Arduino tools want a sketch in a folder of its own name."""
-    name = f"{args.out.resolve().name}.ino"
-    write_text(folder / name, sketch(_plan(args, table, robot), args.power_stream))
+    """The Arduino tools want a sketch in a folder of its own name, and refuse others than SKETCH."""
+    name = args.out.resolve().name
+    if SKETCH.fullmatch(name) is None:
+        raise InputError(
+            f"--out {args.out}: a sketch is named as its folder, and the Arduino tools want letters, digits, `_`, `.` "
+            "and `-`, at most 63, beginning with a letter or digit."
+        )
+    write_text(folder / f"{name}.ino", sketch(_plan(args, table, robot), args.power_stream))
 
 
 def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:

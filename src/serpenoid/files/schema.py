@@ -20,7 +20,8 @@ from serpenoid.files.kinds import mistaken
 
 # A word from a file that becomes part of a file's name, a figure's title or a comment: no separator, no control
 # character, no markup of HTML, of mathematics or of a programming language. Short enough for every file system.
-def _plain(name: str) -> str:
+def plain_name(name: str) -> str:
+    """The name; raises ValueError with the rule where it breaks it."""
     letters = all(c.isalnum() or unicodedata.category(c)[0] == "M" or c in NAME_SIGNS for c in name)
     if not letters or len(name) > NAME_LENGTH or not name[:1].isalnum() or name[-1] in " .":
         rule = f"must be letters, digits, spaces and {NAME_SIGNS.strip()}, at most {NAME_LENGTH}"
@@ -36,7 +37,7 @@ def _printable(text: str) -> str:
 
 LINE_LENGTH = 200
 NAME_SIGNS, NAME_LENGTH = " _.,+=()-", 60
-Name = Annotated[str, AfterValidator(_plain)]
+Name = Annotated[str, AfterValidator(plain_name)]
 Line = Annotated[str, AfterValidator(_printable)]  # for people: titles, comments of files
 Text = Annotated[str, StringConstraints(max_length=20_000)]
 

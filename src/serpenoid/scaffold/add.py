@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import tomllib
 from dataclasses import dataclass
@@ -13,14 +12,13 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.files.schema import read_toml, validate
+from serpenoid.files.schema import plain_name, read_toml, validate
 from serpenoid.files.writing import write_text
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file, read_motion
 from serpenoid.robot.ticks import RADIANS_PER_TICK
 from serpenoid.scaffold.campaign import BEGIN, END
 from serpenoid.table_file import read_table
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 FILES = {"servo_log": "servo.csv", "power_log": "power.csv", "joint_table": "joint_table.csv"}
 
 
@@ -80,8 +78,10 @@ def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
     """The trial's schedule from what `play` wrote; raises InputError where it was not played as asked."""
     played = _played(new)
     name = new.name or new.log.resolve().name
-    if NAME.fullmatch(name) is None:
-        raise InputError(f"--name must be letters, digits, `_`, `.` and `-`, got {name!r}.")
+    try:
+        plain_name(name)
+    except ValueError as error:
+        raise InputError(f"--name {error}, got {name!r}.") from None
     if name in {trial.name for trial in known.trial}:
         raise InputError(f"the campaign has a trial `{name}` already. Give another --name.")
     if not new.motion.is_file():
