@@ -27,6 +27,7 @@ PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
 }  # fmt: skip
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
 MOST_VERTICES = 1000  # compiling takes minutes beyond
+CUT = "Cut links into more edges (`vertices`, `joints`; n a link leave out 1 / n^2 of it)"
 SPARSE = 0.02  # of a straight body's resistance to turning: ten equal edges, as in the paper, leave out 0.01
 Kind = Literal["wheeled robot", "swimming robot", "swimmer", "crawler"]
 Part = Literal["servos", "wheels", "ground", "water"]
@@ -101,14 +102,29 @@ class Body(Record):
 
         An edge does not resist its own turning: of a straight body's resistance sum (edge / length)^3 is left out.
         """
-        left_out = float((self.edges**3).sum())
+        left_out = self._turning_left_out
         if self.kind == "wheeled robot" or left_out <= SPARSE:
             return None
         return (
             f"drag in the middles of edges lacks {left_out:.1%} of what a smooth straight body resists turning by: "
-            "turns come out wrong, a diagnosis finds causes that are not there. Cut links into more edges (`vertices`, "
-            '`joints`; n a link leave out 1 / n^2 of it), or say kind = "wheeled robot" if wheels are there'
+            f"turns come out wrong, a diagnosis finds causes that are not there. {CUT}, or say "
+            'kind = "wheeled robot" if wheels are there'
         )
+
+    @property
+    def whole_links(self) -> str | None:
+        """A sentence for when drag at the middles of the edges misses something and every link is one edge."""
+        if self.kind == "wheeled robot" or self.sparse_edges or self.joint_count < self.vertices - 2:
+            return None
+        return (
+            "every link is one edge, with drag in its middle alone, so that a link does not resist its own turning "
+            f"({self._turning_left_out:.1%} of what the straight body resists): what is left may be that. {CUT}, with "
+            "`vertices` in [motion] for those that have a marker"
+        )
+
+    @property
+    def _turning_left_out(self) -> float:
+        return float((self.edges**3).sum())
 
     @cached_property
     def edges(self) -> Floats:

@@ -12,6 +12,7 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.cli.main import main
+from serpenoid.diagnose.report.write import about_links
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.problem import load
@@ -70,3 +71,15 @@ def test_what_is_diagnosed_with_drag_at_edges_can_be_simulated_and_diagnosed_aga
     one, other = (load(smooth / "edge.toml", model=model) for model in (None, str(extended)))
     assert other.body.joint_count == one.body.joint_count
     assert diagnosed(smooth, str(extended), tmp_path / "again")["verdict"] == "nothing"
+
+
+def test_where_something_is_left_links_of_one_edge_are_to_be_cut() -> None:
+    links = Body(kind="swimming robot", vertices=18, length_m=1.0)
+    assert about_links(links, settled=True) == []
+    (said,) = about_links(links, settled=False)
+    assert "0.3% of what the straight body resists" in said
+    assert "Cut links into more edges" in said
+    cut = Body(kind="swimming robot", vertices=35, length_m=1.0, joints=tuple(range(2, 34, 2)))
+    wheeled = links.changed(kind="wheeled robot")
+    assert about_links(cut, settled=False) == about_links(wheeled, settled=False) == []
+    assert "lacks 25.0%" in about_links(Body(vertices=3, length_m=1.0), settled=True)[0]

@@ -6,6 +6,7 @@ from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from serpenoid.body import Body
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.diagnose import Diagnosis, record
@@ -39,8 +40,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     middles = d.model.body.vertices > file.body.vertices and not file.tracked_only
     body, places = (d.model.body, f"\n{PLACES}") if middles else (None, "")
     data["remarks"] += [PLACES] * middles
-    if middles and file.body.sparse_edges is not None:
-        data["remarks"].insert(0, file.body.sparse_edges)
+    data["remarks"][:0] = about_links(file.body, d.motion.stage.settled) if middles else []
     comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes) + places
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, body, comment, notes)
     comment = f"what the diagnosis of {file.name} began with, calibrated" + places
@@ -48,6 +48,12 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     data["next_experiment"] = _next_experiment(folder, d)
     write_json(folder / "diagnosis.json", data)
     return data
+
+
+def about_links(body: Body, settled: bool) -> list[str]:
+    """What drag in the middles of edges leaves out; where chance is all that is left, only if it is much."""
+    said = body.sparse_edges or (None if settled else body.whole_links)
+    return [said] if said else []
 
 
 def role(effect: ActiveEffect, named: Sequence[Mapping[str, Any]], known: Container[Any]) -> str:
