@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,22 @@ def test_bins_hold_every_window_once(diagnosed: tuple[Diagnosis, dict[str, Any],
         assert sum(b.count for b in bins) == len(w.phase)
         assert sum(b.count * b.before for b in bins) == pytest.approx(w.before.sum(axis=0))
     assert [b.count for b in by_phase(w)][-1] == (~w.playing).sum()
+
+
+def test_maps_show_the_floor_where_it_is_and_not_where_a_moved_frame_shows_it(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Any],
+) -> None:
+    found = diagnosed[0].motion.selection
+    both = found.null.predictions, found.best.predictions
+    w, jump = windows(found.motion, *both), np.array([0.1, -0.2, 0.0])
+    tracks = [
+        replace(t, poses=t.poses + away, shifted=t.shifted + away)
+        for t in found.motion.tracks
+        for away in [jump * (t.time > t.time.mean())[:, None]]
+    ]
+    seen = windows(replace(found.motion, tracks=tuple(tracks)), *both)
+    for one, other in ((seen.vertices, w.vertices), (seen.speed, w.speed), (seen.points, w.points)):
+        assert one == pytest.approx(other, abs=1e-12)
 
 
 def test_residuals_are_chance_after_and_not_before(diagnosed: tuple[Diagnosis, dict[str, Any], Any]) -> None:

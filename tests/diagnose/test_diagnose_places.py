@@ -19,13 +19,16 @@ from serpenoid.diagnose.data import frame
 from serpenoid.diagnose.data.geometry import shapes, turn
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracks import COARSER, _mesh_error, make_tracks
 from serpenoid.diagnose.data.windows import begun_anew, predicted_path
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.room import chance
-from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.inference.select import Selection
+from serpenoid.diagnose.report.animate import predicted
+from serpenoid.diagnose.stages.choose_motion import GUESS, strayed
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -106,3 +109,15 @@ def test_what_a_mesh_misses_of_windows_is_not_what_it_misses_of_a_run() -> None:
     coarse = begun_anew(model, every[some][::COARSER], time[some][::COARSER], path[some][::COARSER], bounds // COARSER)
     missed = [np.abs(true - coarse - more).max() for more in (windows, run, 0.0)]
     assert missed[0] < 0.1 * min(missed[1:])
+
+
+def test_where_steps_across_gaps_are_named_the_path_is_that_of_the_fit_they_are_judged_beside(tmp_path: Path) -> None:
+    _, motion, found = fitted(tmp_path, PATCH, JUMPS)
+    bare = fit(motion, found.model, [], found.coordinates[:1], TO_THE_END)
+    chosen = cast("Selection", SimpleNamespace(motion=motion, best=bare, settled=found))
+    assert strayed(chosen, mend=True) == path_error(motion, found.predictions, mend=True)
+    assert strayed(chosen, mend=True) < strayed(chosen, mend=False) == path_error(motion, bare.predictions)
+    for track, p in zip(motion.tracks, found.predictions, strict=True):
+        shown, alone = (np.hypot(*(predicted(track, p, m) - track.poses)[-1, :2]) for m in (True, False))
+        if track.gap_windows.any():
+            assert shown < 0.01 < alone  # the film goes on where it jumped to, and so does what is shown beside it

@@ -30,7 +30,8 @@ class Windows:
     """Residual velocities before and after (W, 3) [m/s, m/s, rad/s], their noise (W, 3), and where and when.
 
     phase (W,): in cycles, 1 in pauses; time (W,) [s since t0]; speed (W,): RMS over the vertices [m/s]; frame (W, 3):
-    first pose on the floor [m, m, rad]; points (W, N, 2) [m] in that frame and tangent (W, N) [rad] of the body there.
+    first pose on the floor [m, m, rad], however cameras show it; points (W, N, 2) [m] in that frame and tangent (W, N)
+    [rad] of the body there.
     length_unit: what stands here for m.
     """
 
@@ -91,17 +92,17 @@ def windows(motion: Motion, before: Sequence[Prediction], after: Sequence[Predic
 def _of_track(track: Track, noise: Floats, before: Prediction, after: Prediction) -> tuple[Floats, ...]:
     first, last = track.boundaries[:-1], track.boundaries[1:]
     duration, middle = track.duration[:, None], (first + last) // 2
-    world = track.poses[:, None, :2] + turn(track.poses[:, 2:], track.vertices)
+    poses = track.on_floor
+    world = poses[:, None, :2] + turn(poses[:, 2:], track.vertices)
     speed = np.gradient(world, track.time, axis=0)
     size = np.sqrt((speed**2).sum(axis=2).mean(axis=1))
-    heading = track.poses[first, 2]
     pace = np.array([size[a:b].mean() for a, b in zip(first, last, strict=True)])
-    points = turn(-heading[:, None], world[middle] - track.poses[first, None, :2])
+    points = turn(-poses[first, None, 2], world[middle] - poses[first, None, :2])
     edge = np.gradient(points, axis=1)
     columns = (
         *((track.displacement - p.displacement) / duration for p in (before, after)), noise / duration, track.phase,
         (track.time[first] + track.time[last]) / 2, pace,
-        track.poses[first], points, np.arctan2(edge[..., 1], edge[..., 0]),
+        poses[first], points, np.arctan2(edge[..., 1], edge[..., 0]),
     )  # fmt: skip
     good = track.usable & np.isfinite(columns[0]).all(axis=1) & np.isfinite(columns[1]).all(axis=1)
     return tuple(c[good] for c in columns)

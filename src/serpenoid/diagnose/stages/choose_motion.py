@@ -119,7 +119,6 @@ def finding(
     beside: what is settled on, fitted beside other explanations of what the baseline's law misses."""
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
     before = path_error(motion, found.null.predictions)
-    after = path_error(motion, best.predictions)
     missed_m = discrepancy(motion, found.settled.predictions)
     wrong = explained(found, inadequate, beside)
     doubt = doubted(wrong)
@@ -135,11 +134,16 @@ def finding(
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
     if wrong:
         named = [replace(n, stand_in=may_stand_in(found, n.effect)) for n in named]
-    if jumps is not None and jumps in named:
-        after = path_error(motion, best.predictions, mend=True)
+    after = strayed(found, jumps is not None and jumps in named)
     rivals = tuple(s.rival for s in swaps)
     stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def strayed(found: Selection, mend: bool) -> float:
+    """Path error [m] of what is named; mend: of steps across gaps, too, which are judged beside what is below
+    detection."""
+    return path_error(found.motion, (found.settled if mend else found.best).predictions, mend)
 
 
 def explained(
