@@ -170,6 +170,21 @@ def test_reading_loads_nothing_heavy() -> None:
     assert not loaded_after("import serpenoid.cli.diagnose_one, serpenoid.measure.trial_files") & HEAVY
 
 
+READER = """
+from contextlib import suppress
+from unittest.mock import patch
+from serpenoid.cli.diagnose_one import run_one
+with patch("serpenoid.measure.campaign.load_campaign_file") as load, suppress(SystemExit):
+    load.return_value[0].tracked_only = False
+    with patch("serpenoid.parallel.Beside.begin", side_effect=SystemExit):
+        run_one(None, "campaign")
+"""
+
+
+def test_what_a_diagnosis_and_the_process_that_reads_for_it_both_need_is_imported_before_there_are_two() -> None:
+    assert "scipy" in loaded_after(READER)
+
+
 @pytest.mark.parametrize("verb", ["simulate", "solve", "sweep", "show", "schema"])
 def test_help_of_a_verb_loads_nothing_heavy(verb: str) -> None:
     assert not loaded_after(HELP.format(verb)) & HEAVY

@@ -29,6 +29,11 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
 
     with Beside(lambda: None) as reader:
         if not load_campaign_file(campaign)[0].tracked_only:
+            # what reads and what judges both need is imported once, before there are two processes and their workers
+            import scipy.optimize  # noqa: F401
+
+            import serpenoid.measure.consistency.claims  # noqa: F401
+
             reader.begin()
         return _judged(args, campaign, reader.ask(_files, campaign))
 
