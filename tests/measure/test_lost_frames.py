@@ -50,6 +50,11 @@ def test_clocks_that_run_at_different_rates_have_lost_nothing(rate):
     assert all(not lost_frames(*witnesses(None, rate, seed)) for seed in range(5))
 
 
+def test_places_are_looked_for_only_where_some_could_be_evidence_enough(monkeypatch):
+    monkeypatch.setattr("serpenoid.measure.consistency.lost_frames._stepped", lambda costs, most: pytest.fail("asked"))
+    assert not lost_frames(*witnesses(None))
+
+
 def test_a_trial_with_lost_frames_is_remarked_on_and_no_other():
     films = {"whole": None, "torn": slice(130, 150)}
     claims = [Claim(name, "table", None, *witnesses(lost)) for name, lost in films.items()]

@@ -68,11 +68,13 @@ def lost_frames(cameras: Signal, servos: Signal) -> tuple[Lost, ...]:
     if inside.sum() < 2 * LEAST_ROWS:
         return ()
     rows, costs = rows[inside], costs[:, inside]
+    if _evidence(float(costs.sum(axis=1).min()), float(costs.min(axis=0).sum()), 1) <= 0:
+        return ()  # whatever the places, no row costs less than by the best of all shifts
     even = min(float(costs.sum(axis=1).min()), _running(costs, time[inside]))
     best, found = 0.0, list[Step]()
     for steps in _stepped(costs, MOST_PLACES):
         cost = float(costs[_ways(steps, len(rows)), np.arange(len(rows))].sum())
-        gain = FREEDOM / 2 * np.log(even / max(cost, TINY)) - len(steps) * np.log(1 / EARLY - 1)
+        gain = _evidence(even, cost, len(steps))
         if gain > best:
             best, found = gain, steps
     frame, rough = float(np.median(np.diff(cameras.time_s))), list[Lost]()
@@ -83,6 +85,11 @@ def lost_frames(cameras: Signal, servos: Signal) -> tuple[Lost, ...]:
             place = _frame(cameras, log_s, read, shifts[[before, after]], between)
             rough.append(Lost(float(cameras.time_s[place]), lost))
     return _fitted(cameras, servos, rough) if rough else ()
+
+
+def _evidence(even: float, cost: float, places: int) -> float:
+    """By how much frames lost at so many places are likelier than none [nats], by the costs of both."""
+    return float(FREEDOM / 2 * np.log(even / max(cost, TINY)) - places * np.log(1 / EARLY - 1))
 
 
 def set_on(time_s: Floats, found: Sequence[Lost]) -> Floats:
