@@ -11,6 +11,7 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.measure import clock
 from serpenoid.measure.chain import estimate_about, estimate_chain
 from serpenoid.measure.clock import find_offset, interpolate, interpolate_smoothly
 from serpenoid.measure.links import chain_vertices
@@ -279,3 +280,16 @@ def test_a_log_goes_nearly_straight_across_a_hole_and_ends_where_its_rows_end():
     np.testing.assert_array_equal(np.isnan(found), np.isnan(straight))
     assert np.nanmax(np.abs(found - straight)) < 0.005
     np.testing.assert_allclose(interpolate_smoothly(time, swing, time), swing, atol=1e-14)
+
+
+def test_of_a_long_record_that_ends_amid_motion_a_part_of_its_rows_chooses_the_shift(monkeypatch):
+    """With all rows the time would go with the square of the length: more shifts are tried, each on more rows."""
+    schedule = Schedule(serpenoid_table(40), 3.0, 40, 1.0)
+    time = np.arange(0, 155.0, 1 / 500)  # the log ends amid a cycle
+    log = np.arange(0, 150.0, 1 / 30)
+    rows = []
+    chosen = clock._not_held
+    monkeypatch.setattr(clock, "_not_held", lambda *args: rows.append(len(args[2])) or chosen(*args))
+    found = find_offset(time, schedule.commanded(time - 2.0), log + 7.0, schedule.commanded(log - 2.0))
+    assert found.offset_s == pytest.approx(-7.0, abs=1e-4)
+    assert max(rows) < 2 * clock.MOST_ROWS < len(time)

@@ -11,6 +11,7 @@ from serpenoid.measure.cells import Floats
 
 GRID_S = 0.04  # search grid: far finer than a gait cycle; the best shift is refined afterwards
 FINE_S = GRID_S * np.linspace(-3, 3, 13)  # about a shift at which ends are held, which draws it aside
+MOST_ROWS = 10_000  # of a record that choose between shifts; the best is then refined on all
 MOST_SHIFTS = 40  # that nearly agree
 FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of two harmonics
 TINY = 1e-300  # of two signals that agree to the last bit
@@ -97,7 +98,8 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     coarse = held(t, signal, coarse_t)  # by rounding the grid's last time may lie behind the record's
     shifts = np.arange(low, high + GRID_S, GRID_S)
     costs = _held_costs(len(shifts), low, coarse_t, coarse, _seen(t, coarse_t), other_s, other)
-    best = _not_held(shifts, costs, t, signal, other_s, other)
+    some = slice(None, None, max(1, len(t) // MOST_ROWS))
+    best = _not_held(shifts, costs, t[some], signal[some], other_s, other)
     # about the best shift: a bounded search ends within 1e-8 of its argument, 18 s of a clock that counts from 1970
     found = minimize_scalar(
         lambda more: _cost(best + more, t, signal, other_s, other), bounds=(-GRID_S, GRID_S), method="bounded",

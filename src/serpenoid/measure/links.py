@@ -71,11 +71,11 @@ def vertices_by_links(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
     unit = np.stack([np.cos(psi), np.sin(psi)], axis=2)[:, link] * body.edges[:, None]
     reach = _reach(body)  # (N, N - 1): how much of edge j lies between centroid and vertex k
     points = unknowns[:, None, :2] + np.einsum("kj,fji->fki", reach, unit)
-    normal = np.stack([-unit[..., 1], unit[..., 0]], axis=2)
     jacobian = np.zeros((len(psi), n, 2, unknowns.shape[1]))
     jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
-    for j, its_link in enumerate(link):
-        jacobian[..., 2 + its_link] += reach[None, :, j, None] * normal[:, None, j]
+    turned = np.einsum("kj,jl->jkl", reach, np.eye(psi.shape[1])[link]).reshape(len(link), -1)
+    for axis, normal in enumerate((-unit[..., 1], unit[..., 0])):
+        jacobian[:, :, axis, 2:] = (normal @ turned).reshape(jacobian[:, :, axis, 2:].shape)
     return points, jacobian
 
 

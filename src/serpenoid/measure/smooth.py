@@ -30,7 +30,7 @@ def smoother(time_s: Floats, window: int) -> tuple[Floats, np.ndarray]:
     for b in blocks(count):
         u = time_s[rows[b]] - time_s[b, None]
         u = u / np.abs(u).max(axis=1, keepdims=True)
-        powers = u[..., None] ** np.arange(DEGREE + 1)
+        powers = np.stack([np.ones_like(u), *np.cumprod(np.stack([u] * DEGREE), axis=0)], axis=-1)
         gram = np.swapaxes(powers, 1, 2) @ powers
         weights[b] = (powers @ np.linalg.inv(gram)[:, :, :1])[..., 0]
     return weights, rows
