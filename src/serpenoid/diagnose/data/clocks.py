@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, shapes
 from serpenoid.errors import InputError
-from serpenoid.measure.clock import find_offset
+from serpenoid.measure.clock import find_offset, interpolate_smoothly
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.links import bends
 from serpenoid.measure.logs import ServoLog
@@ -98,7 +98,7 @@ def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
 def _improved(clock: Clock, camera: Floats, middle: float, angles: Floats, time: Floats, read: Floats) -> Clock:
     at = clock.servo(camera)
     inside = (at > time[0]) & (at < time[-1])
-    reading = np.stack([np.interp(at, time, column) for column in read.T], axis=1)
+    reading = interpolate_smoothly(time, read, np.clip(at, time[0], time[-1]))
     speed = np.gradient(reading, axis=0) / np.gradient(at)[:, None]
     width = 2 * int(SMOOTHED_S / np.median(np.diff(camera)) / 2) + 1
     speed = np.stack([np.convolve(c, np.ones(width) / width, mode="same") for c in speed.T], axis=1)
@@ -112,10 +112,21 @@ def _improved(clock: Clock, camera: Floats, middle: float, angles: Floats, time:
     columns = columns - mean[:, None]
     normal = np.einsum("afj,bfj,fj->ab", columns, columns, weight)
     step = np.linalg.solve(normal, np.einsum("afj,fj,fj->a", columns, np.where(use, miss, 0.0), weight))
-    sd = np.sqrt(np.diag(np.linalg.inv(normal)))
+    left = np.where(use, miss - np.tensordot(step, columns, axes=1), 0.0)
+    covariance = np.linalg.inv(normal)
+    moved = np.einsum("ab,bfj,fj,fj->fa", covariance, columns, left, weight)
+    sd = np.sqrt(np.maximum(np.diag(covariance), _scatter(moved, np.searchsorted(time, at))))
     rate = clock.rate + step[1]
     zero = clock.zero + step[0] - step[1] * middle
     return Clock(float(zero), float(rate), float(sd[0]), float(sd[1]))
+
+
+def _scatter(moved: Floats, interval: NDArray[np.int64]) -> Floats:
+    """Variance (2,) of the sum of what each frame moves the clock by (F, 2): frames between the same two readings, and
+    those next to them, have the error of a reading in common (Liang and Zeger, Biometrika 73, 13, 1986)."""
+    sums = np.zeros((int(interval.max()) + 1, moved.shape[1]))
+    np.add.at(sums, interval, moved)
+    return np.asarray((sums**2).sum(axis=0) + 2 * (sums[1:] * sums[:-1]).sum(axis=0))
 
 
 def start_on_log(log: ServoLog, schedule: Schedule, rate: float) -> tuple[float, float] | None:
