@@ -116,3 +116,15 @@ def test_squares_by_distances_from_rows_are_those_of_what_is_commanded(held: boo
     times = np.linspace(-1, plan.end_s + 1, 60) + np.linspace(0, 0.3, 7)[:, None]  # before, in pauses, after the end
     direct = [((command - plan.commanded(time)) ** 2).sum() for time in times]
     np.testing.assert_allclose(Distances.of(command, plan.closed).squares(plan, times), direct, rtol=1e-12)  # rounding
+
+
+@pytest.mark.parametrize("hertz", [8, 12])
+def test_a_start_is_as_open_as_commands_leave_it_about_every_rate_of_the_clock(hertz: float) -> None:
+    """Rows that jump, in a slow log, exclude neither that its clock runs as the cameras' nor what noisy markers say."""
+    plan = square(2, held=True)
+    log, asked, rate = logged(plan, hertz), replace(plan, start_s=0.0, held=False), 2e-3
+    alone, told = told_by_commands(log, asked, 0.0), told_by_commands(log, asked, rate)
+    assert alone is not None
+    assert told is not None
+    assert abs(told.start_s - START_S) < told.spread_s
+    assert told.spread_s > alone.spread_s

@@ -32,7 +32,8 @@ class Told:
 def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | None:
     """What the commands say; None where they are not the table to within a tick of a servo, or are so in both ways.
 
-    rate: of the servos' clock beside the cameras'; the commands may follow either.
+    rate: of the servos' clock beside the cameras'; the commands may follow either, and where they exclude neither, the
+    start is as open as both leave it: a rate that noisy markers tell badly moves it by more than a slow log's rows do.
     """
     if log.command is None:
         return None
@@ -46,20 +47,22 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | N
     if inside.sum() < LEAST_ROWS:
         return None
     time, command = time[inside], command[inside]
-    apart, found = Distances.of(command, schedule.closed), list[Told]()
+    apart, found, size = Distances.of(command, schedule.closed), list[Told](), command.size
     for held in (False, True):
         plan = replace(schedule, held=held)
-        ways = [_start(time, apart, plan, roughly.offset_s, row, r) for r in (0.0, rate)]
-        missed, start, spread = min(ways)
-        if missed <= TICK:
-            found.append(Told(start, spread, held))
+        ways = [_open(time, apart, plan, roughly.offset_s, row, r) for r in (0.0, rate)]
+        least = min(square for square, _, _ in ways)
+        if least <= size * TICK**2:
+            left = [way for way in ways if way[0] <= least + _slack(least, size)]
+            first, last = min(low for _, low, _ in left), max(high for _, _, high in left)
+            found.append(Told((first + last) / 2, (last - first) / 2, held))
     return found[0] if len(found) == 1 else None
 
 
-def _start(
+def _open(
     time: Floats, apart: Distances, plan: Schedule, roughly: float, row: float, rate: float
 ) -> tuple[float, float, float]:
-    """RMS [rad] of what commands miss of the table, and the start that leaves least: its middle and half its width."""
+    """Squares [rad^2] of what commands miss of the table at least, and the first and last start that leave as much."""
     low, high = roughly - row, roughly + row
     size = len(time) * plan.table.shape[1]
     for _ in range(2):
@@ -67,11 +70,15 @@ def _start(
         parts = np.array_split(tried, PARTS)
         squares = np.concatenate([apart.squares(plan, (time - t[:, None]) / (1 + rate)) for t in parts])
         least = float(squares.min())
-        slack = CHANCE * max(least / size, TICK**2 / 12)
-        open_ = np.flatnonzero(squares <= least + slack)
+        open_ = np.flatnonzero(squares <= least + _slack(least, size))
         first, last = max(open_[0] - 1, 0), min(open_[-1] + 1, len(tried) - 1)
         low, high = float(tried[first]), float(tried[last])
-    return float(np.sqrt(least / size)), (low + high) / 2, (high - low) / 2
+    return least, low, high
+
+
+def _slack(least: float, size: int) -> float:
+    """Squares that so many commands, which miss the table by `least`, miss more by chance."""
+    return CHANCE * max(least / size, TICK**2 / 12)
 
 
 @dataclass(frozen=True)
