@@ -121,6 +121,21 @@ def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     assert low < 0.6 < high
 
 
+def test_servos_that_lag_by_less_than_a_reading_where_rows_jump_are_no_noise(tmp_path: Path) -> None:
+    """A reading after each jump is off by a row: a scatter of four ticks, within which all joints were followed."""
+    hidden = Effect("servo_lag", None, {"lag": 0.005})
+    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)), tmp_path)
+    data = plays(read_recordings(tmp_path)[1])
+    assert data.held
+    np.testing.assert_array_less(data.noise, TICK)
+    (named,) = choose_actuation(data).named
+    assert named.effect.key == (hidden.name, None)
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < 0.005 < high
+
+
 @pytest.mark.parametrize(("name", "place", "late"), [("servo_lag", None, 0.12), ("lagging_joint", 4, 0.02)])
 def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     recordings: tuple[Recording, ...], name: str, place: int | None, late: float

@@ -46,15 +46,22 @@ def plays(recordings: Sequence[Recording]) -> Plays:
     every = [replace(data, noise=noise) for data in every]
     found: list[tuple[Plays, list[Floats]]] = []
     for data in every:
+        laws = (None, *(k for k in shown(data) if k.place is None))
         played: list[Floats] = []
-        for kind in (None, *(k for k in shown(data) if k.place is None)):
+        for kind in laws:
             played.append(_by_all(data, kind))
             if followed(data, data.alone(played[-1]), np.median):
-                return _told_apart(every, kind, data)
+                best = _told_apart(every, kind, data)
+                return _measured(best, [_by_all(best, k) for k in laws]) if best.held else best
         found.append((data, played))
-    data, played = min(found, key=lambda pair: min(_median(pair[0], p) for p in pair[1]))
-    for p in played:
-        data = data.measured(p)
+    return _measured(*min(found, key=lambda pair: min(_median(pair[0], p) for p in pair[1])))
+
+
+def _measured(data: Plays, every: Sequence[Floats]) -> Plays:
+    """With the noise that readings have about whatever all servos may play. Where rows jump, servos that lag are off
+    for a reading here and there: that is no smooth law about which readings scatter, nor is it their noise."""
+    for played in every:
+        data = data.measured(played)
     return data
 
 
