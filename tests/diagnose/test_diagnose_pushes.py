@@ -72,11 +72,12 @@ def test_what_is_gathered_on_the_floor_has_the_unit_of_the_recording(unit: str, 
 def test_one_bad_moment_is_not_told_as_a_phase_of_the_cycle() -> None:
     motion, left = whole(repeated(3), "m"), chance(repeated(3), 1)
     assert not _moment(motion, left)
-    left[2][4:6] += 0.1
-    assert _moment(motion, left) == ["most of it between 8.0 and 10.0 s of `c` or just beside"]
     for x in left:
-        x[4] += 0.1  # in all trials: that is a phase
-    assert not _moment(motion, left)
+        x[4] = 30 * np.std(x)
+    assert not _moment(motion, left)  # in all trials: a phase
+    left = chance(motion, 1)
+    left[2][4] = 30 * np.std(left[2])
+    assert _moment(motion, left) == ["most of it between 8.0 and 10.0 s of `c` or just beside"]
 
 
 def whole(motion: Motion, unit: str) -> Motion:
