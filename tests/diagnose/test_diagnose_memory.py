@@ -54,7 +54,7 @@ def campaign(seed: int, time: float, cycles: int = 6, settings: int = 6, gust: f
         tracks.append(
             SimpleNamespace(
                 recording=SimpleNamespace(
-                    name=name, setting=(name, 3.0), body=SimpleNamespace(total_length_m=0.5)
+                    name=name, length_unit="m", setting=(name, 3.0), body=SimpleNamespace(total_length_m=0.5)
                 ),
                 phase=np.tile((np.arange(PHASES) + 0.5) / PHASES, cycles), cycle=np.repeat(np.arange(cycles), PHASES),
                 playing=np.ones(count, dtype=bool), usable=np.ones(count, dtype=bool), noise=None, doubt=0.0,

@@ -49,7 +49,8 @@ def test_what_is_found_again_is_what_was_kept(cache, virtual_machine):
 def snake_of(campaign):
     from serpenoid.model import Model
 
-    return Model(campaign.body, campaign.file.medium)
+    assert campaign.file.medium is not None
+    return Model(campaign.body, campaign.file.medium.guessed())
 
 
 def test_values_of_every_kind_come_back(cache):
