@@ -14,6 +14,7 @@ import pytest
 from blind.ground import Ground
 from blind.swimmers import NOISE, OUTSIDE, Swimmer, write
 from serpenoid.diagnose.data import tracked
+from serpenoid.diagnose.data.geometry import placed, shapes
 from serpenoid.diagnose.data.shapes_from_points import from_points
 from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.data.windows import Track
@@ -109,7 +110,7 @@ def test_what_smoothing_takes_out_is_the_noise_of_the_points(tmp_path: Path) -> 
     swimmer = Swimmer(Ground(0.6), 61)
     time, points = swimmer.film()
     recording = tracked_recordings(load_campaign(write(swimmer, tmp_path)))[0]
-    found = from_points(recording.body, time, points)
+    found = from_points(recording.body, time, points, points)
     edge = recording.body.edges_m[4]  # all but the ends' are equal: an angle is a second difference
     assert found.angle_noise[:, 1:-1].std() == pytest.approx(NOISE * np.sqrt(6) / edge, rel=0.1)
 
@@ -118,12 +119,17 @@ def test_draws_of_the_states_scatter_as_the_smoothed_states_do(tmp_path: Path) -
     swimmer = Swimmer(Ground(0.6), 62, SHORT_S)
     time, points = swimmer.film()
     body = tracked_recordings(load_campaign(write(swimmer, tmp_path)))[0].body
-    quiet = from_points(body, time, points)
+    first = from_points(body, time, points, points).states
+    near = placed(shapes(body, first.angles), first.poses)
+    quiet = from_points(body, time, points, near)
     rng, noise = np.random.default_rng(7), np.random.default_rng(8)
-    drawn = np.std([quiet.draw(rng).angles - quiet.states.angles for _ in range(20)])
-    filmed = [from_points(body, time, points + noise.normal(0, NOISE, points.shape)).states.angles for _ in range(20)]
-    true = np.std([f - quiet.states.angles for f in filmed])
-    assert drawn == pytest.approx(true, rel=0.15)
+    draws = [quiet.draw(rng) for _ in range(20)]
+    again = [near + noise.normal(0, NOISE, points.shape) for _ in range(20)]
+    filmed = [from_points(body, time, seen, near).states for seen in again]
+    for values in (lambda s: s.angles, lambda s: s.poses[:, :2], lambda s: s.poses[:, 2]):
+        drawn = np.std([values(s) - values(quiet.states) for s in draws])
+        true = np.std([values(s) - values(quiet.states) for s in filmed])
+        assert drawn == pytest.approx(true, rel=0.15)
 
 
 def test_windows_in_which_a_model_has_no_root_have_the_noise_of_the_others(

@@ -10,15 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 
+Smoother = tuple[Floats, NDArray[np.int64]]  # weights (R, K) and rows (R, K)
 WINDOWS = (1, 5, 7, 9, 13, 17, 25, 35, 49)
 DEGREE = 3
 
 
-def smoother(time_s: Floats, window: int) -> tuple[Floats, np.ndarray]:
+def smoother(time_s: Floats, window: int) -> Smoother:
     """Weights (R, K) and rows (R, K): smoothed row r = sum_k weights[r, k] values[rows[r, k]]."""
     count = len(time_s)
     k = min(window, count)
@@ -56,7 +58,7 @@ def _scored_windows(time_s: Floats, columns: Sequence[tuple[Floats, Floats]]) ->
         if window > len(time_s):
             break
         weights, rows = smoother(time_s, window)
-        own = weights[rows == np.arange(len(time_s))[:, None]].sum()
+        own = own_weights((weights, rows)).sum()
         for scored, (values, variance) in zip(scores, columns, strict=True):
             misfit = ((values - smooth(values, weights, rows)) ** 2 / variance).sum()
             scored.append((misfit + 2 * own * values.shape[1], window))
@@ -118,16 +120,23 @@ def smooth_states(time_s: Floats, poses: Floats, joint_angles: Floats, covarianc
     return smooth(poses, *of_poses), smooth(joint_angles, *of_angles)
 
 
-def cross_validated(time_s: Floats, values: Floats, scale: Floats | float = 1.0) -> tuple[Floats, np.ndarray] | None:
+def smoothers(time_s: Floats) -> tuple[Smoother, ...]:
+    """Of every window that smooths and that so many rows fill."""
+    return tuple(smoother(time_s, window) for window in WINDOWS if DEGREE < window <= len(time_s))
+
+
+def own_weights(by: Smoother) -> Floats:
+    """Weight (R,) of every row in its own smoothed value."""
+    weights, rows = by
+    return weights[rows == np.arange(len(rows))[:, None]]
+
+
+def cross_validated(time_s: Floats, values: Floats, scale: Floats | float = 1.0) -> Smoother | None:
     """The `smoother` of columns (R, c) of unknown noise; scale (c,): what counts as much. None: too few rows."""
-    count, best = len(time_s), None
-    for window in WINDOWS:
-        if not DEGREE < window <= count:
-            continue
-        weights, rows = smoother(time_s, window)
-        left = (values - smooth(values, weights, rows)) * scale
-        trace = weights[rows == np.arange(count)[:, None]].sum()
-        score = (left**2).sum() / (count - trace) ** 2
+    best = None
+    for by in smoothers(time_s):
+        left = (values - smooth(values, *by)) * scale
+        score = (left**2).sum() / (len(time_s) - own_weights(by).sum()) ** 2
         if best is None or score < best[0]:
-            best = score, (weights, rows)
+            best = score, by
     return None if best is None else best[1]

@@ -45,6 +45,11 @@ def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:
     return poses, np.asarray(residual)
 
 
+def placed(points: Floats, poses: Floats) -> Floats:
+    """Points (F, N, 2) of the body frame at poses (F, 3)."""
+    return poses[:, None, :2] + turn(poses[:, 2:], points)
+
+
 def turn(angle: Floats, vectors: Floats) -> Floats:
     """Vectors (..., 2) turned by angles (...)."""
     c, s = np.cos(angle), np.sin(angle)

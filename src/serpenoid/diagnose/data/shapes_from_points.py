@@ -1,10 +1,12 @@
 """Shapes and poses of a body that only its tracked points show, smoothed in time, and what their noise may be.
 
 Joint angles are those between the directions of the recorded links, so that a picture that breathes does not bend the
-body; poses lay the chain over the points. Both are smoothed by local cubics whose width generalised cross-validation
-picks: no noise needs to be known beforehand,
+body; they are smoothed as bends of the whole body (`serpenoid.measure.principal_bends`). Poses lay the smooth chain
+over the points. All is smoothed by local cubics whose width generalised cross-validation picks: no noise needs to be
+known beforehand,
     GCV(K) = R |z - H_K z|^2 / (R - tr H_K)^2,   R frames, K of them in a window.
-What smoothing takes out is the noise: shuffled in time, put on again and smoothed again it gives draws of the states.
+What smoothing takes out is the noise: frame by frame drawn again, put on and smoothed it gives draws of the states (the
+bootstrap of residuals).
 """
 
 from __future__ import annotations
@@ -16,12 +18,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.geometry import register, shapes
+from serpenoid.diagnose.data.geometry import placed, register, shapes
 from serpenoid.errors import InputError
 from serpenoid.measure.chain import estimate_chain
 from serpenoid.measure.clock import bridged, unwrapped
 from serpenoid.measure.links import marker_angles
-from serpenoid.measure.smooth import WINDOWS, cross_validated, smooth
+from serpenoid.measure.principal_bends import LEAST_LEFT, BendFinder
+from serpenoid.measure.smooth import WINDOWS, Smoother, cross_validated, own_weights, smooth
 
 
 @dataclass(frozen=True)
@@ -56,29 +59,40 @@ class Smoothed:
     states: States
     pose_noise: Floats
     angle_noise: Floats
-    pose_weights: tuple[Floats, np.ndarray]
-    angle_weights: tuple[Floats, np.ndarray]
+    poses_by: Smoother
+    bends: BendFinder
 
     def draw(self, rng: np.random.Generator) -> States:
-        """States as another recording of the same motion might show them."""
-        order = rng.permutation(len(self.states.time))
-        s = self.states
-        return States(
-            s.body, s.time, smooth(s.poses + self.pose_noise[order], *self.pose_weights),
-            smooth(s.angles + self.angle_noise[order], *self.angle_weights),
-        )  # fmt: skip
+        """States as another recording of the same motion might show them: shapes that err are laid over the points."""
+        count, s = len(self.states.time), self.states
+        order = rng.integers(count, size=count)
+        noisy = s.angles + self.angle_noise[order]
+        angles = self.bends.bends(noisy).smoothed(noisy)
+        points = placed(shapes(s.body, s.angles), s.poses)
+        laid = register(shapes(s.body, angles), points)[0]
+        return States(s.body, s.time, smooth(laid + self.pose_noise[order], *self.poses_by), angles)
 
 
-def from_points(body: Body, time: Floats, markers: Floats) -> Smoothed:
-    """Smooth states of points (F, N, 2) [m], short holes bridged."""
+def from_points(body: Body, time: Floats, markers: Floats, near: Floats) -> Smoothed:
+    """Smooth states of points (F, N, 2) [m], short holes bridged; near (F, N, 2): a smooth chain about which angles are
+    linear in the points, whatever their noise."""
     rows = np.arange(float(len(markers)))
-    angles = bridged(rows, unwrapped(marker_angles(body, markers)))
-    poses = bridged(rows, register(shapes(body, angles), markers)[0])
-    smooth_poses, pose_noise, pose_weights = _smoothed(time, poses, np.array([1.0, 1.0, body.total_length_m / 4]))
-    smooth_angles, angle_noise, angle_weights = _smoothed(time, angles, np.ones(angles.shape[1]))
-    return Smoothed(
-        States(body, time, smooth_poses, smooth_angles), pose_noise, angle_noise, pose_weights, angle_weights
-    )
+    angles = bridged(rows, angles_about(body, near, markers))
+    finder = BendFinder.of(body, time)
+    bends = finder.bends(angles)
+    smooth_angles = bends.smoothed(angles)
+    poses = bridged(rows, register(shapes(body, smooth_angles), markers)[0])
+    smooth_poses, pose_noise, poses_by = _smoothed(time, poses, np.array([1.0, 1.0, body.total_length_m / 4]))
+    states = States(body, time, smooth_poses, smooth_angles)
+    return Smoothed(states, pose_noise, bends.noise(angles), poses_by, finder)
+
+
+def angles_about(body: Body, near: Floats, markers: Floats) -> Floats:
+    """Joint angles (F, m) between the links that markers (F, N, 2) show, to first order about those of a chain that is
+    near them (F, N, 2); continuous in time, NaN where an end of a link is hidden."""
+    there, seen = (np.diff(points[:, body.corners], axis=1) for points in (near, markers))
+    turned = (there[..., 0] * seen[..., 1] - there[..., 1] * seen[..., 0]) / (there**2).sum(axis=2)
+    return np.asarray(unwrapped(marker_angles(body, near)) + np.diff(turned, axis=1))
 
 
 def angles_shown(body: Body, markers: Floats) -> tuple[NDArray[np.bool_], Floats]:
@@ -100,12 +114,10 @@ def angles_read(body: Body, markers: Floats, known: NDArray[np.bool_], shapes_kn
     return found
 
 
-def _smoothed(time: Floats, values: Floats, scale: Floats) -> tuple[Floats, Floats, tuple[Floats, np.ndarray]]:
-    """Smooth columns (F, c), noise (F, c) and the weights of the best window; scale (c,): what counts as much."""
-    found = cross_validated(time, values, scale)
-    if found is None:
+def _smoothed(time: Floats, values: Floats, scale: Floats) -> tuple[Floats, Floats, Smoother]:
+    """Smooth columns (F, c), noise (F, c) and what smooths best; scale (c,): what counts as much."""
+    by = cross_validated(time, values, scale)
+    if by is None:
         raise ValueError(f"{len(time)} frames are too few to be smoothed.")
-    weights, rows = found
-    steady = smooth(values, weights, rows)
-    own = weights[rows == np.arange(len(time))[:, None]]
-    return steady, (values - steady) / np.sqrt(np.maximum(1 - own, 0.05))[:, None], (weights, rows)
+    steady = smooth(values, *by)
+    return steady, (values - steady) / np.sqrt(np.maximum(1 - own_weights(by), LEAST_LEFT))[:, None], by

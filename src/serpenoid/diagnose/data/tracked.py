@@ -24,8 +24,9 @@ from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.cells import clock
+from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import Campaign
-from serpenoid.measure.trial import SHORTEST_RUN, Trial
+from serpenoid.measure.trial import SHORTEST_RUN, Motion, Trial
 from serpenoid.measure.trial_files import of_every_trial
 from serpenoid.model import Model
 from serpenoid.simulation.curve import simulate_curve
@@ -96,10 +97,7 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     runs = [slice(run.start, run.start + int(share * (run.stop - run.start))) for run in trial.motion.runs]
     times = [trial.motion.time_s[run] for run in runs if run.stop - run.start >= SHORTEST_RUN]
     runs = [run for run in runs if run.stop - run.start >= SHORTEST_RUN]
-    smoothed = [
-        from_points(body, time - time[0], trial.motion.markers[run] * body.total_length_m)
-        for time, run in zip(times, runs, strict=True)
-    ]
+    smoothed = [_smoothed(body, trial.motion, run) for run in runs]
     long = [i for i, piece in enumerate(smoothed) if _mesh(piece.states)[2] >= WINDOWS_PER_PERIOD]
     if not long and share < 1:
         return []
@@ -121,6 +119,14 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
         )
         for name, i, seconds in zip(names, long, promised, strict=True)
     ]
+
+
+def _smoothed(body: Body, motion: Motion, run: slice) -> Smoothed:
+    near = chain_vertices(body, motion.smooth_poses[run], motion.smooth_angles[run])
+    return from_points(
+        body, motion.time_s[run] - motion.time_s[run.start],
+        motion.markers[run] * body.total_length_m, near * body.total_length_m,
+    )  # fmt: skip
 
 
 def _shortened(trial: Trial, used_s: float) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import turn
+from serpenoid.diagnose.data.geometry import placed, turn
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -93,7 +93,7 @@ def _of_track(track: Track, noise: Floats, before: Prediction, after: Prediction
     first, last = track.boundaries[:-1], track.boundaries[1:]
     duration, middle = track.duration[:, None], (first + last) // 2
     poses = track.on_floor
-    world = poses[:, None, :2] + turn(poses[:, 2:], track.vertices)
+    world = placed(track.vertices, poses)
     speed = np.gradient(world, track.time, axis=0)
     size = np.sqrt((speed**2).sum(axis=2).mean(axis=1))
     pace = np.array([size[a:b].mean() for a, b in zip(first, last, strict=True)])
