@@ -11,7 +11,9 @@ from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from blind.schedule import lagged
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.clocks import Clock
 from serpenoid.diagnose.data.noise import TICK
+from serpenoid.diagnose.data.played import by_their_commands
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.told import Distances, told_by_commands
@@ -57,7 +59,7 @@ def slow(r: Recording, hertz: float, lag: float, says_commands: bool) -> Recordi
     start, spread = (told.start_s, told.spread_s) if told else (START_S + lag, UNSURE_CYCLE * CYCLE_S)
     return replace(
         r, schedule=replace(plan, start_s=0.0), log_time=log.time_s - start, position=read, t0_spread=spread,
-        commands=log.command if says_commands else None, held_as_told=told.held if told else None,
+        commands=log.command if says_commands else None, told=told,
     )  # fmt: skip
 
 
@@ -128,3 +130,51 @@ def test_a_start_is_as_open_as_commands_leave_it_about_every_rate_of_the_clock(h
     assert told is not None
     assert abs(told.start_s - START_S) < told.spread_s
     assert told.spread_s > alone.spread_s
+
+
+FILM = -0.01  # rate of the log's clock beside the film's
+
+
+@pytest.mark.parametrize("by_log", [True, False])
+def test_commands_say_whose_clock_they_follow(by_log: bool) -> None:
+    """Two clocks that differ by 1 %: at the end of a trial by a row of the table."""
+    plan = square(2)
+    log, asked = logged(plan, 50), replace(plan, start_s=0.0)
+    told = told_by_commands(log if by_log else replace(log, time_s=log.time_s * (1 + FILM)), asked, FILM)
+    assert told is not None
+    assert told.by_log == by_log
+    assert told.start_s == pytest.approx(START_S * (1.0 if by_log else 1 + FILM), abs=2e-3)
+
+
+def filmed(trial: Recording, log_rate: float, sd: float, lag: float = 0.05) -> Recording:
+    """A trial whose commands keep to the log's clock, beside which the film runs at another rate."""
+    fast = slow(trial, 50, lag, True)
+    time = np.arange(0, fast.log_time[-1], 0.02) / (1 + log_rate)
+    markers = np.full((len(time), trial.body.vertices, 2), np.nan)
+    return replace(fast, time=time, markers=markers, clock=Clock(0.0, log_rate, sd, sd))
+
+
+def test_cycles_are_as_long_on_a_wrong_film_as_the_log_has_them_and_no_servo_is_late_for_it(trial: Recording) -> None:
+    trials = by_their_commands([filmed(trial, FILM, 1e-5)])
+    assert trials[0].schedule.cycle_duration_s == pytest.approx(CYCLE_S / (1 + FILM), rel=1e-9)
+    assert "so the film's is wrong" in trials[0].remarks[-1]
+    (named,) = choose_actuation(plays(trials)).named
+    assert named.effect.key == ("servo_lag", None)
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < 0.05 / (1 + FILM) < high  # in seconds of the film
+
+
+def test_a_rate_that_noisy_markers_make_is_no_wrong_film(trial: Recording) -> None:
+    """Commands and readings stay together on the log's clock all the same."""
+    (found,) = by_their_commands([filmed(trial, 2e-3, 1e-3)])
+    assert found.remarks == trial.remarks
+    assert found.schedule.cycle_duration_s == pytest.approx(CYCLE_S / 1.002, rel=1e-9)
+
+
+def test_where_commands_of_one_trial_follow_the_film_alone_nothing_is_moved(trial: Recording) -> None:
+    one, other = filmed(trial, FILM, 1e-5), filmed(trial, FILM, 1e-5)
+    assert other.told is not None
+    trials = (one, replace(other, told=replace(other.told, by_log=False)))
+    assert by_their_commands(trials) == trials

@@ -5,7 +5,8 @@ By how much later than promised cycle n is read grows with n, whatever servos do
     late_n = late_0 + rate n period
 
 One rate for all trials, a beginning for each; the scatter of what is left says how well it is known. Labels and
-commands of a log say when rows were due: such trials are left as they are.
+commands of a log say when rows were due: such trials have no rate of their own, but commands that keep to the log's
+clock make a cycle as long as that clock says, on the film.
 """
 
 from __future__ import annotations
@@ -14,13 +15,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import ndtri, stdtrit
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.smooth import scatter
+from serpenoid.measure.schedule import Schedule
 
 ROUNDS = 4  # each is as much nearer as a cycle's end is off by its rate
 
@@ -43,6 +45,24 @@ def at_played_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
         now if now is r else replace(now, remarks=(*r.remarks, _words(r, told, lasting)))
         for r, now in zip(recordings, found, strict=True)
     )
+
+
+def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Schedules as the log's clock has them on the film, where commands follow it and nowhere the film's alone."""
+    told = [r for r in recordings if r.told is not None and r.clock.rate_sd > 0]
+    if not told or not all(r.told is not None and r.told.by_log for r in told):
+        return tuple(recordings)
+    weight = np.array([1 / r.clock.rate_sd**2 for r in told])
+    rate = 1 / (1 + float(weight @ [r.clock.rate for r in told] / weight.sum())) - 1
+    lasting = sorted({r.schedule.cycle_duration_s for r in told})
+    by_chance = -ndtri(ERROR / 2) / np.sqrt(weight.sum())
+    seen = abs(rate) > by_chance and any(_seen(r, rate) for r in told)
+
+    def on_film(r: Recording) -> Recording:
+        words = (_words(r, rate, lasting),) if seen else ()
+        return replace(r, schedule=_at_rate(r.schedule, rate), remarks=(*r.remarks, *words))
+
+    return tuple(on_film(r) if r.told is not None and r.clock.rate_sd > 0 else r for r in recordings)
 
 
 def lateness(r: Recording) -> Floats | None:
@@ -90,11 +110,17 @@ def _replayed(r: Recording, rate: float, late: Floats) -> Recording:
     s = r.schedule
     middles = np.arange(len(late)) * s.period_s + s.cycle_duration_s / 2
     late_s = float(np.nanmean(late - rate * middles))
-    schedule = replace(s, cycle_duration_s=s.cycle_duration_s * (1 + rate), pause_s=s.pause_s * (1 + rate))
+    schedule = _at_rate(s, rate)
     return replace(
         r, schedule=schedule, time=r.time - late_s, log_time=r.log_time - late_s * (1 + r.clock.rate),
         t0_spread=max(r.t0_spread, UNSURE_CYCLE * schedule.cycle_duration_s),  # as unsure as before
     )  # fmt: skip
+
+
+def _at_rate(schedule: Schedule, rate: float) -> Schedule:
+    return replace(
+        schedule, cycle_duration_s=schedule.cycle_duration_s * (1 + rate), pause_s=schedule.pause_s * (1 + rate)
+    )
 
 
 def _words(r: Recording, rate: float, lasting: Sequence[float]) -> str:

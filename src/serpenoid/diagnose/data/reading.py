@@ -10,7 +10,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
-from serpenoid.diagnose.data.played import at_played_rate
+from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.still import refuse_still
@@ -56,7 +56,7 @@ def _aligned(
         _refuse_short(found)
         return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found), *_assumed(found)))
 
-    return at_played_rate(with_one_rate(of_every_trial(file.trial, kept, progress)))
+    return at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
 
 
 def _missing(r: Recording) -> list[str]:
@@ -116,7 +116,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     shown = schedule.until(max(time[-1], log_time[-1]))
     return Recording(
         entry.name, entry.gait or entry.name, file.body, shown, time, markers, log_time, log.position, clock, start[1],
-        commands=log.command, missing_cycles=schedule.cycles - shown.cycles, held_as_told=told.held if told else None,
+        commands=log.command, missing_cycles=schedule.cycles - shown.cycles, told=told,
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from serpenoid.diagnose.data.clocks import Clock
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes
 from serpenoid.diagnose.data.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
+from serpenoid.diagnose.data.told import Told
 from serpenoid.errors import InputError
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.schedule import Schedule
@@ -35,8 +36,7 @@ class Recording:
     what the markers show on every frame.
     remarks: of the campaign's check against itself.
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
-    as each reading was taken, where the log says it; held_as_told: whether these hold the table's rows, None where they
-    do not say.
+    as each reading was taken, where the log says it; told: what these say of the trial, None: nothing.
     schedule: no more cycles than the recording may show; missing_cycles: how many more the campaign promises.
     """
 
@@ -55,7 +55,12 @@ class Recording:
     carrier: Course | None = None
     commands: Floats | None = None
     missing_cycles: int = 0
-    held_as_told: bool | None = None
+    told: Told | None = None
+
+    @property
+    def held_as_told(self) -> bool | None:
+        """Whether commands hold the table's rows; None where they do not say."""
+        return None if self.told is None else self.told.held
 
     @property
     def length_unit(self) -> str:

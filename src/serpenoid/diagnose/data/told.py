@@ -22,11 +22,13 @@ LEAST_ROWS = 8
 
 @dataclass(frozen=True)
 class Told:
-    """start_s: t0 on the servos' clock; spread_s: half of what is left open of it; held: rows stay until the next."""
+    """start_s: t0 on the servos' clock; spread_s: half of what is left open of it; held: rows stay until the next;
+    by_log: rows were due by the log's clock, for all that the commands say, and else by the cameras'."""
 
     start_s: float
     spread_s: float
     held: bool
+    by_log: bool
 
 
 def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | None:
@@ -55,7 +57,7 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | N
         if least <= size * TICK**2:
             left = [way for way in ways if way[0] <= least + _slack(least, size)]
             first, last = min(low for _, low, _ in left), max(high for _, _, high in left)
-            found.append(Told((first + last) / 2, (last - first) / 2, held))
+            found.append(Told((first + last) / 2, (last - first) / 2, held, ways[0] in left))
     return found[0] if len(found) == 1 else None
 
 
