@@ -2,9 +2,7 @@
 
 There is no command and no servo to compare with, so only the stage of motion is left. A recording is cut into parts,
 and each is predicted by a fit to the others. Nothing is repeated, so chance is what the points' own noise makes of
-shapes, poses and first velocity, drawn again and again; all else is a fault of the model. Noise of shapes also moves a
-body: by what draws move it on average, which is taken out (simulation extrapolation, to first order: Cook and
-Stefanski, J. Am. Stat. Assoc. 89, 1314, 1994).
+shapes, poses and first velocity, drawn again and again; all else is a fault of the model.
 
 Legend: R rows of a part's time mesh, B boundaries of windows, N vertices.
 """
@@ -42,7 +40,6 @@ STEPS_PER_WINDOW = 12
 LEAST_FRAMES = 2  # in a window
 LEAD = 2  # rows: what the momentum's rate looks back on
 DRAWS = 24
-ONE_MORE = (DRAWS + 1) / (DRAWS - 1)  # variance of one more draw about their mean, over their mean square about it
 LEAST_NOISE = 1e-6  # body lengths, rad: rounding
 
 
@@ -185,11 +182,10 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
         again = _cut(recording, drawn, _run(drawn, first, step, count), pieces)
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
     least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
-    bias = [np.mean([d[i] for d in draws], axis=0) for i in range(pieces)]
-    squares = _filled([np.mean([(d[i] - b) ** 2 for d in draws], axis=0) for i, b in enumerate(bias)])
+    squares = _filled([np.mean([np.square(d[i]) for d in draws], axis=0) for i in range(pieces)])
     return [
-        _along_curve(model, replace(t, offset=np.nan_to_num(b), noise=np.maximum(np.sqrt(q * ONE_MORE), least)))
-        for t, b, q in zip(tracks, bias, squares, strict=True)
+        _along_curve(model, replace(t, noise=np.maximum(np.sqrt(q), least)))
+        for t, q in zip(tracks, squares, strict=True)
     ]
 
 
@@ -209,7 +205,7 @@ def _along_curve(model: Model, track: Track) -> Track:
     curve, other = (simulate_curve(plain, chains, degree=degree).poses for degree in (SMOOTH, PLAIN))
     paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
     moved = [relative(p[:-1], p[1:]) for p in paths]
-    return replace(track, offset=track.offset + moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
+    return replace(track, offset=moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
 
 
 def _run(states: States, first: float, step: float, windows: int) -> Run:
