@@ -65,7 +65,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
     """What solution.json holds of an optimum."""
     problem = solution.problem
     status = solution.status
-    record = _record(problem, solution.trajectory, solution.gait, "optimum", status.name, status.value)
+    record = _record(problem, solution.trajectory, solution.gait, "optimum", status.name, solution.message)
     residuals = solution.residuals
     record |= {
         "cost": _number(solution.cost),

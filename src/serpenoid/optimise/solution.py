@@ -9,6 +9,7 @@ from serpenoid.gaits import Gait
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
+from serpenoid.optimise.unmoved import why_unmoved
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.status import Status
@@ -75,6 +76,13 @@ class Solution(Shown):
             for end in (low, high)
             if abs(q - end) < AT_BOUND * (high - low)
         )
+
+    @property
+    def message(self) -> str:
+        """How it ended; of a failure that no other start can mend, why."""
+        if self.status in (Status.SOLVED, Status.STOPPED):
+            return self.status.value
+        return why_unmoved(self.problem) or self.status.value
 
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""
