@@ -137,3 +137,19 @@ def test_a_failure_of_one_joint_is_laid_to_the_one_joint_and_no_other_start_is_a
 def test_what_one_joint_cannot_do_is_not_said_of_a_way_without_return_nor_of_two_joints(change: str) -> None:
     assert why_unmoved(problem("reach", *ONE_JOINT)) is not None
     assert why_unmoved(problem("reach", *ONE_JOINT, change)) is None
+
+
+def test_where_a_body_at_rest_does_as_well_it_is_said() -> None:
+    at_the_start = 'task.objectives=[{kind="position",target=[0.0,0.0]}]'
+    found = solve(problem("reach", *SMALL, at_the_start), starts=1).best
+    assert found.status.ok
+    assert found.note is not None
+    assert "stands still does as well: no goal asks it to move" in found.summary()
+    assert solution_record(found)["note"] == found.note
+
+
+def test_an_optimum_that_is_better_than_rest_has_no_note() -> None:
+    found = solve(problem("reach", *SMALL, 'task.objectives=[{kind="position",target=[0.2,0.0]}]'), starts=1).best
+    assert found.status.ok
+    assert found.note is None
+    assert "note" not in solution_record(found)

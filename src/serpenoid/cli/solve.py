@@ -193,6 +193,7 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
     efficiency = lighthill_efficiency(best.problem, best.trajectory.displacement, best.trajectory.dissipation)
     return [
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
+        *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
@@ -217,6 +218,11 @@ def starts_line(optima: str, failures: Sequence[str]) -> str:
     """Which optima the starts found, and what kept the others from being one (names of `Status`)."""
     reasons = ", ".join(f"{count} {reason.lower()}" for reason, count in Counter(failures).most_common())
     return f"optima found      {optima or 'none'}; failed starts: {reasons or 0}"
+
+
+def note_lines(note: str | None) -> list[str]:
+    """A line of what is to be known of an optimum."""
+    return [] if note is None else [f"note              {note}"]
 
 
 def bound_lines(at_bounds: Sequence[str]) -> list[str]:

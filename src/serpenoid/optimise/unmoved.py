@@ -1,4 +1,4 @@
-"""Why nothing moves: what no gait can change.
+"""Why nothing moves: what no gait can change, and what to ask for where standing still is as good as any gait.
 
 A joint alone goes through its angles there and back; what a step does is undone by the same step backwards, and after a
 cycle the body is where it was. Source: Purcell, Am. J. Phys. 45, 1977 (scallop theorem).
@@ -13,6 +13,10 @@ ONE_JOINT = (
     "one joint alone moves no body, whatever the gait: it bends there and back, and after a cycle the body is where it "
     "was (scallop theorem). Give [body] a second joint: more `vertices`, or more `joints`."
 )
+NOT_ASKED = (
+    "no goal asks it to move. Ask for `displacement`, for a place or heading that it does not begin with, or demand "
+    "`travel`"
+)
 
 
 def why_unmoved(problem: Problem) -> str | None:
@@ -26,3 +30,9 @@ def why_unmoved(problem: Problem) -> str | None:
     if problem.body.joint_count == 1 and not problem.task.transient and not cases_may_differ:
         return ONE_JOINT
     return None
+
+
+def rest_note(problem: Problem, c: float) -> str:
+    """What to say of an optimum than which a body at rest is no worse."""
+    less = ", or give dissipation less weight (`c`)" if c > 0 else ""
+    return f"a body that stands still does as well: {why_unmoved(problem) or f'{NOT_ASKED}{less}.'}"
