@@ -309,7 +309,7 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         (BODY + MEDIUM + "[task]\nc = -1.0\n", r"\[task\] c: .*greater than or equal to 0, got -1\.0"),
         (BODY + MEDIUM + "[task]\nc = nan\n", r"\[task\] c: .*(finite|greater).*nan"),
         (BODY + MEDIUM + "[task.bounds]\na = [3.0, 1.0]\n", r"\[task\] bounds: `a` needs \[lower, upper\]"),
-        (BODY + MEDIUM + "[task.bounds]\na = [3.0]\n", r"\[task\.bounds\.a\] 1: is required"),
+        (BODY + MEDIUM + "[task.bounds]\na = [3.0]\n", r"\[task\.bounds\] a, entry 2: is required"),
         (BODY + MEDIUM + "[task.bounds]\nsigma = [-2.0, 1.0]\n", r"`sigma` must lie in \[-1, 1\]"),
         (BODY + MEDIUM + "[task.bounds]\nxi = [0.0, 1.0]\n", r"`xi` must be positive"),
         (BODY + MEDIUM + "[task.bounds]\namplitude = [0.0, 1.0]\n", r"\[task\.bounds\] amplitude: unknown key"),
@@ -329,7 +329,7 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         (BODY + MEDIUM + "[gait]\nsigma = 1.5\n", r"sigma: .*less than or equal to 1, got 1\.5"),
         (BODY + MEDIUM + "[gait]\nampl = 1.5\n", r"ampl: unknown key"),
         (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"^\S*: \[gait\] family: must be one of .*'spiral'\.$"),
-        (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[task\.objectives\.0\] kind: is required"),
+        (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[\[task\.objectives\]\] 1 kind: is required"),
         (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*Swap tangential and normal"),
     ],
 )
