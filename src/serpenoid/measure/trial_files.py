@@ -17,7 +17,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.lengths import shown_lengths, steadied
+from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
@@ -226,7 +226,7 @@ def other_lengths(body: Body, read: Sequence[Files], blocks: int) -> Floats:
 def _shown(body: Body, read: Sequence[Files]) -> Floats:
     """Lengths of the edges in every frame of all recordings: (F, N - 1)."""
     shown = [(f.tracks.time_s, f.labelled.vertices) for f in read if f.tracks is not None and f.labelled is not None]
-    distances = [shown_lengths(body, steadied(*each) if body.is_animal else each[1]) for each in shown]
+    distances = [steady_lengths(body, *each) if body.is_animal else shown_lengths(body, each[1]) for each in shown]
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
     return np.concatenate(distances)
