@@ -43,9 +43,12 @@ def test_of_a_body_that_stays_nobody_says_which_end_leads(tmp_path: Path) -> Non
     assert "moves head first" in notes(tmp_path, *crawl(100))
     time, points = crawl(100, speed=0.0)
     still = np.repeat(points[:1], 100, axis=0) + np.random.default_rng(1).normal(0, 1e-3, points.shape)
-    said = notes(tmp_path, time, still)
-    assert "stays where it is" in said
-    assert "first" not in said
+    weights = np.array([0.5, *np.ones(POINTS - 2), 0.5]) / (POINTS - 1)  # of a uniform body
+    bends = points - (weights @ points)[:, None] + np.random.default_rng(1).normal(0, 1e-3, points.shape)
+    for shown, words in ((bends, "stays where it is"), (still, "nothing moved")):
+        said = notes(tmp_path, time, shown)
+        assert words in said
+        assert "first" not in said
 
 
 @pytest.mark.filterwarnings("error")

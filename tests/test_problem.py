@@ -12,6 +12,7 @@ from oracle.chain import serpenoid_joint_table
 from oracle.resistive_force import sawtooth_angle, sawtooth_efficiency, tangent_angles
 from oracle.small_strokes import cheapest_stroke
 from serpenoid.body import Floats
+from serpenoid.cli.main import main
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait, families
@@ -309,7 +310,7 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         (BODY + MEDIUM + "[task]\nc = -1.0\n", r"\[task\] c: .*greater than or equal to 0, got -1\.0"),
         (BODY + MEDIUM + "[task]\nc = nan\n", r"\[task\] c: .*(finite|greater).*nan"),
         (BODY + MEDIUM + "[task.bounds]\na = [3.0, 1.0]\n", r"\[task\] bounds: `a` needs \[lower, upper\]"),
-        (BODY + MEDIUM + "[task.bounds]\na = [3.0]\n", r"\[task\.bounds\.a\] 1: is required"),
+        (BODY + MEDIUM + "[task.bounds]\na = [3.0]\n", r"\[task\.bounds\] a, entry 2: is required"),
         (BODY + MEDIUM + "[task.bounds]\nsigma = [-2.0, 1.0]\n", r"`sigma` must lie in \[-1, 1\]"),
         (BODY + MEDIUM + "[task.bounds]\nxi = [0.0, 1.0]\n", r"`xi` must be positive"),
         (BODY + MEDIUM + "[task.bounds]\namplitude = [0.0, 1.0]\n", r"\[task\.bounds\] amplitude: unknown key"),
@@ -329,7 +330,7 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         (BODY + MEDIUM + "[gait]\nsigma = 1.5\n", r"sigma: .*less than or equal to 1, got 1\.5"),
         (BODY + MEDIUM + "[gait]\nampl = 1.5\n", r"ampl: unknown key"),
         (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"^\S*: \[gait\] family: must be one of .*'spiral'\.$"),
-        (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[task\.objectives\.0\] kind: is required"),
+        (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[\[task\.objectives\]\] 1 kind: is required"),
         (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*Swap tangential and normal"),
     ],
 )
@@ -390,3 +391,27 @@ def test_theta_is_reported_within_half_a_turn() -> None:
     phases = np.linspace(0, 1, 7)
     turned = EllipseGait(sigma=0.5, theta=np.pi).curve(phases)
     np.testing.assert_allclose(gait.curve(phases), turned, atol=1e-13)
+
+
+TABLE = "body.vertices=5", "gait.family=table", "task.steps=6"
+
+
+@pytest.mark.parametrize(("rows", "joints"), [(5, 3), (9, 2), (6, 2)])
+def test_a_table_of_other_rows_or_joints_is_refused_and_not_resampled(rows: int, joints: int) -> None:
+    angles = [[0.1 * row] * joints for row in range(rows)]
+    asked = problem("reference", *TABLE, f"gait.angles={angles}")
+    with pytest.raises(InputError, match=rf"needs 6 rows of 3 joint angles, got {rows} of {joints}\. Set task\.steps"):
+        solve(asked, starts=1)
+    with pytest.raises(InputError, match="needs 6 rows of 3"):
+        simulate(asked)
+
+
+@pytest.mark.parametrize(("change", "said"), [(("task.steps=6",), True), ((), False), (("task.steps=5",), False)])
+def test_a_file_of_other_rows_than_steps_is_played_as_it_is_and_that_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, ...], said: bool
+) -> None:
+    write_table(tmp_path / "t.csv", np.outer(np.sin(np.arange(5)), [0.1, 0.2, 0.3]))
+    (tmp_path / "p.toml").write_text(BODY + MEDIUM + '[gait]\npath = "t.csv"\n')
+    sets = [word for one in change for word in ("--set", one)]
+    assert main(["simulate", str(tmp_path / "p.toml"), "--no-figures", "--out", str(tmp_path / "out"), *sets]) == 0
+    assert ("is played as it is, 5 rows: task.steps = 6 is not used" in capsys.readouterr().out) == said

@@ -65,7 +65,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
     """What solution.json holds of an optimum."""
     problem = solution.problem
     status = solution.status
-    record = _record(problem, solution.trajectory, solution.gait, "optimum", status.name, status.value)
+    record = _record(problem, solution.trajectory, solution.gait, "optimum", status.name, solution.message)
     residuals = solution.residuals
     record |= {
         "cost": _number(solution.cost),
@@ -78,6 +78,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "resimulation_error": _number(solution.resimulation_error),
         "polishing_gain": solution.polishing_gain,
         "at_bounds": list(solution.at_bounds),
+        **({} if solution.note is None else {"note": solution.note}),
         "clearance": None if solution.clearance is None else asdict(solution.clearance),
         **({} if solution.self_clearance is None else {"self_clearance": asdict(solution.self_clearance)}),
         "mesh": solution.mesh.record,

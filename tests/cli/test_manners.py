@@ -46,7 +46,7 @@ def changed(folder: Path, old: str, new: str) -> str:
         (
             "vertices = 12",
             "vertices = 3\nweights = [1.0, -2.0, 1.0]",
-            "[body.weights] 1: Input should be greater than or equal to",
+            "[body] weights, entry 2: Input should be greater than or equal to",
         ),
         ("[medium]", "[mediun]", "mediun: unknown key. Did you mean `medium`?"),
         ("steps = 50", "steps = 1", "[task] steps"),

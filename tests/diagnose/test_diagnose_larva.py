@@ -5,12 +5,17 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from serpenoid.diagnose.data.tracked import tracked_recordings
+from serpenoid.diagnose.stages.choose_tracked import STILL, moving
+from serpenoid.errors import InputError
 from serpenoid.measure.animal import stretching
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import Trial
@@ -77,13 +82,44 @@ def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: P
     assert low <= found["drag_ratio"]["value"] <= high
 
 
-@pytest.mark.slow
-def test_where_points_are_too_unsure_to_show_motion_drag_is_not_called_the_explanation(
+def test_a_larva_whose_points_run_into_each_other_is_refused_by_that(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """A stride of 0.2 with points 0.14 apart, each carried on before the next has begun: edges shrink to nothing."""
     coarse = {"POINTS": 8, "RATE": 16, "SECONDS": 8, "LAG": 0.8, "SWING": 0.2, "NOISE": 0.006}
     for name, value in coarse.items():
         monkeypatch.setattr(sys.modules[__name__], name, value)
-    found = diagnosed(written(tmp_path), tmp_path / "out")
-    assert found["verdict"] == "unexplained"
-    assert any("stood still would leave no more" in words for words in found["residual_pattern"])
+    _, points = crawl()
+    assert np.diff(points[..., 0], axis=1).min() < 0
+    with pytest.raises(
+        InputError, match=r"without a hole.* In \d+ of the \d+ frames that are left out neighbouring points are"
+    ):
+        tracked_recordings(load_campaign(written(tmp_path)))
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What a stage of a diagnosis names, and its words."""
+
+    named: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Found:
+    """What `moving` asks of a finding."""
+
+    selection: Any
+    stage: Stage
+
+
+@pytest.mark.parametrize(("left", "named", "said"), [(90.0, (), False), (120.0, (), True), (120.0, ("drag",), False)])
+def test_where_drag_leaves_no_less_than_standing_still_it_is_not_called_the_explanation(
+    left: float, named: tuple[str, ...], said: bool
+) -> None:
+    """100 displacements of one standard deviation each; what an effect costs is 5."""
+    track = SimpleNamespace(displacement=np.ones((100, 1)), usable=np.ones(100, bool))
+    motion = SimpleNamespace(tracks=[track], noise=SimpleNamespace(of=lambda _: 1.0))
+    null = SimpleNamespace(chi2=left - 5.0, evidence=SimpleNamespace(toll=lambda _: 5.0))
+    found: Any = Found(SimpleNamespace(motion=motion, null=null), Stage(named))
+    assert (STILL in moving(found).stage.words) == said

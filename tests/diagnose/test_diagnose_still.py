@@ -10,6 +10,8 @@ import pytest
 from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.errors import InputError
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.load import load_campaign
+from specimens import animal_campaign
 
 TIME = np.arange(400) / 60
 NOISE = 2e-4
@@ -66,3 +68,11 @@ def test_motion_is_told_from_rows_in_disorder_at_the_stated_error():
         disorder += Signal(rows / 30, rng.permutation(values)).moves
     assert seen > 0.9 * tries
     assert disorder < 0.03 * tries
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_a_measured_recording_in_which_nothing_moves_says_so_and_no_fit_is_called_possible(tmp_path, share):
+    slides = still() + 0.1 * share * (TIME / TIME[-1])[:, None, None]
+    (trial,) = load_campaign(animal_campaign(tmp_path, "still", TIME, noisy(slides), "m")).trials
+    assert any(note.startswith("nothing moved") for note in trial.notes) == (not share)
+    assert any("a fit is possible" in note for note in trial.notes) == bool(share)

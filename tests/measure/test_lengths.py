@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 from rehearsal import serpenoid_table, snake
+from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.measure.consistency.lengths import Shown, all_longer
+from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import build_motion
 from serpenoid.simulation import simulate_joint_angles
+from specimens import animal_campaign
 
 EDGES = np.array([0.04, 0.08, 0.06, 0.1, 0.08, 0.05, 0.09])
 
@@ -82,3 +85,35 @@ def test_other_lengths_leave_no_frame_open_that_the_body_told(seed):
     made, _, _ = build_motion(other, time, seen, None, ((), ()), own)
     assert len(own.runs) > 1
     assert all(np.isfinite(made.smooth_angles[run]).all() for run in own.runs)
+
+
+PIECES, POINTS = 480, 11
+
+
+def swimmer(frames_a_beat: float, beats: int, noise: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (F,) [s] and points (F, POINTS, 2) of a curve of length 1 with a wave on it, swinging about its middle."""
+    time, arc = np.arange(round(frames_a_beat * beats)) / 30, (np.arange(PIECES) + 0.5) / PIECES
+    angle = 0.85 * np.sin(2 * np.pi * (30 / frames_a_beat * time[:, None] + 0.95 * arc))
+    steps = np.stack([np.cos(angle), np.sin(angle)], axis=2) / PIECES
+    ends = np.concatenate([np.zeros((len(time), 1, 2)), np.cumsum(steps, axis=1)], axis=1)
+    ends -= ends.mean(axis=1, keepdims=True)
+    seen = ends[:, :: PIECES // (POINTS - 1)]
+    return time, seen + np.random.default_rng(4).normal(0, noise, seen.shape)
+
+
+@pytest.mark.parametrize("frames_a_beat", [6.0, 7.5, 10.0])
+def test_a_beat_of_few_frames_shortens_no_animal(tmp_path: Path, frames_a_beat: float):
+    """Smoothing five frames of a beat of 7.5 would cut 4 % off every swing, and 1.8 % off the body."""
+    time, points = swimmer(frames_a_beat, 16, 5e-4)
+    body = load_campaign(animal_campaign(tmp_path, "fast", time, points, "m")).body
+    assert body.total_length_m == pytest.approx(1, abs=1e-3)
+
+
+@pytest.mark.parametrize("noise", [0.002, 0.005])
+def test_noise_lengthens_no_animal_whose_beat_has_frames_enough(noise: float):
+    time, points = swimmer(60.0, 4, noise)
+    body = Body(kind="crawler", vertices=POINTS)
+    raw, steady = shown_lengths(body, points), steady_lengths(body, time, points)
+    off = [abs(np.median(each, axis=0).sum() - 1) for each in (raw, steady)]
+    assert off[1] < off[0] / 3
+    assert steady.std(axis=0).max() < raw.std(axis=0).min() / 1.5  # nine frames leave half of the noise

@@ -12,6 +12,8 @@ from serpenoid.objectives.term import Played, miss
 from serpenoid.objectives.travel import Travel
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
+from serpenoid.optimise.unmoved import why_unmoved
+from serpenoid.results import solution_record
 from serpenoid.simulation import simulate_batch
 from serpenoid.status import Status
 from specimens import problem
@@ -118,3 +120,36 @@ def test_demands_that_may_be_met_are_not(demands: str) -> None:
 def test_a_motion_that_is_not_closed_may_end_in_another_shape() -> None:
     ends = '{kind="shape",at=0.0},{kind="shape",at=1.0,angles=[0.0,0.2,0.0]}'
     assert problem("reach", *SMALL, "task.transient=true", f"task.demands=[{ends}]").task.demands
+
+
+ONE_JOINT = "body.vertices=3", "body.joint_limit_deg=60", "task.steps=16"
+
+
+def test_a_failure_of_one_joint_is_laid_to_the_one_joint_and_no_other_start_is_advised() -> None:
+    found = solve(problem("reach", *ONE_JOINT, 'task.demands=[{kind="travel",least=0.1}]'), starts=1).best
+    assert not found.status.ok
+    assert "scallop" in found.message
+    assert "start" not in found.message
+    assert solution_record(found)["message"] == found.message
+
+
+@pytest.mark.parametrize("change", ["task.transient=true", "body.vertices=4"])
+def test_what_one_joint_cannot_do_is_not_said_of_a_way_without_return_nor_of_two_joints(change: str) -> None:
+    assert why_unmoved(problem("reach", *ONE_JOINT)) is not None
+    assert why_unmoved(problem("reach", *ONE_JOINT, change)) is None
+
+
+def test_where_a_body_at_rest_does_as_well_it_is_said() -> None:
+    at_the_start = 'task.objectives=[{kind="position",target=[0.0,0.0]}]'
+    found = solve(problem("reach", *SMALL, at_the_start), starts=1).best
+    assert found.status.ok
+    assert found.note is not None
+    assert "stands still does as well: no goal asks it to move" in found.summary()
+    assert solution_record(found)["note"] == found.note
+
+
+def test_an_optimum_that_is_better_than_rest_has_no_note() -> None:
+    found = solve(problem("reach", *SMALL, 'task.objectives=[{kind="position",target=[0.2,0.0]}]'), starts=1).best
+    assert found.status.ok
+    assert found.note is None
+    assert "note" not in solution_record(found)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
 
+from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
 from serpenoid.robot.checks import check_start, check_table, check_voltage
 from serpenoid.robot.control_table import no_load_speed_rpm
@@ -126,3 +127,17 @@ def test_check_command_refuses_with_exit_code_1_and_passes_with_0(tmp_path):
     assert done.returncode == 1
     assert "joint_1 (ID 1), step 3" in done.stderr
     assert serpenoid("robot", "check", write_gait(tmp_path), "--robot", ROBOT_FILE).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"speed_limit_rpm": 100.0}, r"\[\[joint\]\] 3 speed_limit_rpm: "),
+        ({"zero_ticks": 0}, r"\[\[joint\]\] 3: `minimum_ticks` < `zero_ticks`"),
+    ],
+)
+def test_a_fault_of_joint_3_in_a_robot_file_is_one_of_its_third_joint(change: dict[str, float], place: str) -> None:
+    data = robot().model_dump()
+    data["joint"][2] |= change
+    with pytest.raises(InputError, match=place):
+        validate(Robot, data, "robot.toml")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.cli.solve import bound_lines, starts_line
+from serpenoid.cli.solve import bound_lines, note_lines, starts_line
 from serpenoid.files.inputs import csv_rows, read_text
 
 
@@ -88,6 +88,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         f"heading change    {_short(record['heading_change_rad'])} rad",
         f"dissipation T*E   {_short(record['dissipation'])}",
         *_floor(record),
+        *note_lines(record.get("note")),
     ]
     if record["kind"] == "optimum":
         kkt = max(record["kkt"].values())

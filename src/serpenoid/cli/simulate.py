@@ -52,6 +52,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {options.signed(motion.heading_change)} rad",
         f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
+        *_rows_lines(problem, len(result.table)),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
         *crossing_warning(motion),
@@ -60,6 +61,14 @@ def run(args: argparse.Namespace) -> int:
     ]
     options.report(args, record, lines, folder)
     return 0
+
+
+def _rows_lines(problem: Problem, rows: int) -> list[str]:
+    """A line where a joint table has other rows than the steps that the file asks for."""
+    task = problem.task
+    if rows == task.steps + task.transient or "steps" not in task.model_fields_set:
+        return []
+    return [f"note              the joint table is played as it is, {rows} rows: task.steps = {task.steps} is not used"]
 
 
 def _table(problem: Problem) -> list[str]:

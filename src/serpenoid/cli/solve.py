@@ -115,7 +115,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped after {done} of {args.starts} starts; the best is in {folder}. {KEPT}")
         return 130
     if not best.status.ok:
-        options.complain(_why(problem) or best.status.value)
+        options.complain(_why(problem) or best.message)
         return 1
     return 0
 
@@ -152,10 +152,12 @@ def kept_better(folder: Path, best: Solution) -> float | None:
 
 
 def _why(problem: Problem) -> str | None:
-    """What the problem itself says about a failure; None: nothing."""
+    """What a heading that was asked for says about a failure; None: nothing."""
+    from serpenoid.optimise.unmoved import why_unmoved
+
     heading = problem.task.constraints.heading_change_rad
-    if problem.medium.anisotropy_ratio == 1.0 and not problem.effects and problem.lift is None:
-        return "anisotropy_ratio = 1 is isotropic: nothing moves, whatever the gait. Give a ratio below 1."
+    if why_unmoved(problem) is not None:
+        return None
     if heading is not None and abs(heading) > FAR_TURN_RAD:
         return (
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
@@ -190,7 +192,8 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
     outcomes = [goal.outcome(played) for goal in goals]
     efficiency = lighthill_efficiency(best.problem, best.trajectory.displacement, best.trajectory.dissipation)
     return [
-        f"status            {best.status.words}",
+        f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
+        *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",
         f"dissipation T*E   {best.trajectory.dissipation:.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
@@ -215,6 +218,11 @@ def starts_line(optima: str, failures: Sequence[str]) -> str:
     """Which optima the starts found, and what kept the others from being one (names of `Status`)."""
     reasons = ", ".join(f"{count} {reason.lower()}" for reason, count in Counter(failures).most_common())
     return f"optima found      {optima or 'none'}; failed starts: {reasons or 0}"
+
+
+def note_lines(note: str | None) -> list[str]:
+    """A line of what is to be known of an optimum."""
+    return [] if note is None else [f"note              {note}"]
 
 
 def bound_lines(at_bounds: Sequence[str]) -> list[str]:

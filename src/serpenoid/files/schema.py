@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 import unicodedata
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar, cast, get_args
 
@@ -97,6 +97,7 @@ class Record(BaseModel):
 
 R = TypeVar("R", bound=Record)
 MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
+NO_SECTION = ("model_type", "model_attributes_type")  # pydantic's words for something else in a section's place
 MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
 
 
@@ -176,17 +177,17 @@ def _copy(data: Any) -> Any:
 
 
 def _describe(schema: type[BaseModel], fault: Any) -> str:
-    *sections, key = [str(part) for part in _without_tags(schema, fault["loc"])] or [""]
-    place = f"[{'.'.join(sections)}] {key}" if sections else key
+    where = _without_tags(schema, fault["loc"])
+    place = _place(where, isinstance(fault["input"], dict) or fault["type"] in NO_SECTION)
     if fault["type"] == "extra_forbidden":
         return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
     if fault["type"] == "missing":
         return f"{place}: is required and not there."
     if fault["type"] in ("union_tag_invalid", "union_tag_not_found"):
-        return f"[{'.'.join([*sections, key])}] {_tag_fault(fault['ctx'])}"
+        return f"{_section(where)} {_tag_fault(fault['ctx'])}"
     shown = "" if isinstance(fault["input"], dict) else f", got {_short(fault['input'])}"
-    if fault["type"] in ("model_type", "model_attributes_type"):
-        return f"{place}: must be a section, [{place}] and its keys below it{shown}."
+    if fault["type"] in NO_SECTION:
+        return f"{place}: must be a section, {_section(where, numbered=False)} and its keys below it{shown}."
     if fault["type"] == "too_short":
         least = fault["ctx"]["min_length"]
         return f"{place}: needs {least} {'entry' if least == 1 else 'entries'} or more{shown}."
@@ -197,6 +198,24 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
         return f"{message}."
     rule, _, remedy = message.partition("; ")
     return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
+
+
+def _place(where: Sequence[str | int], is_section: bool) -> str:
+    """A location as people write and count it: `[[joint]] 2 sign`, `[body] edge_lengths, entry 3`."""
+    if not where:
+        return ""
+    *above, last = where
+    if isinstance(last, str):
+        return f"{_section(above)} {last}" if above else last
+    return _section(where) if is_section else f"{_place(above, is_section=False)}, entry {last + 1}"
+
+
+def _section(where: Sequence[str | int], numbered: bool = True) -> str:
+    """A section's own heading, with its number, from 1, where it is one of several."""
+    name, number = ".".join(part for part in where if isinstance(part, str)), where[-1]
+    if isinstance(number, str):
+        return f"[{name}]"
+    return f"[[{name}]] {number + 1}" if numbered else f"[[{name}]]"
 
 
 def _tag_fault(context: dict[str, Any]) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
 
 HARMONICS = 3  # of a random start: a smooth table
@@ -101,7 +102,18 @@ class TableFamily(GaitFamily):
 
     def start(self) -> Floats:
         angles = self.like.angles if isinstance(self.like, TableGait) else None
-        return np.zeros(self.size) if angles is None else np.array(angles).ravel()
+        return np.zeros(self.size) if angles is None else self._fitting(angles)
+
+    def _fitting(self, angles: tuple[tuple[float, ...], ...]) -> Floats:
+        """The same (n,); rows are not resampled: which motion lies between them is for the user to say."""
+        widths = {len(row) for row in angles}
+        if len(angles) != self.rows or widths != {self.joints}:
+            got = f"{len(angles)} of {' and '.join(str(width) for width in sorted(widths))}"
+            raise InputError(
+                f"`angles` of a table needs {self.rows} rows of {self.joints} joint angles, got {got}. Set task.steps "
+                "to its number of rows (one less if transient), or resample it."
+            )
+        return np.array(angles).ravel()
 
     def sample(self, rng: np.random.Generator) -> Floats:
         """A mean and a few harmonics per joint."""

@@ -14,6 +14,7 @@ from serpenoid.measure.animal import remarks
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
+from serpenoid.measure.consistency.still import nothing_moved
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, schedule_start
 from serpenoid.measure.trial_files import (
@@ -134,7 +135,8 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
     if motion is not None:
         passages, complaints = cut_passages(motion, schedule if source != "none" else None, files.servo_log)
         notes += complaints
-        notes += remarks(body, motion) if file.tracked_only else ()
+        still = nothing_moved(motion.time_s, motion.markers)
+        notes += [still] if still else remarks(body, motion) if file.tracked_only else ()
     return Trial(
         entry.name, entry.gait or entry.name, body, metres, schedule, source, motion, servo, files.servo_log,
         files.power_log, passages, entry.dissipation_coefficient, tuple(notes),

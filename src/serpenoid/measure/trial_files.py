@@ -17,11 +17,12 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.lengths import shown_lengths, steadied
+from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.zeros import without_zeros
 from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
@@ -32,7 +33,8 @@ UNSEEN = "Give `edge_lengths`, or is `minimum_score` in [motion] too high (DeepL
 
 @dataclass(frozen=True)
 class Files:
-    """One trial's files; exchanged_back: which points had other names, and when, empty where none had."""
+    """One trial's files; exchanged_back: which points had other names, and when, empty where none had; zeros: which
+    were hidden as (0, 0), empty where none were."""
 
     entry: TrialEntry
     keys: MotionKeys
@@ -42,6 +44,7 @@ class Files:
     tracks: Tracks | None
     labelled: Labelled | None
     exchanged_back: str = ""
+    zeros: str = ""
 
     def names(self, body: Body) -> list[str]:
         """What the marker of each vertex is called: in the campaign, else in the file."""
@@ -125,8 +128,9 @@ def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     """Read one trial's files."""
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
-    labelled, exchanged = None, ""
+    labelled, exchanged, zeros = None, "", ""
     if tracks is not None:
+        tracks, zeros = without_zeros(tracks)
         if len(tracks.time_s) < FEWEST_FRAMES:
             raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
@@ -139,7 +143,7 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
             exchanged = told(found, marker_names(tracks, keys, file.body), tracks.time_s)
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
-    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged)
+    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged, zeros)
 
 
 def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:
@@ -226,7 +230,7 @@ def other_lengths(body: Body, read: Sequence[Files], blocks: int) -> Floats:
 def _shown(body: Body, read: Sequence[Files]) -> Floats:
     """Lengths of the edges in every frame of all recordings: (F, N - 1)."""
     shown = [(f.tracks.time_s, f.labelled.vertices) for f in read if f.tracks is not None and f.labelled is not None]
-    distances = [shown_lengths(body, steadied(*each) if body.is_animal else each[1]) for each in shown]
+    distances = [steady_lengths(body, *each) if body.is_animal else shown_lengths(body, each[1]) for each in shown]
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
     return np.concatenate(distances)

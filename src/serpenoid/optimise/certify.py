@@ -36,6 +36,7 @@ class Certificate:
     resimulation_error: float
     polishing_gain: float | None
     cost: float
+    rest_is_as_good: bool = False
 
 
 def certify(
@@ -59,7 +60,14 @@ def certify(
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
     cost = solver.value(answer.q, table, trajectory, c)
-    return Certificate(status, trajectory, table, error, gain, cost)
+    rest = status.ok and polish and rest_cost(solver, answer, c) < cost + GAIN_TOLERANCE
+    return Certificate(status, trajectory, table, error, gain, cost, rest)
+
+
+def rest_cost(solver: GaitSolver, answer: Answer, c: float) -> float:
+    """The objective of a straight body that never moves, plus all that it misses."""
+    straight = solver.family.scaled(answer.q, 0.0)
+    return float(gait_costs(solver, straight[None], c, 1.0, solver.gait_bounds(), answer.carried)[0])
 
 
 def gait_costs(

@@ -123,6 +123,7 @@ def as_solution(
         timing=outcome.timing,
         cases=solver.outcomes(answer.q, c),
         self_clearance=own,
+        rest_is_as_good=check.rest_is_as_good,
     )
 
 

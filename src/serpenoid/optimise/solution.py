@@ -9,6 +9,7 @@ from serpenoid.gaits import Gait
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
+from serpenoid.optimise.unmoved import rest_note, why_unmoved
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.status import Status
@@ -41,6 +42,7 @@ class Solution(Shown):
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
     optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,). cases:
     those that a robust gait serves; `cost` is then over all of them, `trajectory` is in the problem's own medium.
+    rest_is_as_good: a straight body that never moves meets all that is asked at the same cost.
     """
 
     status: Status
@@ -64,6 +66,7 @@ class Solution(Shown):
     timing: dict[str, float]
     cases: tuple[CaseOutcome, ...] = ()
     self_clearance: SelfClear | None = None
+    rest_is_as_good: bool = False
 
     @property
     def at_bounds(self) -> tuple[str, ...]:
@@ -76,7 +79,20 @@ class Solution(Shown):
             if abs(q - end) < AT_BOUND * (high - low)
         )
 
+    @property
+    def message(self) -> str:
+        """How it ended; of a failure that no other start can mend, why."""
+        if self.status in (Status.SOLVED, Status.STOPPED):
+            return self.status.value
+        return why_unmoved(self.problem) or self.status.value
+
+    @property
+    def note(self) -> str | None:
+        """What is to be known of an optimum than which a body at rest is no worse; None: nothing."""
+        return rest_note(self.problem, self.c) if self.status.ok and self.rest_is_as_good else None
+
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""
         went = f"{self.trajectory.displacement:.6f} body lengths, cost {self.cost:.6f} at c = {self.c:g}"
-        return f"{self.problem.name}: {self.status.name.lower()}, {went}"
+        said = f"{self.problem.name}: {self.status.name.lower()}, {went}"
+        return said if self.note is None else f"{said}; {self.note}"

@@ -175,8 +175,8 @@ def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]],
     for name, answer in candidates:
         solution = as_solution(solver, answer, c, polish)
         if solution.status.ok:
-            return SweepPoint(c, solution, name, solution.status.value)
-        reasons.append(f"{name}: {solution.status.value}")
+            return SweepPoint(c, solution, name, solution.message)
+        reasons.append(f"{name}: {solution.message}")
     return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
 
 

@@ -24,6 +24,7 @@ from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.cells import clock
+from serpenoid.measure.chain import UNCERTAIN
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import SHORTEST_RUN, Motion, Trial
@@ -105,7 +106,7 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
         longest = max(smoothed, key=lambda piece: piece.states.time[-1]).states
         raise InputError(
             f"trial `{trial.name}`: {longest.time[-1]:.3g} s at most are seen without a hole: too short for a period "
-            f"({longest.period:.3g} s) of the motion."
+            f"({longest.period:.3g} s) of the motion.{_too_near(trial.body, trial.motion)}"
         )
     spans = [float(time[-1] - time[0]) for time in times]
     promised = [spans[i] for i in long]
@@ -127,6 +128,21 @@ def _smoothed(body: Body, motion: Motion, run: slice) -> Smoothed:
         body, motion.time_s[run] - motion.time_s[run.start],
         motion.markers[run] * body.total_length_m, near * body.total_length_m,
     )  # fmt: skip
+
+
+def _too_near(body: Body, motion: Motion) -> str:
+    """What frames without a hidden point are left out for: of a link a quarter as long as it is, the direction is four
+    times as vague as usual, and such frames count as not seen."""
+    left = ~motion.measured
+    lengths = np.linalg.norm(np.diff(motion.markers[left], axis=1), axis=2)
+    near = int((lengths < body.edges / UNCERTAIN).any(axis=1).sum())
+    if not near:
+        return ""
+    return (
+        f" In {near} of the {left.sum()} frames that are left out neighbouring points are so near each other that "
+        "nobody knows which way the body runs between them. Does it shorten so far (no model here does), or are points "
+        "exchanged? Fewer points, farther apart, may do."
+    )
 
 
 def _shortened(trial: Trial, used_s: float) -> str:

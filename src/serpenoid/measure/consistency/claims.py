@@ -71,6 +71,8 @@ def believe(
     for files in read:
         if files.exchanged_back:
             remarks[files.entry.name].append(f"names put back as in most of the recording: {files.exchanged_back}")
+        if files.zeros:
+            remarks[files.entry.name].append(files.zeros)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
     for trial in (said := _scale(file, body, read)):
