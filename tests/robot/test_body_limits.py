@@ -121,3 +121,11 @@ def test_a_transient_is_not_repeated_unless_its_end_is_its_beginning(tmp_path, v
     assert "a transient" in done.stderr
     done = serpenoid(*(str(word).format(tmp_path / "closed") for word in VERBS[verb]))
     assert done.returncode == 0, done.stderr
+
+
+def test_a_summary_tells_the_speed_of_a_transients_own_steps(six, tmp_path):
+    """6 joints from 0 to 0.6 rad in 30 even steps and 4 s: 1.43 rpm."""
+    write_table(tmp_path / "there.csv", np.linspace(0, 0.6, 31)[:, None] * np.ones(6))
+    (tmp_path / "there.toml").write_text(SIX + 'transient = true\n[gait]\npath = "there.csv"\n')
+    done = serpenoid("simulate", tmp_path / "there.toml", "--no-figures", "--out", tmp_path / "out")
+    assert "joint speed       30 rpm; joints reach 1.4" in done.stdout

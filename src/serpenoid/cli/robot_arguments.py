@@ -55,7 +55,7 @@ def checked_table(args: argparse.Namespace, robot: Robot) -> tuple[JointTable, l
     """The table and what speaks against it, at the robot's nominal voltage."""
     table = read_table(args.results)
     duration = cycle_duration(args, table, robot)
-    refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V)
+    refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V, table.closed)
     return table, refusals or body_refusals(args, table, duration)
 
 

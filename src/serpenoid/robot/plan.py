@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
+from serpenoid.joint_limits import travels
 from serpenoid.robot.bus import HEALTH_BYTES, STATE_BYTES
 from serpenoid.robot.control_table import (
     POSITION_MODE,
@@ -91,7 +92,7 @@ class Plan:
 
     def peak_speed_rpm(self) -> NDArray[np.float64]:
         """Fastest step of each joint (m,), the one from the last row to the first among them."""
-        return row_speeds_rpm(self.ticks, self.cycle_duration_s).max(axis=0)
+        return row_speeds_rpm(self.ticks, self.cycle_duration_s, closed=True).max(axis=0)
 
     def approach_velocity(self) -> list[int]:
         """Profile Velocity (112) on the way to the first row."""
@@ -139,10 +140,10 @@ def check_repetition(cycles: int, pause_s: float) -> None:
         raise InputError(f"--pause must be between 0 and 600 seconds, got {pause_s}.")
 
 
-def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float) -> NDArray[np.float64]:
-    """Speed (T, m) of the step that leads from each row to the next, cyclically."""
-    travel = np.abs(np.roll(ticks, -1, axis=0) - ticks)
-    return travel * (len(ticks) * 60.0 / (TICKS_PER_TURN * cycle_duration_s))
+def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float, closed: bool) -> NDArray[np.float64]:
+    """Speed (T, m) of every step: from each row to the next, and in a closed table from the last to the first."""
+    steps = travels(ticks, closed)
+    return np.asarray(steps * (len(steps) * 60.0 / (TICKS_PER_TURN * cycle_duration_s)))
 
 
 def write_time_s(joints: int, baud_rate: int) -> float:
