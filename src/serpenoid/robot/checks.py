@@ -67,18 +67,15 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
     return [*refusals, Refusal(f"joint_{joint + 1}", value, f"the body's limit is {limit:g} rpm", slower)]
 
 
-def check_closed(angles: NDArray[np.float64], stated: Stated) -> list[Refusal]:
-    """A transient leads from shape to shape: after its last row no player may go on with the first, `angles` (T, m)."""
+def check_repetition(angles: NDArray[np.float64], stated: Stated, cycles: int) -> list[Refusal]:
+    """A transient (T + 1, m) leads from shape to shape: another cycle would jump, unless it ends where it began."""
     jump = np.abs(angles[0] - angles[-1])
-    usual = np.abs(np.diff(angles, axis=0)).max(initial=0.0)
-    if not stated.transient or jump.max() <= usual * (1 + KEPT):
+    if not stated.transient or cycles == 1 or jump.max() <= RADIANS_PER_TICK / 2:
         return []
     joint = int(jump.argmax())
-    value = f"it is {degrees(jump[joint]):.1f} degrees from the first row"
-    limit = (
-        f"this table is a transient, with at most {degrees(usual):.1f} degrees from row to row, and would begin again"
-    )
-    remedy = "Add rows that lead back to the first, in a folder of their own, or solve without `transient`."
+    value = f"it is {degrees(jump[joint]):.2f} degrees from the first row"
+    limit = f"this table is a transient, and {cycles} cycles of it would jump back"
+    remedy = "Play it once (--cycles 1), or add rows that lead back to the first, in a folder of their own."
     return [Refusal(f"joint_{joint + 1}, last row", value, limit, remedy)]
 
 
