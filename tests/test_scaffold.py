@@ -218,6 +218,14 @@ def add(folder: Path, *words: str) -> int:
     return main([*parts, "--format", "tidy", *words])
 
 
+def test_a_transient_is_no_trial_of_a_campaign(played: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = played / "trials" / "wave-1"
+    (log / "play.json").write_text(json.dumps({"status": "done", "transient": True}))
+    (log / "trial.toml").unlink()
+    assert add(played) == 2
+    assert "this trial is a transient, and trials of a campaign play closed tables" in capsys.readouterr().err
+
+
 def test_a_played_trial_takes_the_place_of_the_made_up_one_and_is_measured(played: Path) -> None:
     assert add(played) == 0
     campaign = load_campaign(played / "camp")

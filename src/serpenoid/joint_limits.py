@@ -1,14 +1,15 @@
 """The limits that a body declares, said beside every gait: kept, broken, or switched off.
 
-T: rows of the joint table, m: joints.
+T: steps, m: joints; a joint table has T rows where it is closed, and T + 1 where it is a transient.
 """
 
 from __future__ import annotations
 
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 
@@ -19,14 +20,20 @@ KEPT = 1e-6  # relative: beyond the optimiser's own tolerance, far below a servo
 
 
 def largest_angle(table: Floats) -> tuple[int, float]:
-    """Joint (0 next to the tail) and largest |angle| [degrees] of a table (T, m) [rad]."""
+    """Joint (0 next to the tail) and largest |angle| [degrees] of a table [rad]."""
     reach = np.degrees(np.abs(table)).max(axis=0)
     return int(reach.argmax()), float(reach.max())
 
 
-def turns_per_cycle(table: Floats) -> tuple[int, float]:
-    """Joint and its fastest step of a table (T, m) [rad], in turns per cycle: times 60 / seconds it is rpm."""
-    fastest = np.abs(np.roll(table, -1, axis=0) - table).max(axis=0) * len(table) / (2 * np.pi)
+def travels(table: NDArray[Any], closed: bool) -> NDArray[Any]:
+    """How far each step of a table leads, (T, m), in the table's unit; in a closed one the last leads to the first."""
+    return np.abs(np.diff(table, axis=0, append=table[:1] if closed else table[:0]))
+
+
+def turns_per_cycle(table: Floats, closed: bool) -> tuple[int, float]:
+    """Joint and its fastest step of a table [rad], in turns per cycle: times 60 / seconds it is rpm."""
+    steps = travels(table, closed)
+    fastest = steps.max(axis=0) * len(steps) / (2 * np.pi)
     return int(fastest.argmax()), float(fastest.max())
 
 
@@ -51,7 +58,7 @@ def _speed_lines(problem: Problem, table: Floats) -> list[str]:
     declared, duration = problem.body.joint_speed_limit_rpm, problem.task.cycle_duration_s
     if declared is None:
         return []
-    joint, turns = turns_per_cycle(table)
+    joint, turns = turns_per_cycle(table, closed=not problem.task.transient)
     shortest = ceil(turns * 60 / declared * 100) / 100
     if duration is None:
         return [f"joint speed       within {declared:g} rpm in cycles of {shortest:g} s or more; no `cycle_duration_s`"]

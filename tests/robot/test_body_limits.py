@@ -109,15 +109,36 @@ def test_a_limit_switched_off_in_the_problem_file_is_named_when_its_gait_is_chec
     assert "joint limit of 30 degrees switched off in the problem file" in done.stderr
 
 
+def transient(folder, rows):
+    """A results folder of a transient."""
+    folder.mkdir()
+    write_table(folder / "joint_table.csv", np.asarray(rows))
+    (folder / "solution.json").write_text(json.dumps({"cycle_duration_s": 5.0, "transient": True}))
+    return folder
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_a_transient_is_played_and_exported_once(tmp_path, verb):
+    open_end = transient(tmp_path / "open", gait(40, 0.2)[:25])
+    done = serpenoid(*(str(word).format(open_end) for word in VERBS[verb]))
+    assert done.returncode == 0, done.stderr
+    assert ("24 steps to be played once; hold the last row" in done.stderr) == verb.startswith("export")
+
+
 @pytest.mark.parametrize("verb", ["play", "export without a robot"])
 def test_a_transient_is_not_repeated_unless_its_end_is_its_beginning(tmp_path, verb):
     angles = gait(40, 0.2)
-    for name, rows in (("open", angles[:25]), ("closed", angles)):
-        (tmp_path / name).mkdir()
-        write_table(tmp_path / name / "joint_table.csv", rows)
-        (tmp_path / name / "solution.json").write_text(json.dumps({"cycle_duration_s": 5.0, "transient": True}))
-    done = serpenoid(*(str(word).format(tmp_path / "open") for word in VERBS[verb]))
+    open_end, closed = transient(tmp_path / "open", angles), transient(tmp_path / "closed", [*angles, angles[0]])
+    done = serpenoid(*(str(word).format(open_end) for word in VERBS[verb]), "--cycles", 2)
     assert done.returncode == 1
-    assert "a transient" in done.stderr
-    done = serpenoid(*(str(word).format(tmp_path / "closed") for word in VERBS[verb]))
+    assert "this table is a transient, and 2 cycles of it would jump back. Play it once (--cycles 1)" in done.stderr
+    done = serpenoid(*(str(word).format(closed) for word in VERBS[verb]), "--cycles", 2)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_summary_tells_the_speed_of_a_transients_own_steps(six, tmp_path):
+    """6 joints from 0 to 0.6 rad in 30 even steps and 4 s: 1.43 rpm."""
+    write_table(tmp_path / "there.csv", np.linspace(0, 0.6, 31)[:, None] * np.ones(6))
+    (tmp_path / "there.toml").write_text(SIX + 'transient = true\n[gait]\npath = "there.csv"\n')
+    done = serpenoid("simulate", tmp_path / "there.toml", "--no-figures", "--out", tmp_path / "out")
+    assert "joint speed       30 rpm; joints reach 1.4" in done.stdout

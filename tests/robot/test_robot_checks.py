@@ -8,10 +8,13 @@ from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
-from serpenoid.robot.checks import check_start, check_table, check_voltage
+from serpenoid.robot.checks import check_body, check_start, check_table, check_voltage
 from serpenoid.robot.control_table import no_load_speed_rpm
 from serpenoid.robot.description import Robot
+from serpenoid.robot.plan import row_speeds_rpm
+from serpenoid.robot.stated import Stated
 from serpenoid.robot.table import write_table
+from serpenoid.robot.ticks import to_ticks
 
 
 def says(refusal, *parts):
@@ -141,3 +144,25 @@ def test_a_fault_of_joint_3_in_a_robot_file_is_one_of_its_third_joint(change: di
     data["joint"][2] |= change
     with pytest.raises(InputError, match=place):
         validate(Robot, data, "robot.toml")
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_transient_has_no_step_back_to_its_first_row(closed):
+    """0.5 rad in 10 even steps and 0.8 s, 6 rpm; as a closed table it jumps back in an eleventh."""
+    angles = np.linspace(0, 0.5, 11)[:, None] * np.ones(10)
+    speeds = row_speeds_rpm(to_ticks(angles, robot()), 0.8, closed)
+    assert speeds.shape == (11 if closed else 10, 10)
+    # a step of 33 ticks is off by a tick at most
+    assert speeds.max() == pytest.approx(60 * 0.5 / (2 * np.pi) / 0.8 * (11 if closed else 1), rel=1 / 33)
+    refusals = check_table(angles, robot(), 0.8, 11.1, closed)
+    assert bool(refusals) == closed
+
+
+def test_the_bodys_speed_limit_holds_for_the_steps_of_a_transient_alone():
+    angles = np.linspace(0, 0.5, 11)[:, None] * np.ones(10)
+    limits = {"body": {"joint_speed_limit_rpm": 7.0}}  # 60 * 0.5 / (2 pi) / 0.8 = 5.97 rpm
+    assert check_body(angles, Stated.model_validate(limits | {"transient": True}), 0.8) == []
+    (refusal,) = check_body(angles, Stated.model_validate(limits), 0.8)
+    assert "speed 65.7 rpm" in refusal.value
+    (refusal,) = check_body(angles, Stated.model_validate(limits | {"transient": True}), 0.6)
+    assert "Play a cycle of 0.69 s or more" in refusal.remedy

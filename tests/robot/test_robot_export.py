@@ -97,3 +97,15 @@ def test_velocities_are_those_of_the_wave():
     exact = 0.15 * 2 * np.pi / 4.0 * np.cos(2 * np.pi * phase)
     h = 2 * np.pi / 20
     assert np.allclose(path.velocities[1:20], exact * np.sin(h) / h, atol=1e-12)
+
+
+@pytest.mark.parametrize(("cycles", "pause"), [(1, 0.0), (1, 2.0)])
+def test_a_transient_ends_at_rest_on_its_last_row_after_its_own_steps(cycles, pause):
+    """A ramp of 0.05 rad a step: velocities inside are exact, both ends are at rest."""
+    ramp = 0.05 * np.arange(11)[:, None] * np.ones(10)
+    path = ros.make_trajectory(ramp, 4.0, cycles, pause, closed=False)
+    assert np.array_equal(path.positions[:11], ramp)
+    assert np.array_equal(path.positions[-1], ramp[-1])
+    assert np.allclose(np.diff(path.times[:11]), 0.4)
+    assert np.allclose(path.velocities[1:10], 0.05 / 0.4)
+    assert not path.velocities[[0, *range(10, len(path.times))]].any()

@@ -77,6 +77,15 @@ def test_sketch_plays_the_table_on_schedule_after_a_press_and_switches_off(progr
 
 
 @needs_compiler
+def test_a_sketch_of_a_transient_ends_on_its_last_row(tmp_path):
+    plan = make_plan(0.05 * np.arange(9)[:, None] * np.ones(10), robot(), 2.0, 1, 0.5, closed=False)
+    rows = rows_of(run(build(tmp_path, sketch(plan)), 6, "press@0.5"))
+    assert [goals for _, goals in rows] == plan.ticks.tolist()
+    # 8 steps of 0.25 s; the first row stands from the approach on
+    assert np.allclose(np.diff([time for time, _ in rows])[1:], 0.25, atol=LATE_US * 1e-6)
+
+
+@needs_compiler
 def test_sketch_waits_for_the_button(program):
     lines = run(program, 2)
     assert rows_of(lines) == []
@@ -122,7 +131,7 @@ def test_sketch_streams_the_power_log(program):
 
 def test_table_is_const_int16_in_the_sketch():
     text = sketch(PLAN)
-    assert "const int16_t TABLE[STEPS][JOINTS]" in text
+    assert "const int16_t TABLE[ROWS][JOINTS]" in text
     assert f"  {{{', '.join(map(str, PLAN.ticks[0]))}}}" in text
     assert "@" not in text
     assert "STREAM_POWER = false" in text

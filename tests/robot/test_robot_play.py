@@ -32,6 +32,7 @@ from emulated import (
     write_gait,
 )
 
+from serpenoid.robot.table import write_table
 from serpenoid.robot.ticks import to_radians, to_ticks
 
 pytestmark = pytest.mark.usefixtures("serial_ports")
@@ -52,6 +53,23 @@ def test_gait_is_played_on_schedule_and_recorded(tmp_path):
     check_schedule(rows, summary["timing"]["given_up_readings"])
     check_values(rows)
     check_summary(tmp_path / "log")
+
+
+def test_a_transient_is_played_to_its_last_row_and_recorded_without_a_trial_section(tmp_path):
+    folder = tmp_path / "there"
+    folder.mkdir()
+    ramp = 0.02 * np.arange(11)[:, None] * np.ones(10)
+    write_table(folder / "joint_table.csv", ramp)
+    (folder / "solution.json").write_text(json.dumps({"transient": True}))
+    with emulator(tmp_path) as rig:
+        done = serpenoid(*play_words(folder, rig.port, tmp_path / "log", cycles=1, pause=0.1))
+        assert done.returncode == 0, done.stderr
+    _, rows = read_log(tmp_path / "log" / "servo.csv")
+    goals = [float(row["command_1"]) for row in rows if row["phase"] != "approach"]
+    assert np.all(np.diff(goals) >= 0)
+    assert goals[-1] == pytest.approx(0.2, abs=np.pi / 4096)  # half a tick
+    assert rows[-1]["step"] == "10"
+    assert not (tmp_path / "log" / "trial.toml").exists()
 
 
 def check_schedule(rows, given_up):

@@ -46,6 +46,7 @@ from serpenoid.robot.table import JointTable, read_table, write_table
 
 SKETCH = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,62}")
 ENDINGS = (".csv", ".ino", ".mcap", ".yaml")  # of a file, where a folder may be meant
+TABLES = ("csv", "ticks")  # formats that tell rows, and not how they are played
 Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 
 
@@ -75,6 +76,8 @@ def run(args: argparse.Namespace) -> int:
             next(Path(made).iterdir()).rename(Path(made) / file)
         paths = place(args, Path(made), folder)
     sys.stdout.writelines(f"{path}\n" for path in paths)
+    if not table.closed and args.format in TABLES:
+        warn(f"a transient: its {table.steps + 1} rows are {table.steps} steps to be played once; hold the last row")
     return 0
 
 
@@ -83,7 +86,7 @@ def _file(args: argparse.Namespace) -> str | None:
     ending = args.out.suffix.lower()
     if args.out.is_dir() or ending not in ENDINGS:
         return None
-    if ending != ".csv" or args.format not in ("csv", "ticks"):
+    if ending != ".csv" or args.format not in TABLES:
         raise InputError(f"--out {args.out}: --format {args.format} writes into a folder: name one without `{ending}`.")
     return str(args.out.name)
 
@@ -122,7 +125,7 @@ def _openrb(args: argparse.Namespace, table: JointTable, robot: Robot | None, fo
 def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
     duration = cycle_duration(args, table, robot)
     check_repetition(args.cycles, args.pause)
-    trajectory = ros.make_trajectory(table.angles, duration, args.cycles, args.pause)
+    trajectory = ros.make_trajectory(table.angles, duration, args.cycles, args.pause, table.closed)
     ros.write_mcap(folder / "joint_trajectory.mcap", trajectory)
     ros.write_yaml(folder / "joint_trajectory.yaml", trajectory)
 
@@ -131,7 +134,13 @@ def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> P
     if robot is None:
         raise InputError(f"--format {args.format} needs --robot FILE: it maps joints to servos.")
     return make_plan(
-        table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause, args.widen_limits
+        table.angles,
+        robot,
+        cycle_duration(args, table, robot),
+        args.cycles,
+        args.pause,
+        args.widen_limits,
+        table.closed,
     )
 
 

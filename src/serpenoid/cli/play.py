@@ -9,6 +9,7 @@ robot, slows it down or is reported, as [tracking] of the robot file says; exit 
   serpenoid play RESULTS --robot problems/robots/snake10-robot.toml --cycles 3 --pause 2 --log trials/gait01-a-1
 
 --log DIR receives servo.csv, joint_table.csv (as played), play.json and trial.toml (a section for campaign.toml).
+A transient is played once, and its last row is held for the pause; campaigns know closed gaits alone.
 No robot at hand? `serpenoid robot emulate` prints a port to rehearse on.
 """
 
@@ -58,7 +59,13 @@ def run(args: argparse.Namespace) -> int:
         warn("refused, nothing has moved:", *refusals)
         return 1
     plan = make_plan(
-        table.angles, robot, cycle_duration(args, table, robot), args.cycles, args.pause, args.widen_limits
+        table.angles,
+        robot,
+        cycle_duration(args, table, robot),
+        args.cycles,
+        args.pause,
+        args.widen_limits,
+        table.closed,
     )
     if args.dry_run:
         sys.stdout.writelines(line + "\n" for line in describe(plan))

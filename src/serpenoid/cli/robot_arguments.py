@@ -9,7 +9,7 @@ from typing import TextIO
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import load
-from serpenoid.robot.checks import Refusal, check_body, check_closed, check_table
+from serpenoid.robot.checks import Refusal, check_body, check_repetition, check_table
 from serpenoid.robot.description import Robot
 from serpenoid.robot.stated import LONGEST_CYCLE_S
 from serpenoid.robot.table import JointTable, read_table
@@ -55,7 +55,7 @@ def checked_table(args: argparse.Namespace, robot: Robot) -> tuple[JointTable, l
     """The table and what speaks against it, at the robot's nominal voltage."""
     table = read_table(args.results)
     duration = cycle_duration(args, table, robot)
-    refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V)
+    refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V, table.closed)
     return table, refusals or body_refusals(args, table, duration)
 
 
@@ -65,11 +65,11 @@ def body_refusals(args: argparse.Namespace, table: JointTable, duration: float |
     off = stated.switched_off
     if off:
         warn(f"{' and '.join(off)} switched off in the problem file: not held")
-    open_end = check_closed(table.angles, stated)
+    repeated = check_repetition(table.angles, stated, getattr(args, "cycles", 1))
     if args.no_joint_limits:
         warn("--no-joint-limits: the limits of the results' body are not held")
-        return open_end
-    return open_end + check_body(table.angles, stated, duration)
+        return repeated
+    return repeated + check_body(table.angles, stated, duration)
 
 
 def add_widen(parser: argparse.ArgumentParser) -> None:

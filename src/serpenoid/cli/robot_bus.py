@@ -128,7 +128,7 @@ def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tu
         except RobotFault as fault:
             return [Refusal(port, str(fault), "the bus must answer", "Check power and cable.")], "on the bus"
     volts = min(state.voltage for state in states)
-    refusals += check_table(table.angles, robot, cycle_duration(args, table, robot), volts)
+    refusals += check_table(table.angles, robot, cycle_duration(args, table, robot), volts, table.closed)
     present = np.array([state.position for state in states])
     return refusals + check_start(present, to_ticks(table.angles[0], robot), robot), f"at {volts:.1f} V (measured)"
 

@@ -20,6 +20,7 @@ from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.simulation.given import finite, shaped
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -47,9 +48,9 @@ def certify_table(problem: Problem, table: Floats, poses: Floats | None = None) 
 
     poses: of the body frame (weighted centroid, mean edge angle), from the origin, which may be left out.
     """
-    table = _checked("table", table, problem.body.joint_count)
+    table = finite("table", shaped("table", table, (-1, problem.body.joint_count), least=3))
     trajectory = simulate_joint_angles(problem.model, table)
-    error = None if poses is None else _apart(trajectory.poses, _checked("poses", poses, 3))
+    error = None if poses is None else _apart(trajectory.poses, finite("poses", shaped("poses", poses, (-1, 3))))
     excess = float(violations(table, path_limits(problem)).max())
     mesh = study_mesh(lambda factor: simulate_joint_angles(problem.model, finer(table, factor)), len(table))
     return OwnCertificate(_status(trajectory, error, excess, mesh), trajectory, error, excess, mesh)
@@ -70,13 +71,6 @@ def _status(trajectory: Trajectory, error: float | None, excess: float, mesh: Me
     if excess > WITHIN_LIMITS:
         return Status.INFEASIBLE
     return Status.SOLVED if mesh.converged else Status.MESH_TOO_COARSE
-
-
-def _checked(name: str, values: Floats, columns: int) -> Floats:
-    values = np.asarray(values, float)
-    if values.ndim != 2 or values.shape[1] != columns or len(values) < 3:
-        raise InputError(f"`{name}` must have shape (3 or more, {columns}), got {values.shape}. Transposed?")
-    return values
 
 
 def _apart(mine: Floats, theirs: Floats) -> float:

@@ -1,6 +1,6 @@
 """Checks before anything moves; each refusal names joint, step, value, limit and remedy.
 
-T: steps, m: joints.
+T: steps, m: joints; a table has T rows where it is closed, and T + 1 where it is a transient.
 """
 
 from __future__ import annotations
@@ -34,18 +34,21 @@ class Refusal:
         return f"{self.where}: {self.value}; {self.limit}. {self.remedy}"
 
 
-def check_table(angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float) -> list[Refusal]:
-    """All that is wrong with playing `angles` (T, m) [rad] on `robot`, at `voltage` [V] at the servos."""
+def check_table(
+    angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float, closed: bool = True
+) -> list[Refusal]:
+    """All that is wrong with playing the table `angles` [rad] on `robot`, at `voltage` [V] at the servos."""
     refusals = _check_shape(angles, robot) or check_finite(angles)
     if refusals:
         return refusals
     ticks = to_ticks(angles, robot)
-    refusals = _check_positions(angles, ticks, robot) + _check_speeds(ticks, robot, cycle_duration_s, voltage)
-    return refusals + _check_bus(len(ticks), robot, cycle_duration_s)
+    speeds = row_speeds_rpm(ticks, cycle_duration_s, closed)
+    refusals = _check_positions(angles, ticks, robot) + _check_speeds(speeds, robot, cycle_duration_s, voltage, closed)
+    return refusals + _check_bus(len(speeds), robot, cycle_duration_s)
 
 
 def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: float | None) -> list[Refusal]:
-    """What the body of the results allows its joints: `angles` (T, m) [rad], in a cycle of that duration if known."""
+    """What the body of the results allows its joints: table `angles` [rad], in a cycle of that duration if known."""
     refusals = []
     joint, reach = largest_angle(angles)
     limit = stated.joint_limit_deg
@@ -54,7 +57,7 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
         where = f"joint_{joint + 1}, step {int(np.abs(angles[:, joint]).argmax())}"
         angle = f"{reach:.1f}" if round(reach, 1) > limit else f"{reach:.7g}"  # never two equal numbers
         refusals.append(Refusal(where, f"angle {angle} degrees", f"the body's limit is {limit:g} degrees", remedy))
-    joint, turns = turns_per_cycle(angles)
+    joint, turns = turns_per_cycle(angles, closed=not stated.transient)
     limit = stated.joint_speed_limit_rpm
     if limit is None or cycle_duration_s is None or turns * 60 / cycle_duration_s <= limit * (1 + KEPT):
         return refusals
@@ -64,18 +67,15 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
     return [*refusals, Refusal(f"joint_{joint + 1}", value, f"the body's limit is {limit:g} rpm", slower)]
 
 
-def check_closed(angles: NDArray[np.float64], stated: Stated) -> list[Refusal]:
-    """A transient leads from shape to shape: after its last row no player may go on with the first, `angles` (T, m)."""
+def check_repetition(angles: NDArray[np.float64], stated: Stated, cycles: int) -> list[Refusal]:
+    """A transient (T + 1, m) leads from shape to shape: another cycle would jump, unless it ends where it began."""
     jump = np.abs(angles[0] - angles[-1])
-    usual = np.abs(np.diff(angles, axis=0)).max(initial=0.0)
-    if not stated.transient or jump.max() <= usual * (1 + KEPT):
+    if not stated.transient or cycles == 1 or jump.max() <= RADIANS_PER_TICK / 2:
         return []
     joint = int(jump.argmax())
-    value = f"it is {degrees(jump[joint]):.1f} degrees from the first row"
-    limit = (
-        f"this table is a transient, with at most {degrees(usual):.1f} degrees from row to row, and would begin again"
-    )
-    remedy = "Add rows that lead back to the first, in a folder of their own, or solve without `transient`."
+    value = f"it is {degrees(jump[joint]):.2f} degrees from the first row"
+    limit = f"this table is a transient, and {cycles} cycles of it would jump back"
+    remedy = "Play it once (--cycles 1), or add rows that lead back to the first, in a folder of their own."
     return [Refusal(f"joint_{joint + 1}, last row", value, limit, remedy)]
 
 
@@ -146,8 +146,9 @@ def _check_positions(angles: NDArray[np.float64], ticks: NDArray[np.int64], robo
     return refusals
 
 
-def _check_speeds(ticks: NDArray[np.int64], robot: Robot, cycle_duration_s: float, voltage: float) -> list[Refusal]:
-    speeds = row_speeds_rpm(ticks, cycle_duration_s)
+def _check_speeds(
+    speeds: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float, closed: bool
+) -> list[Refusal]:
     no_load = no_load_speed_rpm(voltage)
     refusals = []
     for j, joint in enumerate(robot.joint):
@@ -155,27 +156,26 @@ def _check_speeds(ticks: NDArray[np.int64], robot: Robot, cycle_duration_s: floa
         step = int(speeds[:, j].argmax())
         if speeds[step, j] > limit:
             why = f"no-load speed at {voltage:.1f} V" if no_load < joint.speed_limit_rpm else "`speed_limit_rpm`"
-            refusals.append(_speed_refusal(speeds[:, j], step, limit, why, robot.joint_label(j), cycle_duration_s))
+            value, remedy = _too_fast(speeds[:, j], limit, cycle_duration_s, closed)
+            limit_words = f"the limit is {limit:.1f} rpm ({why})"
+            refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit_words, remedy))
     return refusals
 
 
-def _speed_refusal(
-    speeds: NDArray[np.float64], step: int, limit: float, why: str, label: str, cycle_duration_s: float
-) -> Refusal:
-    """A jump from the last row to the first, alone too fast, is a table that does not close: slower is no remedy."""
-    last = len(speeds) - 1
+def _too_fast(speeds: NDArray[np.float64], limit: float, cycle_duration_s: float, closed: bool) -> tuple[str, str]:
+    """Value and remedy of a joint's speeds (T,). A jump from the last row to the first, alone too fast, is a table that
+    does not close: slower is no remedy."""
+    step, last = int(speeds.argmax()), len(speeds) - 1
     rest = speeds[:-1].max() if last else 0.0
     value = f"speed {speeds[step]:.1f} rpm in a cycle of {cycle_duration_s:g} s"
     if limit <= 0:
-        remedy = "It cannot move at all: check its supply voltage and its own Velocity Limit (--widen-limits)."
-    elif step == last and rest <= limit and speeds[last] > 3 * rest:
+        return value, "It cannot move at all: check its supply voltage and its own Velocity Limit (--widen-limits)."
+    if closed and step == last and rest <= limit and speeds[last] > 3 * rest:
         jump = degrees(speeds[last] * cycle_duration_s / len(speeds) * tau / 60)
         value = f"jump of {jump:.1f} degrees from the last row to the first ({speeds[last]:.1f} rpm)"
-        remedy = "The table does not close: the row after the last one is the first. Export a whole cycle."
-    else:
-        needed = ceil(cycle_duration_s * speeds[step] / limit * 100) / 100
-        remedy = f"Play it slower: a cycle of {needed:g} s or more (--cycle-duration)."
-    return Refusal(f"{label}, step {step}", value, f"the limit is {limit:.1f} rpm ({why})", remedy)
+        return value, "The table does not close: the row after the last one is the first. Export a whole cycle."
+    needed = ceil(cycle_duration_s * speeds[step] / limit * 100) / 100
+    return value, f"Play it slower: a cycle of {needed:g} s or more (--cycle-duration)."
 
 
 def _check_bus(steps: int, robot: Robot, cycle_duration_s: float) -> list[Refusal]:

@@ -28,9 +28,11 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
     approach_ticks = radians(motion.approach_limit_deg) / RADIANS_PER_TICK
     approach_s = motion.approach_limit_deg / (motion.approach_speed_rpm * 6.0)
     values = {
-        "TITLE": f"{_comment(robot.name)}: {len(plan.ticks)} rows, {plan.cycles} cycles of {plan.cycle_duration_s:g} s",
+        "TITLE": f"{_comment(robot.name)}: {plan.steps} steps, {plan.cycles} cycles of {plan.cycle_duration_s:g} s",
         "JOINTS": len(robot.joint),
-        "STEPS": len(plan.ticks),
+        "STEPS": plan.steps,
+        "ROWS": len(plan.ticks),
+        "END_ROW": plan.end_row,
         "CYCLES": plan.cycles,
         "CYCLE_US": round(plan.cycle_duration_s * 1e6),
         "PAUSE_US": round(plan.pause_s * 1e6),

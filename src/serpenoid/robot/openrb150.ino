@@ -10,6 +10,8 @@
 
 const uint8_t JOINTS = @JOINTS@;
 const uint16_t STEPS = @STEPS@;
+const uint16_t ROWS = @ROWS@;
+const uint16_t END_ROW = @END_ROW@;  // commanded and held after each cycle: the first row, or the end of a transient
 const uint16_t CYCLES = @CYCLES@;
 const uint32_t CYCLE_US = @CYCLE_US@UL;
 const uint32_t PAUSE_US = @PAUSE_US@UL;
@@ -37,7 +39,7 @@ const int16_t SPEED_LIMIT[JOINTS] = {@SPEED_LIMITS@};  // 0.229 rpm
 const int16_t PLAY_VELOCITY[JOINTS] = {@PLAY_VELOCITIES@};
 
 // Goal positions in ticks: one row per step, joint_1 (tail) first. `const` keeps the table in flash.
-const int16_t TABLE[STEPS][JOINTS] = {
+const int16_t TABLE[ROWS][JOINTS] = {
 @TABLE@
 };
 
@@ -279,7 +281,7 @@ void play() {
       return;
     }
     if (PAUSE_US > 0 || n + 1 == CYCLES) {
-      sendRow(0);
+      sendRow(END_ROW);
     }
     if (!waitUntil(start, CYCLE_US + PAUSE_US)) {
       return;

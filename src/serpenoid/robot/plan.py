@@ -1,7 +1,8 @@
 """What will be sent and when: the schedule of a trial, the servo settings, and what the bus allows.
 
 At `t0` the first step begins; row `i` of cycle `n` is due at `t0 + n (cycle + pause) + i cycle / T`; row 0 is commanded
-again at the end of each cycle and held for the pause (docs/campaign-format.md).  T: steps, m: joints.
+again at the end of each cycle and held for the pause (docs/campaign-format.md). A transient has a row more, which is
+commanded and held there instead.  T: steps, m: joints.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
+from serpenoid.joint_limits import travels
 from serpenoid.robot.bus import HEALTH_BYTES, STATE_BYTES
 from serpenoid.robot.control_table import (
     POSITION_MODE,
@@ -43,7 +45,7 @@ class RowCommand:
 
 @dataclass(frozen=True)
 class Plan:
-    """A trial as it will be played; `ticks` (T, m)."""
+    """A trial as it will be played; `ticks` (T, m), of a transient (T + 1, m)."""
 
     robot: Robot
     ticks: NDArray[np.int64]
@@ -51,10 +53,20 @@ class Plan:
     cycles: int
     pause_s: float
     widen_limits: bool = False  # write the robot file's limits over narrower ones in the servos' own memory
+    closed: bool = True  # False: a transient
+
+    @property
+    def steps(self) -> int:
+        return len(self.ticks) - (not self.closed)
+
+    @property
+    def end_row(self) -> int:
+        """Index of the row that is commanded at the end of a cycle."""
+        return 0 if self.closed else self.steps
 
     @property
     def row_period_s(self) -> float:
-        return self.cycle_duration_s / len(self.ticks)
+        return self.cycle_duration_s / self.steps
 
     @property
     def duration_s(self) -> float:
@@ -80,18 +92,21 @@ class Plan:
 
     def rows(self) -> Iterator[RowCommand]:
         """Every row in the order in which it is sent."""
-        steps = len(self.ticks)
         for cycle in range(self.cycles):
             start = cycle * (self.cycle_duration_s + self.pause_s)
-            for step in range(steps):
+            for step in range(self.steps):
                 yield RowCommand(start + step * self.row_period_s, "play", cycle, step, self.ticks[step])
             if self.pause_s > 0 or cycle == self.cycles - 1:
                 phase = "pause" if self.pause_s > 0 else "end"
-                yield RowCommand(start + self.cycle_duration_s, phase, cycle, steps, self.ticks[0])
+                yield self.end(start + self.cycle_duration_s, phase, cycle)
+
+    def end(self, time: float, phase: str, cycle: int) -> RowCommand:
+        """What is held when a cycle has been played."""
+        return RowCommand(time, phase, cycle, self.steps, self.ticks[self.end_row])
 
     def peak_speed_rpm(self) -> NDArray[np.float64]:
-        """Fastest step of each joint (m,), the one from the last row to the first among them."""
-        return row_speeds_rpm(self.ticks, self.cycle_duration_s).max(axis=0)
+        """Fastest step of each joint (m,), in a closed table the one from the last row to the first among them."""
+        return row_speeds_rpm(self.ticks, self.cycle_duration_s, self.closed).max(axis=0)
 
     def approach_velocity(self) -> list[int]:
         """Profile Velocity (112) on the way to the first row."""
@@ -126,10 +141,11 @@ def make_plan(
     cycles: int,
     pause_s: float,
     widen_limits: bool = False,
+    closed: bool = True,
 ) -> Plan:
     """Plan a checked table (`checks.check_table` first: shape and finiteness are its matter)."""
     check_repetition(cycles, pause_s)
-    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s, widen_limits)
+    return Plan(robot, to_ticks(angles, robot), cycle_duration_s, cycles, pause_s, widen_limits, closed)
 
 
 def check_repetition(cycles: int, pause_s: float) -> None:
@@ -139,10 +155,10 @@ def check_repetition(cycles: int, pause_s: float) -> None:
         raise InputError(f"--pause must be between 0 and 600 seconds, got {pause_s}.")
 
 
-def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float) -> NDArray[np.float64]:
-    """Speed (T, m) of the step that leads from each row to the next, cyclically."""
-    travel = np.abs(np.roll(ticks, -1, axis=0) - ticks)
-    return travel * (len(ticks) * 60.0 / (TICKS_PER_TURN * cycle_duration_s))
+def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float, closed: bool) -> NDArray[np.float64]:
+    """Speed (T, m) of every step: from each row to the next, and in a closed table from the last to the first."""
+    steps = travels(ticks, closed)
+    return np.asarray(steps * (len(steps) * 60.0 / (TICKS_PER_TURN * cycle_duration_s)))
 
 
 def write_time_s(joints: int, baud_rate: int) -> float:

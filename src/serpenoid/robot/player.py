@@ -71,7 +71,7 @@ class Player:
         plan, robot = self._plan, self._plan.robot
         states = self._bus.read_states(self._ids)
         volts = min(state.voltage for state in states.values())
-        refusals = check_table(to_radians(plan.ticks, robot), robot, plan.cycle_duration_s, volts)
+        refusals = check_table(to_radians(plan.ticks, robot), robot, plan.cycle_duration_s, volts, plan.closed)
         refuse(refusals + check_start(self._positions(states), plan.ticks[0], robot), self.notes)
 
     def _switch_on(self) -> None:
@@ -125,7 +125,7 @@ class Player:
         ends = [row.time for row in rows[1:]] + [plan.end_s]
         clock = RowClock(time.monotonic() + plan.row_period_s)
         for row, end in zip(rows, ends, strict=True):
-            self._progress(f"cycle {row.cycle + 1} of {plan.cycles}, step {row.step} of {len(plan.ticks)}")
+            self._progress(f"cycle {row.cycle + 1} of {plan.cycles}, step {row.step} of {plan.steps}")
             self._stop.wait_until(clock.due(row.time))
             late = self._send(row, clock.due(row.time))
             if late > plan.watchdog_s:
@@ -136,7 +136,7 @@ class Player:
             if self.tracking.stretch > before:
                 clock.stretch(self.tracking.stretch, end)
         self._stop.wait_until(clock.due(plan.end_s))
-        self._read(RowCommand(plan.end_s, "end", plan.cycles - 1, len(plan.ticks), plan.ticks[0]))
+        self._read(plan.end(plan.end_s, "end", plan.cycles - 1))
 
     def _send(self, row: RowCommand, due: float | None = None) -> float:
         """Send one row; return how late [s] it left."""

@@ -1,7 +1,8 @@
 """ROS 2 `trajectory_msgs/JointTrajectory`, as MCAP and as YAML (optional extra `serpenoid[ros]`).
 
 The trajectory begins and ends at rest, and every pause is a rest: `joint_trajectory_controller` refuses a trajectory
-whose last point has a velocity. Velocities between are central differences of the periodic table.
+whose last point has a velocity. Velocities between are central differences of the table, which goes on with its first
+row, unless it is a transient: that ends, and is held, on its last one.
 T: steps, m: joints.
 """
 
@@ -55,20 +56,23 @@ class Trajectory:
     velocities: NDArray[np.float64]
 
 
-def make_trajectory(angles: NDArray[np.float64], cycle_duration_s: float, cycles: int, pause_s: float) -> Trajectory:
-    """Approach, then `cycles` cycles of the table (T, m), each followed by a pause."""
-    steps, joints = angles.shape
+def make_trajectory(
+    angles: NDArray[np.float64], cycle_duration_s: float, cycles: int, pause_s: float, closed: bool = True
+) -> Trajectory:
+    """Approach, then `cycles` cycles of the table (T, m), each followed by a pause; of a transient (T + 1, m)."""
+    rows = np.concatenate([angles, angles[:1]]) if closed else angles
+    steps, rest = len(rows) - 1, np.zeros(rows.shape[1])
     period = cycle_duration_s / steps
-    swing = (np.roll(angles, -1, axis=0) - np.roll(angles, 1, axis=0)) / (2 * period)
-    rest = np.zeros(joints)
-    points = [(APPROACH_S, angles[0], rest)]
+    before = np.concatenate([rows[-2:-1], rows[:-2]])
+    swing = (rows[1:] - before) / (2 * period)
+    points = [(APPROACH_S, rows[0], rest)]
     for cycle in range(cycles):
         start = APPROACH_S + cycle * (cycle_duration_s + pause_s)
-        points += [(start + i * period, angles[i], swing[i]) for i in range(1, steps)]
+        points += [(start + i * period, rows[i], swing[i]) for i in range(1, steps)]
         last = cycle == cycles - 1
-        points.append((start + cycle_duration_s, angles[0], rest if pause_s > 0 or last else swing[0]))
+        points.append((start + cycle_duration_s, rows[-1], rest if pause_s > 0 or last else swing[0]))
         if pause_s > 0:
-            points.append((start + cycle_duration_s + pause_s, angles[0], rest))
+            points.append((start + cycle_duration_s + pause_s, rows[-1], rest))
     times, positions, velocities = zip(*points, strict=True)
     return Trajectory(np.array(times), np.array(positions), np.array(velocities))
 

@@ -162,7 +162,8 @@ def _write_summary(folder: Path, plan: Plan, outcome: Outcome, recorded: bool) -
         write_json(folder / "play.json", _summary(plan, outcome))
         if recorded:
             write_table(folder / "joint_table.csv", to_radians(plan.ticks, plan.robot))
-            write_text(folder / "trial.toml", _trial_section(folder, plan, outcome))
+            if plan.closed:  # campaigns know no other gaits
+                write_text(folder / "trial.toml", _trial_section(folder, plan, outcome))
     except OSError as error:
         outcome.notes.append(f"{folder}: the summary could not be written ({error.strerror})")
         outcome.status = "failed" if outcome.status == "done" else outcome.status
@@ -177,6 +178,7 @@ def _summary(plan: Plan, outcome: Outcome) -> dict[str, Any]:
         "cycle_duration_s": plan.cycle_duration_s,
         "cycles": plan.cycles,
         "pause_s": plan.pause_s,
+        "transient": not plan.closed,
         "timing": outcome.numbers,
         "notes": outcome.notes,
         "provenance": provenance(),

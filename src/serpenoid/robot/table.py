@@ -1,6 +1,6 @@
 """Joint tables: `joint_table.csv` of a results folder, or any CSV of its form, as a (T, m) array of radians.
 
-Row `i` is the shape at step `i`; after the last row the first one is commanded again.
+Row `i` is the shape at step `i`; after the last row the first one is commanded again, unless it is a transient.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from serpenoid.robot.stated import Stated, read_stated
 
 @dataclass(frozen=True)
 class JointTable:
-    """T: steps, m: joints; `angles` (T, m) [rad]; `stated`: what the results say of them."""
+    """T: steps, m: joints; `angles` (T, m) [rad], of a transient (T + 1, m); `stated`: what the results say of them."""
 
     angles: NDArray[np.float64]
     source: Path
@@ -26,7 +26,11 @@ class JointTable:
 
     @property
     def steps(self) -> int:
-        return self.angles.shape[0]
+        return self.angles.shape[0] - (not self.closed)
+
+    @property
+    def closed(self) -> bool:
+        return not self.stated.transient
 
     @property
     def joints(self) -> int:

@@ -95,9 +95,12 @@ def _played(new: NewTrial) -> dict[str, Any]:
     path = new.log / "play.json"
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
+        _refuse_transient(path, record)
         trial = read_toml(new.log / "trial.toml")["trial"][0]
     except FileNotFoundError:
         raise InputError(f"{path}: no such file. Name a folder that `serpenoid play --log` wrote.") from None
+    except InputError:
+        raise
     except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
         raise InputError(f"{new.log}: is no recording of `serpenoid play` ({error}).") from None
     status = record.get("status") if isinstance(record, dict) else None
@@ -106,6 +109,12 @@ def _played(new: NewTrial) -> dict[str, Any]:
         remedy = "Play it again, or take it --anyway."
         raise InputError(f"{path}: this trial was not played as asked ({status}: {reason}). {remedy}")
     return dict(trial)
+
+
+def _refuse_transient(path: Path, record: Any) -> None:
+    if isinstance(record, dict) and record.get("transient") is True:
+        remedy = "Play it with rows that lead back to the first (docs/campaign-format.md)."
+        raise InputError(f"{path}: this trial is a transient, and trials of a campaign play closed tables. {remedy}")
 
 
 def _same_gait(known: CampaignFile, folder: Path, new: NewTrial) -> str | None:

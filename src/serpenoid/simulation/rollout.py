@@ -13,6 +13,7 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended, solve_independent
+from serpenoid.simulation.given import cycles_of, first_poses, shaped, times_of
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
@@ -38,7 +39,8 @@ def simulate_joint_angles(
     `start` is the first pose (x, y, heading), default the origin. Source: Even et al., Alg. 1. Actuation effects turn
     the table into the periodic motion on which the servos settle (not closed: beginning at rest on the first row).
     """
-    table = np.asarray(table, float)
+    table, cycles = shaped("table", table, (-1, model.body.joint_count)), cycles_of(cycles)
+    start = first_poses(start)
     if not _baseline(model) and np.isfinite(table).all():
         return _simulate_extended(model, table, cycles, start, closed)
     rows = np.concatenate([table, table[:1]]) if closed else table
@@ -55,11 +57,12 @@ def simulate_realised(model: Model, joint_angles: Floats, times: Floats, start: 
 
     Actuation effects do not act on them; `simulation.servos.realise` makes such angles from commanded ones.
     """
-    angles = np.asarray(joint_angles, float)
+    angles = shaped("joint_angles", joint_angles, (-1, model.body.joint_count))
+    clock, start = times_of(times, len(angles)), first_poses(start)
     if not np.isfinite(angles).all():
         return _failed(Status.BAD_SHAPE, angles.shape[0], model)
     vertices, elements = shape_rows(model, angles)
-    return _assemble(model, vertices, _solve_rows(model, elements, times, start), 1, start)
+    return _assemble(model, vertices, _solve_rows(model, elements, clock, start), 1, start)
 
 
 def simulate_vertices(
@@ -70,7 +73,8 @@ def simulate_vertices(
     `times` (R,) [s since the start of the motion], for effects that know speed. These shapes are realised ones:
     actuation effects do not act on them. `start` (3,), or the first poses (K + 1, 3) of a body that is moving.
     """
-    shapes = body_frame(model, np.asarray(vertices, float))
+    shapes = body_frame(model, shaped("vertices", vertices, (-1, model.body.vertices, 2)))
+    times, start = times_of(times, len(shapes)), first_poses(start)
     lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
     if not np.isfinite(shapes).all() or (lengths <= 0).any():
         return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
@@ -95,6 +99,7 @@ class Batch:
 
 def simulate_batch(model: Model, tables: Floats, closed: bool = True) -> Batch:
     """Simulate B joint tables, shape (B, R, m) [rad], for one cycle each; closed ones in one compiled call."""
+    tables = shaped("tables", tables, (-1, -1, model.body.joint_count))
     b, t, _ = tables.shape
     if not closed:
         return _one_by_one(model, tables, closed)
@@ -128,7 +133,7 @@ def _one_by_one(model: Model, tables: Floats, closed: bool) -> Batch:
 def _extended_batch(model: Model, tables: Floats) -> Batch:
     """All steps of all gaits at once where they are independent, else gait by gait."""
     b, t, m = tables.shape
-    if model.knows("place") or model.knows("history"):
+    if model.knows("place") or model.knows("history") or not np.isfinite(tables).all():
         return _one_by_one(model, tables, closed=True)
     realised = np.array([realise_gait(model, table) for table in tables])
     closed = np.concatenate([realised, realised[:, :1]], axis=1)
@@ -159,17 +164,10 @@ def _solve_rows(model: Model, elements: Floats, times: Floats | None, start: Flo
     """Steps of consecutive rows, elements (4, M R): the baseline's, or with effects."""
     m = model.structure.elements
     if not model.is_plain:
-        return solve_extended(model, elements, _checked_times(model, times, elements.shape[1] // m), start)
+        rows = elements.shape[1] // m
+        clock = _clock(model.step_duration(rows - 1), rows) if times is None else times
+        return solve_extended(model, elements, clock, start)
     return solve_steps(model, elements[:, :-m], elements[:, m:])
-
-
-def _checked_times(model: Model, times: Floats | None, rows: int) -> Floats:
-    if times is None:
-        return _clock(model.step_duration(rows - 1), rows)
-    times = np.asarray(times, float)
-    if times.shape != (rows,) or not (np.diff(times) > 0).all():
-        raise ValueError(f"`times` must be {rows} increasing numbers [s], one per row, got shape {times.shape}.")
-    return times
 
 
 def _clock(duration: float, rows: int) -> Floats:

@@ -1,0 +1,68 @@
+"""What callers give to simulations, checked before compiled code reads it: that code trusts its lengths."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.errors import InputError
+
+
+def shaped(name: str, values: Floats, shape: Sequence[int], least: int = 1) -> Floats:
+    """`values` as floats of that shape, where -1 stands for `least` or more; they need not be finite."""
+    try:
+        values = np.asarray(values, float)
+    except (TypeError, ValueError) as fault:
+        raise InputError(f"`{name}` must be an array of numbers of shape {_words(shape, least)}: {fault}.") from None
+    fits = len(values.shape) == len(shape)
+    if not fits or not all(n == m or (m < 0 and n >= least) for n, m in zip(values.shape, shape, strict=True)):
+        raise InputError(f"`{name}` must have shape {_words(shape, least)}, got {values.shape}. Transposed?")
+    return values
+
+
+def finite(name: str, values: Floats) -> Floats:
+    """`values`, all of which are numbers."""
+    lost = np.argwhere(~np.isfinite(values))
+    if len(lost):
+        place, value = ", ".join(map(str, lost[0])), values[tuple(lost[0])]
+        raise InputError(f"`{name}` must be finite numbers, got {value} at [{place}]. Did what made it fail?")
+    return values
+
+
+def first_poses(start: Floats | None) -> Floats | None:
+    """A first pose (3,), or the first poses (K + 1, 3) of a body that is moving."""
+    if start is None:
+        return None
+    shape = (3,) if np.ndim(start) == 1 else (-1, 3)
+    return finite("start", shaped("start", start, shape))
+
+
+def times_of(times: Floats | None, rows: int) -> Floats | None:
+    """A clock (R,) [s] that runs forward."""
+    if times is None:
+        return None
+    times = finite("times", shaped("times", times, (rows,)))
+    if not (np.diff(times) > 0).all():
+        raise InputError("`times` must increase from row to row [s]. Are two rows the same moment?")
+    return times
+
+
+def cycles_of(cycles: int) -> int:
+    """How often a gait is played."""
+    try:
+        count = operator.index(cycles)
+    except TypeError:
+        count = 0
+    if count < 1:
+        raise InputError(
+            f"`cycles` must be a whole number, 1 or more, got {cycles!r}. Cut the table for a part of one?"
+        )
+    return count
+
+
+def _words(shape: Sequence[int], least: int) -> str:
+    sizes = [f"{least} or more" if n < 0 else str(n) for n in shape]
+    return f"({', '.join(sizes)}{',' * (len(sizes) == 1)})"

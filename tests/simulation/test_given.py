@@ -1,0 +1,88 @@
+"""What simulations are given has the model's shape, or is refused before compiled code reads past its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import serpenoid as sp
+from serpenoid.body import Floats
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
+from serpenoid.model import Model
+from specimens import problem, reference, serpenoid_table
+
+WEAK = ActiveEffect(name="gain_loss", place=3, loss=0.5)
+
+DOORS: dict[str, Callable[[Model, Floats], Any]] = {
+    "table": sp.simulate_joint_angles,
+    "joint_angles": lambda model, rows: sp.simulate_realised(model, rows, np.arange(len(rows))),
+    "tables": lambda model, rows: sp.simulate_batch(model, rows[None]),
+}
+
+
+@pytest.mark.parametrize("effects", [(), (WEAK,)], ids=["baseline", "extended"])
+@pytest.mark.parametrize("columns", [1, 9, 11, 12])
+@pytest.mark.parametrize("name", DOORS)
+def test_angles_of_other_joints_than_the_bodys_are_refused(
+    name: str, columns: int, effects: tuple[ActiveEffect, ...]
+) -> None:
+    model = replace(reference(), effects=effects)
+    with pytest.raises(InputError, match=rf"`{name}` must have shape \(.*, 10\), got .*{columns}\)\. Transposed\?"):
+        DOORS[name](model, np.zeros((20, columns)))
+
+
+@pytest.mark.parametrize("name", DOORS)
+@pytest.mark.parametrize("table", [np.zeros(10), np.zeros((0, 10)), [[0.0] * 10, [0.0]], "angles"])
+def test_what_is_no_table_of_rows_is_refused(name: str, table: Any) -> None:
+    door = sp.simulate_batch if name == "tables" else DOORS[name]
+    with pytest.raises(InputError, match=f"`{name}` must "):
+        door(reference(), [table] if name == "tables" else table)
+
+
+@pytest.mark.parametrize(("points", "axes"), [(11, 2), (13, 2), (12, 3)])
+def test_chains_of_other_vertices_or_axes_are_refused(points: int, axes: int) -> None:
+    with pytest.raises(InputError, match=r"`vertices` must have shape \(1 or more, 12, 2\)"):
+        sp.simulate_vertices(reference(), np.ones((4, points, axes)))
+    with pytest.raises(InputError, match=r"`vertices` must have shape \(1 or more, 12, 3\)"):
+        sp.simulate_in_space(reference(), np.ones((4, points, 5 - axes)))
+
+
+@pytest.mark.parametrize("cycles", [0, -1, 1.5, "2"])
+def test_a_number_of_cycles_that_is_none_is_refused(cycles: Any) -> None:
+    with pytest.raises(InputError, match="`cycles` must be a whole number, 1 or more"):
+        sp.simulate_joint_angles(reference(), serpenoid_table(reference()), cycles=cycles)
+
+
+@pytest.mark.parametrize("start", [[0.0, 0.0], [0.0, np.nan, 0.0], [[0.0, 0.0]]])
+def test_a_start_that_is_no_pose_is_refused(start: Any) -> None:
+    with pytest.raises(InputError, match="`start` must"):
+        sp.simulate_joint_angles(reference(), serpenoid_table(reference()), start=start)
+
+
+@pytest.mark.parametrize("times", [np.arange(19.0), np.zeros(20), np.full(20, np.nan)])
+def test_times_that_are_no_clock_of_the_rows_are_refused(times: Floats) -> None:
+    with pytest.raises(InputError, match="`times` must"):
+        sp.simulate_realised(reference(), np.zeros((20, 10)), times)
+
+
+def test_a_bad_gait_in_a_batch_with_effects_spoils_no_other() -> None:
+    model = replace(reference(), effects=(WEAK,))
+    good = serpenoid_table(model)
+    bad = good.copy()
+    bad[3, 4] = np.nan
+    batch = sp.simulate_batch(model, np.array([good, bad]))
+    assert batch.sound.tolist() == [True, False]
+    np.testing.assert_allclose(batch.poses[0], sp.simulate_joint_angles(model, good).poses, atol=1e-12)
+
+
+def test_a_certificate_of_what_is_no_number_names_the_table() -> None:
+    asked = problem("reference")
+    table = sp.simulate(asked).table
+    table[3, 4] = np.nan
+    with pytest.raises(InputError, match=r"`table` must be finite numbers, got nan at \[3, 4\]"):
+        sp.certify_table(asked, table)
