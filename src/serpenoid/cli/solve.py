@@ -15,7 +15,8 @@ depend on the number of steps; 0 .. 2.5 is the range of Even et al.
 An optimum counts only if step-by-step simulation reaches the same poses to 1e-8, the KKT conditions hold to 1e-8, a
 derivative-free search around it gains less than 1e-6, and its displacement is the gait's and not the time mesh's:
 simulated again with 2 T and 4 T steps, it is within 5 % of the extrapolated one (`--refine`: solved again with more
-steps until it is within 0.1 %; the table then has that many rows). Exit code 1: no such optimum was found.
+steps until it is within 0.1 %, the best of all starts, those too that are refused for a coarse mesh; the table then
+has that many rows). Exit code 1: no such optimum was found.
 
 Starts are independent: --jobs N and --cluster ADDRESS solve them at once, with the same answers to the last bit. Each
 solved start is kept in the results folder; the same command goes on from there, and starts.csv has a line a start.
@@ -25,14 +26,13 @@ Ctrl-C keeps the best so far (a better one that is there from before stays) and 
 from __future__ import annotations
 
 import argparse
-from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from serpenoid import interrupts
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
+from serpenoid.cli.starts import bound_lines, starts_lines, summary
 
 if TYPE_CHECKING:
     from serpenoid.objectives.term import Goal
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
 
-MOST_BOUNDS = 4  # that a line lists
 KEPT = "Solved starts are kept: the same command goes on from there."
 FAR_TURN_RAD = 0.5  # in one cycle; what the paper's robot does by a strong offset
 
@@ -76,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.solve import refine
+    from serpenoid.optimise.solve import refine_best
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
     from serpenoid.status import Status
     from serpenoid.studies.many_starts import write_starts
@@ -93,17 +92,17 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         return 130
     if stopped and not args.quiet:
         options.complain("stopping: the best so far is written, with its pictures")
-    best = refine(result.best) if args.refine and not stopped else result.best
+    best = refine_best(result) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
     write_starts(folder / "starts.csv", result)
-    record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
+    record = write_solution(folder, best, figures, {"multi_start": summary(result, args.starts, args.seed)})
     if figures:
         from serpenoid.plot.figures import multistart_figures
 
         multistart_figures(folder, result)
     lines = [
-        *_lines(best, result),
+        *_lines(best, result, record),
         *limit_lines(problem, best.table),
         *crossing_warning(best.trajectory),
         *weight_warning(problem),
@@ -168,21 +167,12 @@ def _options(args: argparse.Namespace) -> list:
     return [args.starts, args.seed, *(["refined"] if args.refine else [])]
 
 
-def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
-    optima = [{"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.document()} for o in result.optima]
-    failures = [s.status.name.lower() for s in result.failures]
-    costs = [s.cost if s.status.ok else None for s in result.solutions]
-    asked = {"starts": args.starts, "seed": args.seed, "kept_from_an_earlier_run": result.kept}
-    return asked | {"optima": optima, "failures": failures, "costs": costs}
-
-
-def _lines(best: Solution, result: MultiStart) -> list[str]:
+def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[str]:
     from serpenoid.objectives.term import Played
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
-    optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
     kept = f", {result.kept} of them kept from an earlier run" * bool(result.kept)
     goals: list[Goal] = [*task.objectives, *task.demands]
@@ -206,24 +196,9 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         *([f"clearance         {best.clearance.words}"] if best.clearance else []),
         *([f"from itself       {best.self_clearance.words}"] if best.self_clearance else []),
         f"mesh              {best.mesh.words}",
-        starts_line(optima, [failed.status.name for failed in result.failures]),
+        *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
     ]
-
-
-def starts_line(optima: str, failures: Sequence[str]) -> str:
-    """Which optima the starts found, and what kept the others from being one (names of `Status`)."""
-    reasons = ", ".join(f"{count} {reason.lower()}" for reason, count in Counter(failures).most_common())
-    return f"optima found      {optima or 'none'}; failed starts: {reasons or 0}"
-
-
-def bound_lines(at_bounds: Sequence[str]) -> list[str]:
-    """Which parameters of a gait ended where the optimiser may not look farther."""
-    if not at_bounds:
-        return []
-    more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
-    listed = ", ".join(at_bounds[:MOST_BOUNDS])
-    return [f"at its bounds     {listed}{more}: [task.bounds] may be widened, if the body can do more"]
 
 
 def _case_lines(best: Solution) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -62,6 +62,20 @@ class MultiStart(Shown):
             return ranks.get(s.status, len(first)), 0.0 if missed < MISSED else missed, s.objective
 
         return min(self.solutions, key=order)
+
+    @property
+    def coarse(self) -> tuple[Optimum, ...]:
+        """Distinct optima that their mesh alone spoils, best first: what they gain may be the mesh's."""
+        groups = _groups(self.solutions, Status.MESH_TOO_COARSE)
+        return tuple(Optimum(self.solutions[group[0]], len(group)) for group in groups)
+
+    @property
+    def better_but_coarse(self) -> tuple[Optimum, ...]:
+        """Those of them that promise more than every certified optimum."""
+        if not self.optima:
+            return self.coarse
+        least = self.optima[0].solution.objective - SAME_COST
+        return tuple(optimum for optimum in self.coarse if optimum.solution.objective < least)
 
     @property
     def failures(self) -> tuple[Solution, ...]:
@@ -161,9 +175,9 @@ def summarised(
     return MultiStart(tuple(solutions), tuple(optima), sum(answer.kept for _, answer in found))
 
 
-def _groups(solutions: list[Solution]) -> Iterator[list[int]]:
-    """Indices of solved starts with the same objective, best first."""
-    good = sorted((i for i, s in enumerate(solutions) if s.status.ok), key=lambda i: solutions[i].objective)
+def _groups(solutions: Sequence[Solution], status: Status = Status.SOLVED) -> Iterator[list[int]]:
+    """Indices of starts that ended so, with the same objective, best first."""
+    good = sorted((i for i, s in enumerate(solutions) if s.status is status), key=lambda i: solutions[i].objective)
     costs = np.array([solutions[i].objective for i in good])
     cuts = np.flatnonzero(np.diff(costs) > SAME_COST) + 1
     return (list(part) for part in np.split(np.array(good, int), cuts) if part.size)
