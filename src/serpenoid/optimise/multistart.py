@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.optimise.certify import certify
+from serpenoid.optimise.certify import certify, missed
 from serpenoid.optimise.chain_store import ChainStore, store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
@@ -50,7 +50,7 @@ class MultiStart(Shown):
     def best(self) -> Solution:
         """The best certified optimum, else a failure: a stopped one first, then the best that its mesh alone spoils.
 
-        Of others the one that misses the constraints least.
+        Of others the one whose gait, simulated, misses what is asked least, and of equal ones the cheapest.
         """
         if self.optima:
             return self.optima[0].solution
@@ -58,8 +58,8 @@ class MultiStart(Shown):
         ranks = {status: rank for rank, status in enumerate(first)}
 
         def order(s: Solution) -> tuple[int, float, float]:
-            missed = s.residuals.feasibility
-            return ranks.get(s.status, len(first)), 0.0 if missed < MISSED else missed, s.objective
+            cost = s.cost if np.isfinite(s.cost) else np.inf
+            return ranks.get(s.status, len(first)), 0.0 if s.missed < MISSED else s.missed, cost
 
         return min(self.solutions, key=order)
 
@@ -137,6 +137,7 @@ def as_solution(
         timing=outcome.timing,
         cases=solver.outcomes(answer.q, c),
         self_clearance=own,
+        missed=0.0 if status.ok else missed(solver, answer, c),
     )
 
 

@@ -41,6 +41,7 @@ class Solution(Shown):
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
     optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,). cases:
     those that a robust gait serves; `cost` is then over all of them, `trajectory` is in the problem's own medium.
+    missed: of a failure, by how much the gait as it is simulated misses limits and demands together.
     """
 
     status: Status
@@ -64,6 +65,7 @@ class Solution(Shown):
     timing: dict[str, float]
     cases: tuple[CaseOutcome, ...] = ()
     self_clearance: SelfClear | None = None
+    missed: float = 0.0
 
     @property
     def at_bounds(self) -> tuple[str, ...]:
