@@ -137,7 +137,7 @@ def as_solution(
         timing=outcome.timing,
         cases=solver.outcomes(answer.q, c),
         self_clearance=own,
-        missed=0.0 if status.ok else missed(solver, answer, c),
+        missed=0.0 if status.ok else missed(solver, answer.q, c),
     )
 
 
