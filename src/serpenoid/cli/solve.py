@@ -29,7 +29,6 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from serpenoid import interrupts
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.starts import bound_lines, starts_lines, summary
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
 
+WITHIN = 0.3  # of a random gait's own parameters, as in the paper
 KEPT = "Solved starts are kept: the same command goes on from there."
 FAR_TURN_RAD = 0.5  # in one cycle; what the paper's robot does by a strong offset
 
@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--starts", type=options.positive, default=12, metavar="N", help="random starts (default 12)")
     parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--improve", type=options.positive, metavar="N", help="instead: N random gaits, each improved")
-    parser.add_argument("--within", type=float, default=0.3, metavar="F", help="with --improve: +-F (default 0.3)")
+    parser.add_argument("--within", type=float, metavar="F", help=f"with --improve: +-F (default {WITHIN})")
     parser.add_argument(
         "--refine", action="store_true", help="solve again with more steps until the displacement is good to 0.1 %%"
     )
@@ -64,13 +64,30 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write, report."""
+    from serpenoid.cli.climb import climb_ladder
     from serpenoid.problem import load
 
+    _check_together(args)
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
     if args.ladder:
-        return _climb(args, problem)
+        return climb_ladder(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
+
+
+def _check_together(args: argparse.Namespace) -> None:
+    """InputError where one option would do nothing beside, or without, another."""
+    from serpenoid.errors import InputError
+
+    if args.ladder and args.improve:
+        raise InputError("--ladder and --improve: are two ways of searching; give one of them.")
+    if args.within is not None and not args.improve:
+        raise InputError(f"--within: says how far --improve may go, got {args.within:g} without it. Add --improve N?")
+    if args.refine and (args.ladder or args.improve):
+        other = "--ladder" if args.ladder else "--improve"
+        raise InputError(
+            f"--refine: is not known with {other}; leave it out, and give more steps (--set task.steps=N)."
+        )
 
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
@@ -219,12 +236,13 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.results import default_folder
     from serpenoid.studies.gait_set import write_gait_set
 
-    key = ["improve", args.improve, args.within, args.seed]
+    fraction = WITHIN if args.within is None else args.within
+    key = ["improve", args.improve, fraction, args.seed]
     folder = options.output_folder(args, default_folder(problem, *key), problem.hash, *key)
     with options.progress_bar(args, "gaits", args.improve) as advance:
-        pairs = improve(problem, args.improve, args.within, args.seed, advance)
+        pairs = improve(problem, args.improve, fraction, args.seed, advance)
     sign(args)
-    record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})
+    record = write_gait_set(folder, problem, pairs, {"within": fraction, "seed": args.seed})
     lines = [f"{'gait':8}{'random':>10}{'improved':>10}  [body lengths per cycle]"]
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
     options.report(args, record, [*lines, f"written to {folder}"], folder)
@@ -232,38 +250,3 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
         return 130
     return 0 if all(pair.solution.status.ok for pair in pairs) else 1
-
-
-def _climb(args: argparse.Namespace, problem: Problem) -> int:
-    from serpenoid.files.writing import write_json
-    from serpenoid.optimise.ladder import climb
-    from serpenoid.results import default_folder, write_solution
-
-    folder = options.output_folder(
-        args, default_folder(problem, "ladder", args.starts, args.seed), problem.hash, args.starts, args.seed
-    )
-    with options.progress_bar(args, "families", 4) as advance:
-        steps = climb(problem, args.starts, args.seed, advance)
-    sign(args)
-    for number, step in enumerate(steps, start=1):
-        write_solution(folder / f"{number}-{step.solution.gait.family}", step.solution, not args.no_figures)
-    rows = [
-        {"family": s.name, "displacement_body_lengths": s.solution.trajectory.displacement, "cost": s.solution.cost,
-         "dissipation": s.solution.trajectory.dissipation, "status": s.solution.status.name.lower()}
-        for s in steps
-    ]  # fmt: skip
-    write_json(folder / "ladder.json", {"kind": "ladder", "problem": problem.name, "steps": rows})
-    if not args.no_figures and len(steps) > 1:
-        from serpenoid.plot.figures import save
-        from serpenoid.plot.ladder import ladder_figure
-
-        save(ladder_figure(steps), folder, "ladder")
-    lines = [
-        f"{r['family']:20}{r['displacement_body_lengths']:10.4f} body lengths{r['dissipation']:10.4f}  {r['status']}"
-        for r in rows
-    ]
-    options.report(args, rows, [*lines, f"written to {folder}"], folder)
-    if interrupts.noted:
-        options.complain(f"stopped after {len(steps)} of 4 families; they are in {folder}")
-        return 130
-    return 0 if len(steps) == 4 and all(s.solution.status.ok for s in steps) else 1
