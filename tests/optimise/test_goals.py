@@ -27,7 +27,7 @@ from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import clearance
 from serpenoid.optimise.easier import Easier, easier
-from serpenoid.optimise.ladder import climb
+from serpenoid.optimise.ladder import FAMILIES, climb
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem, load
@@ -301,14 +301,15 @@ def test_faults_in_objectives_name_their_place() -> None:
 
 def test_each_step_up_the_ladder_is_at_least_as_good_and_dissipates_no_more() -> None:
     wanted = problem("reference-optimum", "body.vertices=7", "task.c=0.5")
-    steps = climb(wanted, starts=3)
+    climbed = climb(wanted, starts=3)
+    assert len(climbed) == FAMILIES  # a family that fails in between is told, too
+    steps = [step for step in climbed if step.ok]
     assert steps[0].name == "ellipse"
-    assert steps[-1].name == "free table"  # a family that fails in between is left out
+    assert steps[-1].name == "free table"
     costs = [s.solution.cost for s in steps]
     assert (np.diff(costs) <= 1e-8).all()
     spent = [s.solution.trajectory.dissipation for s in steps]
     assert max(spent) <= spent[0] + 1e-8
-    assert all(s.solution.status.ok for s in steps)
 
 
 def test_families_keep_bounds_of_their_own() -> None:

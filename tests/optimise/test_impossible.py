@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,9 @@ import pytest
 from serpenoid.errors import InputError
 from serpenoid.objectives.term import Played, miss
 from serpenoid.objectives.travel import Travel
+from serpenoid.optimise.multistart import MultiStart, solve_one
+from serpenoid.optimise.nearest import with_nearest
+from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
 from serpenoid.optimise.unmoved import why_unmoved
@@ -45,6 +49,31 @@ def test_of_a_place_out_of_reach_the_nearest_is_found() -> None:
     around = np.clip(found.table + 0.01 * rng.normal(size=(40, *found.table.shape)), -limit, limit)
     ends = simulate_batch(found.problem.model, around).poses[:, -1, :2]
     assert np.hypot(*(ends - [3, 0]).T).min() > missed(words) - 1e-4  # no gait nearby comes nearer
+
+
+WALLED = (  # a table whose optimum without obstacles leads to what cannot be met
+    "reach", "body.vertices=8", "body.joint_limit_deg=80", "body.joint_speed_limit_rpm=30", "task.steps=60",
+    "task.c=0.05", "task.cycle_duration_s=6", "medium.anisotropy_ratio=0.1",
+    'task.objectives=[{kind="position",target=[0.6,0.0]}]',
+    'task.demands=[{kind="disc",centre=[0.9,0.05],radius=0.2},'
+    '{kind="half_plane",point=[0.0,-0.15],normal=[0.0,1.0]}]',
+)  # fmt: skip
+
+
+def test_a_start_that_meets_all_demands_is_not_lost_by_the_easier_problem_without_obstacles() -> None:
+    found = solve(problem(*WALLED), starts=1).best
+    assert found.status is Status.SOLVED
+    assert found.cost < 0.36  # of standing still
+
+
+def test_where_all_starts_fail_a_gait_of_the_file_that_meets_the_demands_is_shown() -> None:
+    solver = solver_of(problem(*WALLED))
+    start = solver.family.sample(np.random.default_rng(0))
+    failed = replace(solve_one(solver, start, 0.05)[0], status=Status.INFEASIBLE, missed=0.1)
+    shown = with_nearest(solver, MultiStart((failed,), ())).best
+    assert shown.status is Status.NOT_CONVERGED  # and not infeasible: standing still meets all that is asked
+    assert shown.missed == 0
+    assert shown.trajectory.displacement == pytest.approx(0, abs=1e-12)
 
 
 def test_a_way_says_by_how_much_it_is_too_short_or_too_long() -> None:

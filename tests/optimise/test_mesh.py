@@ -10,13 +10,19 @@ import pytest
 from serpenoid.gaits import TableGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.mesh import MeshStudy, study_mesh
-from serpenoid.optimise.solve import refine, solve
+from serpenoid.optimise.solve import refine, refine_best, solve
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 from specimens import oracle_run, problem, random_table, reference
 
 ONE_JOINT = ("reference-optimum", "body.vertices=3", "body.joint_limit_deg=170", "task.bounds.a=[0.0, 12.0]")
+
+UNEVEN = (
+    "reference-optimum", "task.steps=60", "task.c=0.5", "medium.anisotropy_ratio=0.01", "body.vertices=27",
+    "body.edge_lengths=[1,2,3,0.1,5,1,1,1,1,1,1,10,1,1,1,0.05,1,1,1,1,1,1,2,2,2,0.5]",
+    f"body.weights={[1e-9, *[1.0] * 11, 1e-6, *[1.0] * 13, 50.0]}", "task.constraints.joint_limits=false",
+)  # fmt: skip
 
 
 def reference_study(steps: int) -> MeshStudy:
@@ -68,6 +74,16 @@ def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
     assert fine.problem.task.steps in (160, 320)  # 8 % at 20 steps, a quarter of it with each doubling
     assert fine.mesh.error <= 1e-3 * fine.mesh.displacement
     assert fine.trajectory.displacement == pytest.approx(fine.mesh.displacement, rel=1e-3)
+
+
+def test_refining_begins_with_the_best_optimum_though_its_mesh_is_too_coarse() -> None:
+    """Starts that end in a worse optimum do not hide those that reach a better one."""
+    found = solve(problem(*UNEVEN), starts=4, seed=0)
+    assert found.optima
+    assert found.better_but_coarse
+    fine = refine_best(found)
+    assert fine.status is Status.SOLVED
+    assert fine.cost < refine(found.optima[0].solution).cost - 0.1
 
 
 def test_a_turn_has_its_mesh_error_in_words_too() -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.cli.solve import bound_lines, note_lines, starts_line
+from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import csv_rows, read_text
 
 
@@ -98,11 +98,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
             f"polishing gain {_short(record['polishing_gain'])}",
             f"mesh              {_mesh(record['mesh'])}",
         ]
-    summary = record.get("multi_start")
-    if summary:
-        found = ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in summary["optima"])
-        lines.append(starts_line(found, summary["failures"]))
-    return lines
+    return lines + (starts_lines(record) if record.get("multi_start") else [])
 
 
 def _gait(gait: dict[str, Any]) -> list[str]:

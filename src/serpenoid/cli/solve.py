@@ -15,7 +15,8 @@ depend on the number of steps; 0 .. 2.5 is the range of Even et al.
 An optimum counts only if step-by-step simulation reaches the same poses to 1e-8, the KKT conditions hold to 1e-8, a
 derivative-free search around it gains less than 1e-6, and its displacement is the gait's and not the time mesh's:
 simulated again with 2 T and 4 T steps, it is within 5 % of the extrapolated one (`--refine`: solved again with more
-steps until it is within 0.1 %; the table then has that many rows). Exit code 1: no such optimum was found.
+steps until it is within 0.1 %, the best of all starts, those too that are refused for a coarse mesh; the table then
+has that many rows). Exit code 1: no such optimum was found.
 
 Starts are independent: --jobs N and --cluster ADDRESS solve them at once, with the same answers to the last bit. Each
 solved start is kept in the results folder; the same command goes on from there, and starts.csv has a line a start.
@@ -25,14 +26,12 @@ Ctrl-C keeps the best so far (a better one that is there from before stays) and 
 from __future__ import annotations
 
 import argparse
-from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from serpenoid import interrupts
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
+from serpenoid.cli.starts import bound_lines, note_lines, starts_lines, summary
 
 if TYPE_CHECKING:
     from serpenoid.objectives.term import Goal
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
 
-MOST_BOUNDS = 4  # that a line lists
+WITHIN = 0.3  # of a random gait's own parameters, as in the paper
 KEPT = "Solved starts are kept: the same command goes on from there."
 FAR_TURN_RAD = 0.5  # in one cycle; what the paper's robot does by a strong offset
 
@@ -52,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--starts", type=options.positive, default=12, metavar="N", help="random starts (default 12)")
     parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--improve", type=options.positive, metavar="N", help="instead: N random gaits, each improved")
-    parser.add_argument("--within", type=float, default=0.3, metavar="F", help="with --improve: +-F (default 0.3)")
+    parser.add_argument("--within", type=float, metavar="F", help=f"with --improve: +-F (default {WITHIN})")
     parser.add_argument(
         "--refine", action="store_true", help="solve again with more steps until the displacement is good to 0.1 %%"
     )
@@ -65,18 +64,35 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write, report."""
+    from serpenoid.cli.climb import climb_ladder
     from serpenoid.problem import load
 
+    _check_together(args)
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
     if args.ladder:
-        return _climb(args, problem)
+        return climb_ladder(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
+
+
+def _check_together(args: argparse.Namespace) -> None:
+    """InputError where one option would do nothing beside, or without, another."""
+    from serpenoid.errors import InputError
+
+    if args.ladder and args.improve:
+        raise InputError("--ladder and --improve: are two ways of searching; give one of them.")
+    if args.within is not None and not args.improve:
+        raise InputError(f"--within: says how far --improve may go, got {args.within:g} without it. Add --improve N?")
+    if args.refine and (args.ladder or args.improve):
+        other = "--ladder" if args.ladder else "--improve"
+        raise InputError(
+            f"--refine: is not known with {other}; leave it out, and give more steps (--set task.steps=N)."
+        )
 
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.solve import refine
+    from serpenoid.optimise.solve import refine_best
     from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
     from serpenoid.status import Status
     from serpenoid.studies.many_starts import write_starts
@@ -93,17 +109,17 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         return 130
     if stopped and not args.quiet:
         options.complain("stopping: the best so far is written, with its pictures")
-    best = refine(result.best) if args.refine and not stopped else result.best
+    best = refine_best(result) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
     write_starts(folder / "starts.csv", result)
-    record = write_solution(folder, best, figures, {"multi_start": _summary(result, args)})
+    record = write_solution(folder, best, figures, {"multi_start": summary(result, args.starts, args.seed)})
     if figures:
         from serpenoid.plot.figures import multistart_figures
 
         multistart_figures(folder, result)
     lines = [
-        *_lines(best, result),
+        *_lines(best, result, record),
         *limit_lines(problem, best.table),
         *crossing_warning(best.trajectory),
         *weight_warning(problem),
@@ -170,21 +186,12 @@ def _options(args: argparse.Namespace) -> list:
     return [args.starts, args.seed, *(["refined"] if args.refine else [])]
 
 
-def _summary(result: MultiStart, args: argparse.Namespace) -> dict:
-    optima = [{"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.document()} for o in result.optima]
-    failures = [s.status.name.lower() for s in result.failures]
-    costs = [s.cost if s.status.ok else None for s in result.solutions]
-    asked = {"starts": args.starts, "seed": args.seed, "kept_from_an_earlier_run": result.kept}
-    return asked | {"optima": optima, "failures": failures, "costs": costs}
-
-
-def _lines(best: Solution, result: MultiStart) -> list[str]:
+def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[str]:
     from serpenoid.objectives.term import Played
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
-    optima = ", ".join(f"{o.solution.cost:.6f} ({o.count}x)" for o in result.optima)
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
     kept = f", {result.kept} of them kept from an earlier run" * bool(result.kept)
     goals: list[Goal] = [*task.objectives, *task.demands]
@@ -209,29 +216,9 @@ def _lines(best: Solution, result: MultiStart) -> list[str]:
         *([f"clearance         {best.clearance.words}"] if best.clearance else []),
         *([f"from itself       {best.self_clearance.words}"] if best.self_clearance else []),
         f"mesh              {best.mesh.words}",
-        starts_line(optima, [failed.status.name for failed in result.failures]),
+        *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
     ]
-
-
-def starts_line(optima: str, failures: Sequence[str]) -> str:
-    """Which optima the starts found, and what kept the others from being one (names of `Status`)."""
-    reasons = ", ".join(f"{count} {reason.lower()}" for reason, count in Counter(failures).most_common())
-    return f"optima found      {optima or 'none'}; failed starts: {reasons or 0}"
-
-
-def note_lines(note: str | None) -> list[str]:
-    """A line of what is to be known of an optimum."""
-    return [] if note is None else [f"note              {note}"]
-
-
-def bound_lines(at_bounds: Sequence[str]) -> list[str]:
-    """Which parameters of a gait ended where the optimiser may not look farther."""
-    if not at_bounds:
-        return []
-    more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
-    listed = ", ".join(at_bounds[:MOST_BOUNDS])
-    return [f"at its bounds     {listed}{more}: [task.bounds] may be widened, if the body can do more"]
 
 
 def _case_lines(best: Solution) -> list[str]:
@@ -252,12 +239,13 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.results import default_folder
     from serpenoid.studies.gait_set import write_gait_set
 
-    key = ["improve", args.improve, args.within, args.seed]
+    fraction = WITHIN if args.within is None else args.within
+    key = ["improve", args.improve, fraction, args.seed]
     folder = options.output_folder(args, default_folder(problem, *key), problem.hash, *key)
     with options.progress_bar(args, "gaits", args.improve) as advance:
-        pairs = improve(problem, args.improve, args.within, args.seed, advance)
+        pairs = improve(problem, args.improve, fraction, args.seed, advance)
     sign(args)
-    record = write_gait_set(folder, problem, pairs, {"within": args.within, "seed": args.seed})
+    record = write_gait_set(folder, problem, pairs, {"within": fraction, "seed": args.seed})
     lines = [f"{'gait':8}{'random':>10}{'improved':>10}  [body lengths per cycle]"]
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
     options.report(args, record, [*lines, f"written to {folder}"], folder)
@@ -265,38 +253,3 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
         return 130
     return 0 if all(pair.solution.status.ok for pair in pairs) else 1
-
-
-def _climb(args: argparse.Namespace, problem: Problem) -> int:
-    from serpenoid.files.writing import write_json
-    from serpenoid.optimise.ladder import climb
-    from serpenoid.results import default_folder, write_solution
-
-    folder = options.output_folder(
-        args, default_folder(problem, "ladder", args.starts, args.seed), problem.hash, args.starts, args.seed
-    )
-    with options.progress_bar(args, "families", 4) as advance:
-        steps = climb(problem, args.starts, args.seed, advance)
-    sign(args)
-    for number, step in enumerate(steps, start=1):
-        write_solution(folder / f"{number}-{step.solution.gait.family}", step.solution, not args.no_figures)
-    rows = [
-        {"family": s.name, "displacement_body_lengths": s.solution.trajectory.displacement, "cost": s.solution.cost,
-         "dissipation": s.solution.trajectory.dissipation, "status": s.solution.status.name.lower()}
-        for s in steps
-    ]  # fmt: skip
-    write_json(folder / "ladder.json", {"kind": "ladder", "problem": problem.name, "steps": rows})
-    if not args.no_figures and len(steps) > 1:
-        from serpenoid.plot.figures import save
-        from serpenoid.plot.ladder import ladder_figure
-
-        save(ladder_figure(steps), folder, "ladder")
-    lines = [
-        f"{r['family']:20}{r['displacement_body_lengths']:10.4f} body lengths{r['dissipation']:10.4f}  {r['status']}"
-        for r in rows
-    ]
-    options.report(args, rows, [*lines, f"written to {folder}"], folder)
-    if interrupts.noted:
-        options.complain(f"stopped after {len(steps)} of 4 families; they are in {folder}")
-        return 130
-    return 0 if len(steps) == 4 and all(s.solution.status.ok for s in steps) else 1

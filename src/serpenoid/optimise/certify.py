@@ -87,6 +87,13 @@ def gait_costs(
     return np.where(found.sound, found.value + penalty * outside, np.inf)
 
 
+def missed(solver: GaitSolver, q: Floats, c: float) -> float:
+    """By how much a gait, simulated, misses limits and demands together; infinite where it cannot be simulated."""
+    gaits = np.clip(q, *solver.gait_bounds())[None]
+    free, charged = (float(gait_costs(solver, gaits, c, price, solver.gait_bounds())[0]) for price in (0.0, 1.0))
+    return charged - free if np.isfinite(charged) else np.inf
+
+
 def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds) -> float:
     """How much a derivative-free search around the answer lowers the cost (exact penalty for the constraints).
 

@@ -35,6 +35,7 @@ OPTIONS = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": False,
+    "show_eval_warnings": False,  # a trial point that cannot be evaluated is not taken: nothing for a terminal
     "calc_lam_p": False,
     "no_nlp_grad": True,
 }

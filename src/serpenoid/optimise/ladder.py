@@ -24,19 +24,25 @@ from serpenoid.problem import Problem
 from serpenoid.status import Status
 
 ORDERS = (1, 2)
+FAMILIES = 4
 Progress = Callable[[int, str], None]
 
 
 @dataclass(frozen=True)
 class Step:
-    """The optimum of one family, with a name for people."""
+    """The optimum of one family, with a name for people; or a failure, as its status says."""
 
     name: str
     solution: Solution
 
+    @property
+    def ok(self) -> bool:
+        """Whether it is an optimum."""
+        return self.solution.status.ok
+
 
 def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress | None = None) -> tuple[Step, ...]:
-    """The optimum of every family of the ladder; a step that fails is left out, the next starts from the last good one.
+    """The optimum of every family of the ladder, or how it failed; each starts from the last good one.
 
     Ctrl-C ends the climb with the steps there are.
 
@@ -60,14 +66,15 @@ def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress 
         ("Fourier, per joint", lambda last: JointSeriesGait.from_table(last.table, ORDERS)),
         ("free table", lambda last: TableGait.from_angles(last.table)),
     )
+    good = first
     for number, (name, begin) in enumerate(climbs, start=1):
         if progress is not None:
             progress(number, name)
-        found = solve_from(problem, begin(steps[-1].solution), no_more)
+        found = solve_from(problem, begin(good), no_more)
         if found.status is Status.STOPPED:
             break
-        if found.status.ok:
-            steps.append(Step(name, found))
+        steps.append(Step(name, found))
+        good = found if found.status.ok else good
     return tuple(steps)
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.optimise.certify import certify
+from serpenoid.optimise.certify import certify, missed
 from serpenoid.optimise.chain_store import ChainStore, store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
@@ -50,7 +50,7 @@ class MultiStart(Shown):
     def best(self) -> Solution:
         """The best certified optimum, else a failure: a stopped one first, then the best that its mesh alone spoils.
 
-        Of others the one that misses the constraints least.
+        Of others the one whose gait, simulated, misses what is asked least, and of equal ones the cheapest.
         """
         if self.optima:
             return self.optima[0].solution
@@ -58,10 +58,24 @@ class MultiStart(Shown):
         ranks = {status: rank for rank, status in enumerate(first)}
 
         def order(s: Solution) -> tuple[int, float, float]:
-            missed = s.residuals.feasibility
-            return ranks.get(s.status, len(first)), 0.0 if missed < MISSED else missed, s.objective
+            cost = s.cost if np.isfinite(s.cost) else np.inf
+            return ranks.get(s.status, len(first)), 0.0 if s.missed < MISSED else s.missed, cost
 
         return min(self.solutions, key=order)
+
+    @property
+    def coarse(self) -> tuple[Optimum, ...]:
+        """Distinct optima that their mesh alone spoils, best first: what they gain may be the mesh's."""
+        groups = _groups(self.solutions, Status.MESH_TOO_COARSE)
+        return tuple(Optimum(self.solutions[group[0]], len(group)) for group in groups)
+
+    @property
+    def better_but_coarse(self) -> tuple[Optimum, ...]:
+        """Those of them that promise more than every certified optimum."""
+        if not self.optima:
+            return self.coarse
+        least = self.optima[0].solution.objective - SAME_COST
+        return tuple(optimum for optimum in self.coarse if optimum.solution.objective < least)
 
     @property
     def failures(self) -> tuple[Solution, ...]:
@@ -124,6 +138,7 @@ def as_solution(
         cases=solver.outcomes(answer.q, c),
         self_clearance=own,
         rest_is_as_good=check.rest_is_as_good,
+        missed=0.0 if status.ok else missed(solver, answer.q, c),
     )
 
 
@@ -162,9 +177,9 @@ def summarised(
     return MultiStart(tuple(solutions), tuple(optima), sum(answer.kept for _, answer in found))
 
 
-def _groups(solutions: list[Solution]) -> Iterator[list[int]]:
-    """Indices of solved starts with the same objective, best first."""
-    good = sorted((i for i, s in enumerate(solutions) if s.status.ok), key=lambda i: solutions[i].objective)
+def _groups(solutions: Sequence[Solution], status: Status = Status.SOLVED) -> Iterator[list[int]]:
+    """Indices of starts that ended so, with the same objective, best first."""
+    good = sorted((i for i, s in enumerate(solutions) if s.status is status), key=lambda i: solutions[i].objective)
     costs = np.array([solutions[i].objective for i in good])
     cuts = np.flatnonzero(np.diff(costs) > SAME_COST) + 1
     return (list(part) for part in np.split(np.array(good, int), cuts) if part.size)

@@ -2,7 +2,8 @@
 
 IPOPT's own last point spreads what is missed over the equations of motion, too, so that its gait, played, misses more.
 Here motion, limits and obstacles hold, and what the demands miss is the objective; where that comes down to nothing,
-the demands are asked for once more from there.
+the demands are asked for once more from there. The problem's own gait may miss less than all that: a body that stands
+still, beside obstacles.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 
 from serpenoid.objectives import Criteria
 from serpenoid.optimise.asked import Customise
+from serpenoid.optimise.certify import missed
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.multistart import MISSED, MultiStart, Optimum, solve_one
 from serpenoid.optimise.solution import Solution
@@ -26,13 +28,16 @@ def with_nearest(
 ) -> MultiStart:
     """The same; where no start met the demands, the best is the gait that misses them least, or one that meets them."""
     best = found.best
-    if (
-        best.status is not Status.INFEASIBLE
-        or type(solver) is not GaitSolver
-        or not solver.asked.criteria.added
-        or flag
-    ):
+    if best.status is not Status.INFEASIBLE or type(solver) is not GaitSolver or flag:
         return found
+    nearer = _nearer(solver, found, customise, flag) if solver.asked.criteria.added else found
+    return nearer if nearer.best.status is not Status.INFEASIBLE else _or_own(solver, nearer)
+
+
+def _nearer(
+    solver: GaitSolver, found: MultiStart, customise: Customise | None = None, flag: StopFlag | None = None
+) -> MultiStart:
+    best = found.best
     c, start = solver.problem.task.c, np.clip(best.q, *solver.gait_bounds())
     nearer = GaitSolver(solver.problem, softened(customise), best.gait).solve(start, 0.0, flag=flag)
     if not nearer.outcome.status.ok:
@@ -42,6 +47,16 @@ def with_nearest(
         if again.status.ok:
             return _with(found, best, again, (Optimum(again, 1),))
     return _with(found, best, _of(solver, best, nearer.q), ())
+
+
+def _or_own(solver: GaitSolver, found: MultiStart) -> MultiStart:
+    """With the problem's own gait in the place of the best, where it misses less; that meets all: not converged."""
+    best, own = found.best, solver.own_start()
+    gait = _of(solver, best, own)
+    if not gait.trajectory.status.ok or gait.missed >= best.missed:
+        return found
+    status = Status.NOT_CONVERGED if gait.missed < MISSED else best.status
+    return _with(found, best, replace(gait, status=status), ())
 
 
 def softened(customise: Customise | None) -> Customise:
@@ -64,7 +79,7 @@ def _of(solver: GaitSolver, failed: Solution, q: np.ndarray) -> Solution:
     motion, c = solver.simulate(q), solver.problem.task.c
     return replace(
         failed, gait=solver.family.gait(q), q=q, table=table, trajectory=motion, mesh=solver.meshes(q)[0],
-        cost=solver.value(q, table, motion, c),
+        cost=solver.value(q, table, motion, c), missed=missed(solver, q, c),
     )  # fmt: skip
 
 

@@ -43,6 +43,7 @@ class Solution(Shown):
     optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,). cases:
     those that a robust gait serves; `cost` is then over all of them, `trajectory` is in the problem's own medium.
     rest_is_as_good: a straight body that never moves meets all that is asked at the same cost.
+    missed: of a failure, by how much the gait as it is simulated misses limits and demands together.
     """
 
     status: Status
@@ -67,6 +68,7 @@ class Solution(Shown):
     cases: tuple[CaseOutcome, ...] = ()
     self_clearance: SelfClear | None = None
     rest_is_as_good: bool = False
+    missed: float = 0.0
 
     @property
     def at_bounds(self) -> tuple[str, ...]:

@@ -26,7 +26,9 @@ from serpenoid.status import Status
 
 EXCHANGES = 16  # of limit rows and watched points, and recoveries
 RECOVERIES = 2
-KINKED = {"ipopt.max_iter": 200}  # a search in a medium with kinks that takes longer has gone astray
+# a search in a medium with kinks that takes longer has gone astray; it begins at the optimum of the next softer one,
+# which a large barrier would leave: of the starts of a body with unequal links none came back
+KINKED = {"ipopt.max_iter": 200, "ipopt.mu_init": 1e-4}
 SLIPPED = 1e-3  # far above the tolerance of the poses (1e-8), far below another root (some tenths of a radian)
 
 
@@ -81,11 +83,43 @@ class GaitSolver(PreparedNLPs):
         flag: StopFlag | None = None,
         watch: Callable[[float], None] | None = None,
     ) -> Answer:
-        """Optimise from gait parameters (n,) or warm from a Point of an NLP that had `carried`."""
-        iterations, seconds, current = 0, 0.0, start
-        if not isinstance(start, Point):
-            start, iterations, seconds = self._approached(start, c, gait_bounds, flag)
-            carried, current = carried or self._about(start), self.start(start)
+        """Optimise from gait parameters (n,) or warm from a Point of an NLP that had `carried`.
+
+        Where the easier problem's optimum leads to what cannot be met, the start itself may not.
+        """
+        if isinstance(start, Point):
+            return self._search(start, c, gait_bounds, carried, flag, watch)
+        begin, before = self._approached(start, c, gait_bounds, flag)
+        answer = self._from(begin, c, gait_bounds, carried, flag, watch)
+        answer = answer if before is None else answer.after(before)
+        if answer.outcome.status is not Status.INFEASIBLE or begin is start or flag:
+            return answer
+        again = self._from(start, c, gait_bounds, carried, flag, watch).after(answer)
+        return answer if again.outcome.status is Status.INFEASIBLE else again
+
+    def _from(
+        self,
+        start: Floats,
+        c: float,
+        gait_bounds: GaitBounds | None,
+        carried: Carried | None,
+        flag: StopFlag | None,
+        watch: Callable[[float], None] | None,
+    ) -> Answer:
+        """Search from gait parameters (n,)."""
+        return self._search(self.start(start), c, gait_bounds, carried or self._about(start), flag, watch)
+
+    def _search(
+        self,
+        current: Floats | Point,
+        c: float,
+        gait_bounds: GaitBounds | None,
+        carried: Carried | None,
+        flag: StopFlag | None,
+        watch: Callable[[float], None] | None,
+    ) -> Answer:
+        """Search from a point of the NLP, exchanging what it carries."""
+        iterations, seconds = 0, 0.0
         carried, recoveries, clear = replace(carried or self.first(), staying=frozenset()), RECOVERIES, None
         penalised = c > 0 or self.asked.always_dissipation
         for _ in range(EXCHANGES):
@@ -112,16 +146,16 @@ class GaitSolver(PreparedNLPs):
 
     def _approached(
         self, start: Floats, c: float, gait_bounds: GaitBounds | None, flag: StopFlag | None
-    ) -> tuple[Floats, int, float]:
-        """Where the search begins: the easier problem's optimum, if it is found; iterations and seconds that took."""
+    ) -> tuple[Floats, Answer | None]:
+        """Where the search begins: the easier problem's optimum, if it is found; the search for it."""
         solver, way = self._approach, self._easier
         if solver is None or way is None or (gait_bounds is not None and way.fewer > 1):
-            return start, 0, 0.0
+            return start, None
         price = c if solver.model.law.degree == self.model.law.degree else 0.0  # drag has another scale
         found = solver.solve(way.to(start, self.family), price, gait_bounds, flag=flag)
         if found.outcome.status.ok:
             start = np.clip(way.back(found.q, solver.family), *(gait_bounds or self.gait_bounds()))
-        return start, found.iterations, found.seconds
+        return start, found
 
     def _about(self, start: Floats) -> Carried:
         """What the first NLP from a gait carries: of the points to watch those that it brings near."""

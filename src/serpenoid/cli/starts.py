@@ -1,0 +1,63 @@
+"""What many starts found, in words, from the record that `solve` writes and `show` reads."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from serpenoid.optimise.multistart import MultiStart
+
+MOST_BOUNDS = 4  # that a line lists
+
+
+def summary(result: MultiStart, starts: int, seed: int) -> dict[str, Any]:
+    """What solution.json holds of the starts."""
+    optima = [{"cost": o.solution.cost, "starts": o.count, "gait": o.solution.gait.document()} for o in result.optima]
+    coarse = [{"cost": o.solution.cost, "starts": o.count} for o in result.better_but_coarse]
+    return {
+        "starts": starts,
+        "seed": seed,
+        "steps": result.solutions[0].mesh.steps,
+        "kept_from_an_earlier_run": result.kept,
+        "optima": optima,
+        "better_but_coarse": coarse,
+        "failures": [s.status.name.lower() for s in result.failures],
+        "costs": [s.cost if s.status.ok else None for s in result.solutions],
+    }
+
+
+def starts_lines(record: dict[str, Any]) -> list[str]:
+    """Which optima the starts found, what kept the others from being one, and whether better ones were refused."""
+    found, steps = record["multi_start"], record["mesh"]["steps"][0]
+    first = found.get("steps", steps)  # not in older records
+    refined = first != steps
+    reasons = ", ".join(f"{count} {reason}" for reason, count in Counter(found["failures"]).most_common())
+    on = f" with {first} steps" * refined
+    lines = [f"optima found      {_costs(found['optima']) or 'none'}{on}; failed starts: {reasons or 0}"]
+    coarse = _costs(found.get("better_but_coarse", []))
+    if refined:
+        lines += [f"refused           {coarse}{on}: that mesh is too coarse for them"] * bool(coarse)
+        return [*lines, f"refined           {record['cost']:.6f} with {steps} steps"]
+    name = "better, refused" if found["optima"] else "refused"
+    remedy = "solve with --refine, or with more task.steps"
+    return lines + [f"{name:18}{coarse}: {steps} steps are too coarse for them; {remedy}"] * bool(coarse)
+
+
+def _costs(optima: Sequence[dict[str, Any]]) -> str:
+    return ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in optima)
+
+
+def note_lines(note: str | None) -> list[str]:
+    """A line of what is to be known of an optimum."""
+    return [] if note is None else [f"note              {note}"]
+
+
+def bound_lines(at_bounds: Sequence[str]) -> list[str]:
+    """Which parameters of a gait ended where the optimiser may not look farther."""
+    if not at_bounds:
+        return []
+    more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
+    listed = ", ".join(at_bounds[:MOST_BOUNDS])
+    return [f"at its bounds     {listed}{more}: [task.bounds] may be widened, if the body can do more"]

@@ -1,0 +1,54 @@
+"""`solve` in its several ways: options that contradict each other are refused, families that fail are told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from serpenoid.cli.main import main
+from serpenoid.status import Status
+
+REFERENCE = Path(__file__).parents[2] / "problems" / "reference-optimum.toml"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--ladder", "--improve", "3"], "--ladder and --improve: are two ways"),
+        (["--within", "0.2"], "--within: says how far --improve may go, got 0.2"),
+        (["--ladder", "--refine"], "--refine: is not known with --ladder"),
+        (["--improve", "3", "--refine"], "--refine: is not known with --improve"),
+    ],
+)
+def test_options_that_would_do_nothing_together_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    assert main(["solve", str(REFERENCE), *words, "--out", str(tmp_path / "out")]) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_family_that_fails_on_the_ladder_is_listed_with_the_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dataclasses import replace
+
+    from serpenoid.optimise import ladder
+
+    solve_from = ladder.solve_from
+
+    def failing(problem, gait, customise):  # type: ignore[no-untyped-def]
+        found = solve_from(problem, gait, customise)
+        return replace(found, status=Status.NOT_CONVERGED) if gait.family == "fourier" else found
+
+    monkeypatch.setattr(ladder, "solve_from", failing)
+    words = ["--set", "body.vertices=5", "--starts", "2", "--ladder", "--no-figures"]
+    assert main(["solve", str(REFERENCE), *words, "--c", "0.5", "--out", str(tmp_path / "out")]) == 1
+    captured = capsys.readouterr()
+    steps = json.loads((tmp_path / "out" / "ladder.json").read_text())["steps"]
+    assert [step["status"] for step in steps][1] == "not_converged"
+    assert len(steps) == 4
+    assert "Fourier, serpenoid: not_converged: IPOPT did not converge" in captured.err
+    assert "100%" in captured.err

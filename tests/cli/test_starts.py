@@ -1,0 +1,30 @@
+"""What many starts found is said without contradiction, and better optima that were refused are named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from serpenoid.cli.starts import starts_lines
+
+
+def record(steps: int, optima: list[dict[str, Any]]) -> dict[str, Any]:
+    found = {"steps": 60, "optima": optima, "better_but_coarse": [{"cost": -1.354, "starts": 5}],
+             "failures": ["mesh_too_coarse"] * 5}  # fmt: skip
+    return {"cost": -1.5, "mesh": {"steps": [steps, 2 * steps, 4 * steps]}, "multi_start": found}
+
+
+def test_better_optima_that_a_coarse_mesh_spoils_are_named_with_the_remedy() -> None:
+    first, second = starts_lines(record(60, [{"cost": -1.0, "starts": 3}]))
+    assert first == "optima found      -1.000000 (3x); failed starts: 5 mesh_too_coarse"
+    assert second.startswith("better, refused   -1.354000 (5x): 60 steps are too coarse for them; solve with --refine")
+
+
+def test_after_a_refinement_what_was_found_before_is_told_apart_from_it() -> None:
+    lines = starts_lines(record(480, []))
+    assert lines[0] == "optima found      none with 60 steps; failed starts: 5 mesh_too_coarse"
+    assert lines[2] == "refined           -1.500000 with 480 steps"
+
+
+def test_a_record_of_an_older_version_is_read() -> None:
+    old = {"mesh": {"steps": [60, 120, 240]}, "multi_start": {"optima": [], "failures": []}}
+    assert starts_lines(old) == ["optima found      none; failed starts: 0"]
