@@ -9,13 +9,15 @@ import pytest
 
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
+from serpenoid.diagnose.data.clocks import align
+from serpenoid.diagnose.data.observation import directions
 from serpenoid.errors import InputError
 from serpenoid.measure import clock
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
-from serpenoid.measure.servo_alignment import lasting
+from serpenoid.measure.servo_alignment import lasting, seen_corners
 from serpenoid.measure.trial import build_motion
 
 SD = 0.001  # of the markers [body lengths]
@@ -52,6 +54,63 @@ def test_joints_that_cameras_never_show_are_the_servos(never: list[int]) -> None
     shown = "joint " + ", ".join(str(j) for j in range(1, 11) if {j - 1, j, j + 1} & set(never)) + ":"
     assert any(note.startswith(f"no frame shows {shown}") for note in notes)
     assert not motion.jumps  # a start far from the answer ends in another minimum
+
+
+HALVES = (0.05, 0.05, 0.075, 0.075, 0.075, 0.075, 0.05, 0.05)  # wheels in the middles of four links
+
+
+def _rolling(shown: list[int], aside: float = 0.0) -> tuple[Body, np.ndarray, np.ndarray, np.ndarray, ServoLog]:
+    """The same of three joints, with markers on `shown` alone, so many body lengths to the left of their links."""
+    body = Body(vertices=9, joints=(2, 4, 6), edge_lengths=HALVES)
+    schedule = Schedule(0.8 * serpenoid_table(50)[:, [1, 4, 7]], 2.0, 3, 1.0, start_s=10.0)
+    time, at = np.arange(9.5, 18.5, 1 / HERTZ), np.arange(9.6, 18.4, 0.02)
+    angles = schedule.commanded(time)
+    poses = np.stack([0.02 * time, 0.01 * np.sin(time), 0.1 * np.cos(time)], axis=1)
+    points = chain_vertices(body, poses, angles)
+    points += aside * directions(points)[1]
+    markers = np.full_like(points, np.nan)
+    markers[:, shown] = points[:, shown]
+    markers += np.random.default_rng(3).normal(scale=SD, size=markers.shape)
+    return body, time, angles, markers, ServoLog(at - CLOCK_S, schedule.commanded(at), *[None] * 4, {}, "servo.csv")
+
+
+ON_LINKS = [[0, 1, 3, 5, 7, 8], [1, 3, 5, 7], [0, 3, 5, 8], [1, 4, 7], [0, 5, 7]]
+
+
+@pytest.mark.parametrize("shown", ON_LINKS, ids=str)
+def test_markers_in_the_middles_of_links_show_the_clock_of_a_log_without_any_at_joints(shown: list[int]) -> None:
+    body, time, angles, markers, log = _rolling(shown)
+    motion, servo, _ = build_motion(body, time, markers, log, ((), ()))
+    assert servo is not None
+    assert servo.offset.offset_s == pytest.approx(CLOCK_S, abs=0.003)  # a fifth of a frame
+    inside = (time > 10.0) & (time < 18.0)
+    assert motion.measured[inside].mean() > 0.9
+    miss = (motion.joint_angles - angles)[inside]
+    assert np.sqrt(np.nanmean(miss**2, axis=0)).max() < 0.027  # as above
+    assert not motion.jumps  # beside the log no marker is astray, though without it links may be bent to either side
+
+
+@pytest.mark.parametrize("shown", ON_LINKS, ids=str)
+@pytest.mark.parametrize("aside", [0.0, 0.02])
+def test_a_diagnosis_lays_clocks_over_each_other_by_markers_wherever_they_are(shown: list[int], aside: float) -> None:
+    body, time, _, markers, log = _rolling(shown, aside)
+    clock = align(body, time, markers, log)
+    middle = time.mean()
+    assert clock.servo(middle) == pytest.approx(middle - CLOCK_S, abs=0.003)
+
+
+def test_markers_of_one_link_show_no_bend() -> None:
+    body, time, _, markers, log = _rolling([2, 3, 4])
+    assert seen_corners(body, markers) == [2, 4]
+    with pytest.raises(InputError, match="no joint lies between"):
+        align(body, time, markers, log)
+
+
+def test_the_polygon_of_a_body_whose_joints_are_seen_has_its_corners_there() -> None:
+    body, _, _, markers, _ = _rolling(list(range(9)))
+    assert seen_corners(body, markers) == list(body.corners)
+    markers[:, 4] = np.nan
+    assert seen_corners(body, markers) == [0, 2, 3, 5, 6, 8]  # those beside the joint bend in its place
 
 
 @pytest.mark.parametrize("never", [[0], [5], [1, 3, 5, 7, 9]], ids=str)

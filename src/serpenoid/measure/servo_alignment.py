@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -43,13 +44,14 @@ def align_servo(
 ) -> tuple[ServoAlignment | None, list[str]]:
     """Clock offset, joint zeros and scatter of a servo log against what markers (F, N, 2) alone show.
 
-    Where they do not show the whole chain, the clock is found by the bends of the polygon of those that are seen, and a
-    joint that they do not show keeps the log's zero (a vertex guessed from its neighbours has two mirror positions).
+    Where they do not show the whole chain, the clock is found by the bends of the polygon of those that are seen, on
+    joints or between them, and a joint that they do not show keeps the log's zero (a vertex guessed from its
+    neighbours has two mirror positions).
     """
     if log.position.shape[1] != body.joint_count:
         return None, [f"servo log has {log.position.shape[1]} joints, the body {body.joint_count}: not used"]
     ends = seen_corners(body, markers)
-    whole = len(ends) == body.joint_count + 2 and estimate.determined.mean() >= OFTEN
+    whole = ends == list(body.corners) and estimate.determined.mean() >= OFTEN
     offset = (
         find_offset(time_s, estimate.joint_angles, log.time_s, log.position)
         if whole
@@ -104,9 +106,11 @@ def seen_share(markers: Floats) -> Floats:
 
 
 def seen_corners(body: Body, markers: Floats) -> list[int]:
-    """Vertices whose markers are seen often enough: ends and joints."""
-    share = seen_share(markers)
-    return [k for k in body.corners if share[k] > OFTEN]
+    """Corners of the polygon through the markers that are seen often enough, wherever they are: the first and the last
+    of each link, for between these it cannot bend. Where all ends and joints are seen, it is these."""
+    often = np.flatnonzero(seen_share(markers) > OFTEN)
+    links = [often[(often >= a) & (often <= b)] for a, b in pairwise(body.corners)]
+    return sorted({int(k) for own in links if len(own) for k in (own[0], own[-1])})
 
 
 def _offset_by_corners(body: Body, ends: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:

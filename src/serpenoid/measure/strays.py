@@ -104,7 +104,7 @@ def _one_less(
     best = cost.argmin(axis=1)
     each = np.arange(count)
     chain = points.reshape(count, vertices, vertices, 2)[each, best]
-    missed = missed.reshape(count, vertices, -1)[each, best]
+    missed = missed.reshape(count, vertices, missed.shape[1])[each, best]
     return best, _fits(without[each, best] - chain, missed, limit), chain
 
 

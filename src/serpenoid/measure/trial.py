@@ -127,10 +127,14 @@ def build_motion(
     """
     notes: list[str] = []
     estimate = estimate_chain(body, markers)
-    markers, strays = without_strays(body, time_s, markers, estimate)
-    estimate = estimate_chain(body, markers) if strays else estimate
-    servo = helped = None
+    strays: tuple[Jump, ...] = ()
     never = _never_seen(markers)
+    # the polygon of the others fits as well with such a joint bent to the other side
+    either_way = sorted({*never.tolist()} & {*body.joint_vertices})
+    if not either_way:
+        markers, strays = without_strays(body, time_s, markers, estimate)
+        estimate = estimate_chain(body, markers) if strays else estimate
+    servo = helped = None
     if log is not None:
         servo, complaint = align_servo(body, estimate, markers, time_s, log)
         helped, notes = servo, notes + complaint
@@ -138,14 +142,14 @@ def build_motion(
         helped, complaint = align_commands(body, estimate, markers, time_s, told)
         notes += complaint if helped is None else [assumed(unseen)]
     if helped is not None:
-        sd = estimate.marker_sd if estimate.determined.any() else None
-        estimate = estimate_chain(body, markers, helped.angles, helped.frame_sd, sd, estimate.determined)
+        estimate, by_markers = _helped(body, markers, helped, estimate), estimate
+        if either_way:
+            markers, strays = without_strays(body, time_s, markers, estimate)
+            estimate = _helped(body, markers, helped, by_markers) if strays else estimate
     else:
         estimate = completed(body, markers, time_s, estimate)
     cuts = _cuts(estimate, time_s, strays) if like is None else (like.gaps, like.jumps, like.runs)
-    # the polygon of the others fits as well with such a joint bent to the other side
-    either_way = [] if helped is not None else sorted({*never} & {*body.joint_vertices})
-    if either_way or not cuts[2]:
+    if (helped is None and either_way) or not cuts[2]:
         raise InputError(
             f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape"
             f"{_counted(never)}. Where a servo log or a joint table is given that fits them, three markers are enough."
@@ -156,6 +160,12 @@ def build_motion(
         places = "1 place" if len(holes) == 1 else f"{len(holes)} places"
         notes.append(f"frames are missing from the file in {places}, for {longest:.3g} s at most")
     return _motion(body, time_s, markers, helped, estimate, cuts, labels), servo, notes
+
+
+def _helped(body: Body, markers: Floats, servo: ServoAlignment, by_markers: ChainEstimate) -> ChainEstimate:
+    """The fit to markers and what servos did together; noise and what is surely known are those of markers alone."""
+    sd = by_markers.marker_sd if by_markers.determined.any() else None
+    return estimate_chain(body, markers, servo.angles, servo.frame_sd, sd, by_markers.determined)
 
 
 def _never_seen(markers: Floats) -> NDArray[np.int64]:

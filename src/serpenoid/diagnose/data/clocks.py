@@ -1,7 +1,8 @@
 """Two clocks, laid over each other by the motion that both saw: servo time = zero + (1 + rate) camera time.
 
-The bends of the polygon through the markers seen against those of the same polygon on the servos' chain, a constant per
-bend set free (marker_offset and zero_offset do not move clocks); where no marker is missing they are the joint angles.
+The bends of the polygon through the markers seen, wherever on the links they are, against those of the same polygon on
+the servos' chain, a constant per bend set free (marker_offset and zero_offset do not move clocks); where no marker is
+missing they are the joint angles.
 When the motion began, the log's labels say: row i of cycle n is due at (1 + rate) due, no later than its first log row
 and later than the last row before.
 """
@@ -91,7 +92,10 @@ def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
     often = seen_corners(body, markers)
     if len(often) < LEAST_MARKERS:
         never = ", ".join(str(k) for k in np.flatnonzero(seen_share(markers) <= OFTEN))
-        raise InputError(f"the markers of vertices {never} are hidden most of the time: no shape can be known.")
+        raise InputError(
+            f"the markers of vertices {never} are hidden most of the time, and no joint lies between those that are "
+            "seen, or fewer than three are: no shape can be known. Leave this trial out?"
+        )
     return np.array(often)
 
 
