@@ -17,11 +17,12 @@ from blind.folder import write
 from serpenoid.body import Floats
 from serpenoid.diagnose.data import frame
 from serpenoid.diagnose.data.geometry import shapes, turn
+from serpenoid.diagnose.data.meshes import COARSER
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import COARSER, _mesh_error, make_tracks
+from serpenoid.diagnose.data.tracks import _mesh_error, make_tracks
 from serpenoid.diagnose.data.windows import begun_anew, predicted_path
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.places import placed

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
+from serpenoid.diagnose.data.meshes import COARSER, Mesh, mesh_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
@@ -21,9 +22,6 @@ from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
-STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the noise level
-STEPS_PER_PAUSE = 16
-COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
 HALF_AVERAGE_S, HALF_AVERAGE_FRAMES = 0.045, 2.5  # poses at a boundary: frames within this distance, or so many,
 MOST_OF_WINDOW = 0.4  # but neighbouring boundaries share none
 LEAST_SHARE = 1 / 3  # of these frames that must be seen
@@ -42,34 +40,9 @@ def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model
     return tuple(in_processes([(_track, (r, seen, model)) for r in recordings]))
 
 
-def _mesh(r: Recording) -> tuple[Floats, np.ndarray, np.ndarray, np.ndarray, Floats]:
-    """Rows, boundaries, playing, cycle and phase of each window."""
-    s = r.schedule
-    time, bounds, playing, cycle, phase = [np.zeros(1)], [0], [], [], []
-    play, rest = WINDOWS_PER_CYCLE * STEPS_PER_WINDOW, STEPS_PER_PAUSE
-    for n in range(s.cycles):
-        start = n * s.period_s
-        time.append(start + np.arange(1, play + 1) / play * s.cycle_duration_s)
-        bounds += [bounds[-1] + STEPS_PER_WINDOW * (i + 1) for i in range(WINDOWS_PER_CYCLE)]
-        playing += [True] * WINDOWS_PER_CYCLE
-        phase += [(i + 0.5) / WINDOWS_PER_CYCLE for i in range(WINDOWS_PER_CYCLE)]
-        cycle += [n] * WINDOWS_PER_CYCLE
-        if s.pause_s > 0:
-            time.append(start + s.cycle_duration_s + np.arange(1, rest + 1) / rest * s.pause_s)
-            bounds += [bounds[-1] + rest // 2, bounds[-1] + rest]
-            playing += [False] * 2
-            phase += [1.0] * 2
-            cycle += [n] * 2
-    rows = np.concatenate(time)
-    last = int(np.searchsorted(rows[bounds], r.end + 1e-6))
-    keep = bounds[:last]
-    cut = slice(None, last - 1)
-    mesh = rows[: keep[-1] + 1]
-    return mesh, np.array(keep), np.array(playing)[cut], np.array(cycle)[cut], np.array(phase, dtype=float)[cut]
-
-
 def _track(r: Recording, seen: Observation, model: Model) -> Track:
-    time, bounds, playing, cycle, phase = _mesh(r)
+    mesh = mesh_of(r)
+    time, bounds = mesh.time, mesh.bounds
     vertices = shapes(r.body, seen.angles(r.angles_at(time)))
     frame_angles = seen.angles(r.angles)
     frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
@@ -78,7 +51,7 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     guess = predicted_path(model, vertices, time, _start(r, plan, known))
     if not np.isfinite(guess).all():
         raise NoPath(f"trial `{r.name}`: steps of this model have no root")
-    at_frames = _spline(r, time, guess)
+    at_frames = _at_frames(r, mesh, guess)
     miss = plan - at_frames
     around, counts = _averaged(r, time[bounds], miss)
     hidden = r.time[~np.isfinite(plan[:, 0])]
@@ -88,8 +61,8 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     some = slice(None, None, COARSER)
     run, begun = _mesh_error(model, vertices, time, guess, path, bounds)
     return Track(
-        r, time[some], vertices[some], bounds // COARSER, playing, cycle, phase, guess[bounds] + around, path[some],
-        r.time, plan, gaps, begun, least=_least(r, counts), strayed=run - begun,
+        r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
+        path[some], r.time, plan, gaps, begun, least=_least(r, counts), strayed=run - begun,
     )  # fmt: skip
 
 
@@ -153,15 +126,12 @@ def _start(r: Recording, poses: Floats, known: np.ndarray) -> Floats:
     return np.asarray(poses[some].mean(axis=0))
 
 
-def _spline(r: Recording, time: Floats, path: Floats) -> Floats:
-    """The path at the frames: cubic within each stretch of playing or pause, held outside."""
-    at = np.clip(r.time, time[0], time[-1])
+def _at_frames(r: Recording, mesh: Mesh, path: Floats) -> Floats:
+    """The path at the frames: cubic wherever its rate does not jump, held outside."""
+    at = np.clip(r.time, mesh.time[0], mesh.time[-1])
     result = np.empty((len(at), 3))
-    labels = r.stretch(np.maximum(at - 1e-9, 0.0))
-    own = r.stretch(np.maximum(time - 1e-9, 0.0))
-    for label in np.unique(labels):
-        rows = np.flatnonzero(own == label)
-        if label > 0 and rows[0] > 0:
-            rows = np.concatenate([[rows[0] - 1], rows])
-        result[labels == label] = CubicSpline(time[rows], path[rows])(at[labels == label])
+    part = np.clip(np.searchsorted(mesh.time[mesh.breaks], at - 1e-9) - 1, 0, len(mesh.breaks) - 2)
+    for n in np.unique(part):
+        rows = slice(mesh.breaks[n], mesh.breaks[n + 1] + 1)
+        result[part == n] = CubicSpline(mesh.time[rows], path[rows])(at[part == n])
     return result

@@ -147,11 +147,11 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
 
 
 def _unsure(data: Plays, speed: np.ndarray) -> np.ndarray:
-    """Standard deviation [s] of each trial's beginning: by a log's labels; without any, as readings show it by their
-    rates (R, m) in units of noise."""
+    """Standard deviation [s] of each trial's beginning: by a log's labels and commands, which a law of rows that jump
+    may take a part of; without any, as readings show it by their rates (R, m) in units of noise."""
     by_rates = [float((speed[data.trials == t] ** 2).sum()) for t in range(len(data.recordings))]
     shown = 1 / np.sqrt(np.maximum(by_rates, 1e-12))
-    known, most = (np.array([f(r) for r in data.recordings]) for f in (data.begun, data.unsure_start))
+    known, most = (np.array([f(r) for r in data.recordings]) for f in (data.said, data.unsure_start))
     return np.where(known, most / np.sqrt(3), shown)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.plays import Plays, played_for_sure, unsure_start
+from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, played_for_sure, unsure_start
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.servos import realise_all
@@ -20,7 +20,8 @@ WITHIN_ROW = 4  # steps in which servos are followed from row to row
 
 def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Recording, ...]:
     """Recordings with what their servos are expected to do: their shapes are splines about it. Where no label says when
-    a trial began, it begins where that is met best: not where a joint that lags made it seem to."""
+    a trial began, it begins where that is met best: not where a joint that lags made it seem to. So it does where rows
+    are held, within what is left open: a slow log says of a jump only that it was between two readings."""
     return tuple(_begun(r, late, course) for r, late, course in _met(recordings, found, effects))
 
 
@@ -32,13 +33,13 @@ def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[Ac
 def _met(
     recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]
 ) -> list[tuple[Recording, float, Course]]:
-    """Recordings, how late their trials began [s] as far as no label says so, and what servos do from there on."""
+    """Recordings, how late their trials began [s] as far as that is open, and what servos do from there on."""
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
-    meshes = [np.unique(np.concatenate([corners(r), _between(r) if effects else [0.0]])) for r in recordings]
+    meshes = [np.unique(np.concatenate([corners(r.schedule), _between(r) if effects else [0.0]])) for r in recordings]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     played = realise_all(found.model(effects), told, meshes)
     courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
-    return [(r, 0.0 if r.start_said else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
+    return [(r, 0.0 if begins_known(r) else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
 
 
 def _late(r: Recording, course: Course) -> float:
@@ -53,6 +54,8 @@ def _begun(r: Recording, late: float, course: Course) -> Recording:
 
 
 def _between(r: Recording) -> Floats:
-    """Times from 0 on, some in each row, at which servos are followed, in pauses and to the log's end as well."""
+    """Times from 0 on, some in each row, at which servos are followed, in pauses and to the log's end as well: after a
+    jump they are through with it long before the next."""
     apart = r.schedule.cycle_duration_s / len(r.schedule.table) / WITHIN_ROW
+    apart = min(apart, ACTED_ON_S) if r.schedule.held else apart
     return np.asarray(apart * np.arange(max(r.read_at[-1], r.end) / apart + 1))

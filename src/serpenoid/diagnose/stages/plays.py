@@ -66,9 +66,13 @@ class Plays:
         """How far what a trial was told may be off in time [s]: the log's own commands have the readings' clock."""
         return ACTED_ON_S if self.told else unsure_start(r)
 
-    def begun(self, r: Recording) -> bool:
-        """Whether it is known when what a trial was told began."""
+    def said(self, r: Recording) -> bool:
+        """Whether a log says, to a part of its interval, when what a trial was told began."""
         return self.told or r.start_said
+
+    def begun(self, r: Recording) -> bool:
+        """Whether it is known when that was: else what is played is moved to where readings meet it best."""
+        return self.told or begins_known(r)
 
     @property
     def quickest(self) -> Floats:
@@ -225,6 +229,12 @@ def played_for_sure(r: Recording, begun: bool) -> NDArray[np.bool_]:
     """Which readings (R,) are of the promised motion; not `begun` (nothing says when it began): however late that was.
     What servos do after it, nobody has promised."""
     return (r.read_at > 0) & (r.read_at < r.schedule.whole_s - (0.0 if begun else unsure_start(r)))
+
+
+def begins_known(r: Recording) -> bool:
+    """Whether what is left open of a trial's beginning is little beside what is commanded meanwhile: a log says it, and
+    the command runs. Where rows jump, a slow log says of a jump only that it was between two readings."""
+    return r.start_said and not r.schedule.held
 
 
 def unsure_start(r: Recording) -> float:

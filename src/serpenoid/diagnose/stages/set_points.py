@@ -16,7 +16,8 @@ from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, played_for_sure, unsure_start
+from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, played_for_sure, unsure_start
+from serpenoid.measure.schedule import Schedule
 
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 
@@ -63,7 +64,7 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
     for number, r in enumerate(recordings):
         time = r.read_at
         inside = played_for_sure(r, told or r.start_said)
-        mesh = np.unique(np.concatenate([[0.0], time[inside], *([] if told else [corners(r), _whenever(r)])]))
+        mesh = np.unique(np.concatenate([[0.0], time[inside], *([] if told else [corners(r.schedule), _whenever(r)])]))
         course = Course(time, r.commands) if told and r.commands is not None else None
         setpoints.append(r.schedule.commanded(mesh) if course is None else course.at(mesh))
         times.append(time[inside])
@@ -81,12 +82,12 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
 
 def _whenever(r: Recording) -> Floats:
     """Times at which a trial is followed whose beginning its readings tell: they may lie anywhere between two rows."""
-    return np.arange(0.0, 0.0 if r.start_said else r.schedule.whole_s, ACTED_ON_S)
+    return np.arange(0.0, 0.0 if begins_known(r) else r.schedule.whole_s, ACTED_ON_S)
 
 
-def corners(r: Recording) -> Floats:
+def corners(s: Schedule) -> Floats:
     """Times from 0 on at which rows are due, and just before where they jump."""
-    s, steps = r.schedule, len(r.schedule.table)
+    steps = len(s.table)
     corners = [n * s.period_s + np.arange(steps + 1) / steps * s.cycle_duration_s for n in range(s.cycles)]
     jumps = [c - JUMP_S for c in corners] if s.held else []
     every = np.concatenate([*corners, *jumps])

@@ -14,6 +14,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Prediction, Track, predicted_path
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
+from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule
@@ -46,9 +47,10 @@ def whole_errors(
 
 def from_command(model: Model, track: Track, schedule: Schedule) -> Prediction:
     """Window displacements of a trial as commanded: set-points, servos, motion from the first measured pose, frame."""
-    # set-points are laid on the recording's mesh, so its error is the one that `offset` takes out
-    commanded = schedule.commanded(track.time)
-    vertices = shapes(model.body, realise(model, commanded, track.time).angles)
+    # set-points are laid on the recording's mesh, so its error is the one that `offset` takes out; jumps take no time
+    time = np.unique(np.concatenate([track.time, corners(schedule)])) if schedule.held else track.time
+    played = realise(model, schedule.commanded(time), time).angles
+    vertices = shapes(model.body, played[np.searchsorted(time, track.time)])
     path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
     seen = added(of_frame(model.effects), track.on_floor[track.boundaries], track.time[track.boundaries])
     moved = relative(path[:-1], path[1:]) + track.offset + track.strayed + seen

@@ -1,0 +1,107 @@
+"""Time meshes of trials: rows at which shapes are asked for, and the boundaries of windows among them.
+
+A cycle is cut into windows, a pause into two, each into equal steps. Where a table's rows are held, servos jump and
+rest: between two rows that are due, steps are as long as is even in time t and in what joints bend by,
+
+    s(t) = t / T + w(t) / w(T),   w(t) = int |q'| dt,
+
+so that no step cuts the corner of two jumps, and a jump is followed however short it is.
+
+Legend: R rows, B boundaries.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
+from serpenoid.measure.schedule import Schedule
+
+STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the noise level
+STEPS_PER_PAUSE = 16
+COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
+LEAST_PER_ROW = 4  # steps from a row that is due to the next
+BENDING = 64  # parts of such a stretch in which it is measured how joints bend
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Rows (R,) [s], boundaries (B,) among them; playing, cycle and phase of each window (B - 1,); breaks: rows (K,)
+    at which the rate may jump, 0 and the last among them."""
+
+    time: Floats
+    bounds: np.ndarray
+    playing: np.ndarray
+    cycle: np.ndarray
+    phase: Floats
+    breaks: np.ndarray
+
+
+def mesh_of(r: Recording) -> Mesh:
+    """Of what both schedule and cameras cover."""
+    even = _even(r)
+    jumps = _jumps(r.schedule, float(even.time[-1])) if r.schedule.held else np.empty(0)
+    return _followed(r, even, jumps) if len(jumps) else even
+
+
+def _even(r: Recording) -> Mesh:
+    """In equal steps."""
+    s = r.schedule
+    time, bounds, playing, cycle, phase, turns = [np.zeros(1)], [0], [], [], [], [0]
+    play, rest = WINDOWS_PER_CYCLE * STEPS_PER_WINDOW, STEPS_PER_PAUSE
+    for n in range(s.cycles):
+        start = n * s.period_s
+        time.append(start + np.arange(1, play + 1) / play * s.cycle_duration_s)
+        bounds += [bounds[-1] + STEPS_PER_WINDOW * (i + 1) for i in range(WINDOWS_PER_CYCLE)]
+        playing += [True] * WINDOWS_PER_CYCLE
+        phase += [(i + 0.5) / WINDOWS_PER_CYCLE for i in range(WINDOWS_PER_CYCLE)]
+        cycle += [n] * WINDOWS_PER_CYCLE
+        turns.append(bounds[-1])
+        if s.pause_s > 0:
+            time.append(start + s.cycle_duration_s + np.arange(1, rest + 1) / rest * s.pause_s)
+            bounds += [bounds[-1] + rest // 2, bounds[-1] + rest]
+            playing += [False] * 2
+            phase += [1.0] * 2
+            cycle += [n] * 2
+            turns.append(bounds[-1])
+    rows = np.concatenate(time)
+    last = int(np.searchsorted(rows[bounds], r.end + 1e-6))
+    keep, cut = np.array(bounds[:last]), slice(None, last - 1)
+    breaks = np.array([*(b for b in turns if b < keep[-1]), keep[-1]])
+    windows = np.array(playing)[cut], np.array(cycle)[cut], np.array(phase, dtype=float)[cut]
+    return Mesh(rows[: keep[-1] + 1], keep, *windows, breaks)
+
+
+def _jumps(s: Schedule, end: float) -> Floats:
+    """Times at which held rows are due, up to an end [s]; none where there are more than usual steps: these jumps are
+    no larger than what is moved in a step."""
+    rows = len(s.table)
+    if rows > WINDOWS_PER_CYCLE * STEPS_PER_WINDOW:
+        return np.empty(0)
+    due = np.arange(s.cycles)[:, None] * s.period_s + np.arange(rows + 1) / rows * s.cycle_duration_s
+    return np.asarray(due[due < end])
+
+
+def _followed(r: Recording, even: Mesh, jumps: Floats) -> Mesh:
+    """Its boundaries, and steps that follow every jump."""
+    ends, breaks = even.time[even.bounds], np.concatenate([jumps, even.time[even.breaks]])
+    every = np.unique(np.round(np.concatenate([ends, breaks]), 9))
+    time = [every[:1], *(_steps(r, even.time, a, b) for a, b in zip(every[:-1], every[1:], strict=True))]
+    rows = np.concatenate(time)
+    at = [np.searchsorted(rows, np.unique(np.round(t, 9))) for t in (ends, breaks)]
+    return Mesh(rows, at[0], even.playing, even.cycle, even.phase, at[1])
+
+
+def _steps(r: Recording, usual: Floats, begin: float, end: float) -> Floats:
+    """Rows from after a time to another [s], no fewer than the usual ones."""
+    time = begin + (end - begin) * np.arange(BENDING + 1) / BENDING
+    bent = np.linalg.norm(np.diff(r.angles_at(time), axis=0), axis=1).cumsum()
+    share = np.arange(1, BENDING + 1) / BENDING + bent / max(float(bent[-1]), 1e-12)
+    count = np.searchsorted(usual, [begin, end])
+    steps = max(LEAST_PER_ROW, COARSER * int(np.ceil((count[1] - count[0]) / COARSER)))
+    found = np.interp(np.arange(1, steps + 1) / steps * share[-1], np.append(0.0, share), time)
+    found[-1] = end
+    return found

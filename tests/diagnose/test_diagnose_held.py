@@ -1,0 +1,111 @@
+"""Rows that are held until the next is due: servos jump and rest, and windows of motion follow every jump."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.protocol import usual
+from serpenoid.diagnose.data.geometry import shapes
+from serpenoid.diagnose.data.meshes import COARSER, mesh_of
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.windows import predicted_path, predictions
+from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.expected import carried
+from serpenoid.diagnose.stages.whole import from_command
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.group import relative
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+
+SEED, SETTINGS, LAG = 71, 2, 0.02  # s
+LATE, OPEN = 0.008, 0.010  # s: a trial's beginning is off, and may be
+READ_EVERY = 0.02  # s
+FINE = 5e-4  # s
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
+    folder = tmp_path_factory.mktemp("held")
+    hidden = Effect("servo_lag", None, {"lag": LAG})
+    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)), folder)
+    return read_recordings(folder)[1]
+
+
+def _begun_late(r: Recording) -> Recording:
+    """A log that is read seldom, and says a trial's beginning as badly."""
+    apart = float(np.median(np.diff(r.log_time)))
+    some = slice(None, None, max(1, round(READ_EVERY / apart)))
+    return replace(
+        r, time=r.time + LATE, log_time=r.log_time[some] + LATE, position=r.position[some],
+        commands=None, t0_spread=OPEN,
+    )  # fmt: skip
+
+
+def _carried(recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], float]:
+    """What servos are expected to do, and the lag that is named."""
+    data = plays(recordings)
+    assert data.held
+    (named,) = choose_actuation(data).named
+    return carried(recordings, data, [named.effect]), named.effect.parameters["lag"]
+
+
+@pytest.fixture(scope="module")
+def followed(recordings: tuple[Recording, ...]) -> tuple[Recording, ...]:
+    return _carried(recordings)[0]
+
+
+def test_where_rows_jump_a_trial_begins_where_readings_meet_what_servos_do(
+    recordings: tuple[Recording, ...], followed: tuple[Recording, ...]
+) -> None:
+    """A log says of a jump only that it was between two readings: as long as this lag."""
+    found, lag = _carried([_begun_late(r) for r in recordings])
+    assert lag == pytest.approx(LAG, abs=0.02 * LAG)
+    begun, true = ([r.log_time[0] for r in some] for some in (found, followed))
+    np.testing.assert_allclose(begun, true, atol=LATE / 10)
+
+
+def test_steps_follow_every_jump_and_windows_stay_where_they_are(followed: tuple[Recording, ...]) -> None:
+    for r in followed:
+        mesh, even = mesh_of(r), mesh_of(replace(r, schedule=replace(r.schedule, held=False)))
+        np.testing.assert_allclose(mesh.time[mesh.bounds], even.time[even.bounds], atol=1e-8)
+        due = np.arange(len(r.schedule.table)) / len(r.schedule.table) * r.schedule.cycle_duration_s
+        assert np.abs(mesh.time[:, None] - due).min(axis=0).max() < 1e-8
+        assert not (mesh.bounds % COARSER).any()
+        assert not (mesh.breaks % COARSER).any()
+        assert (np.diff(mesh.time) > 0).all()
+
+
+def test_windows_of_a_body_that_jumps_are_those_of_steps_far_shorter_than_a_jump(
+    followed: tuple[Recording, ...],
+) -> None:
+    model = Model(followed[0].body, Medium(anisotropy_ratio=0.2))
+    tracks = make_tracks(followed, Observation.neutral(model.body), model)
+    for track, r, made in zip(tracks, followed, predictions(model, tracks), strict=True):
+        ends = track.time[track.boundaries]
+        time = np.unique(np.concatenate([np.arange(0.0, ends[-1], FINE), ends]))
+        path = predicted_path(model, shapes(r.body, r.angles_at(time)), time, track.poses[0])
+        true = path[np.searchsorted(time, ends)]
+        np.testing.assert_allclose(made.displacement, relative(true[:-1], true[1:]), atol=5e-6)  # a twentieth of noise
+
+
+def test_a_simulation_from_commands_jumps_as_the_servos_do(
+    recordings: tuple[Recording, ...], followed: tuple[Recording, ...]
+) -> None:
+    """Joints that run from row to row in a step would be late by half of it: 0.5 mm and more of a window."""
+    lag = ActiveEffect.of("servo_lag", lag=LAG)
+    model = Model(followed[0].body, Medium(anisotropy_ratio=0.2), (lag,))
+    tracks = make_tracks(followed, Observation.neutral(model.body), model)
+    for track, r, made in zip(tracks, followed, predictions(model, tracks), strict=True):
+        told = from_command(model, track, r.schedule)
+        np.testing.assert_allclose(told.displacement, made.displacement, atol=1e-4)  # readings' noise
