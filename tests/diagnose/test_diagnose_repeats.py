@@ -15,7 +15,7 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, usual
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import window_noise
+from serpenoid.diagnose.data.noise import over_markers, window_noise
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.repeats import chance_from, repeats
 from serpenoid.diagnose.data.shared import repeatable
@@ -69,6 +69,23 @@ def test_cycles_tell_chance_from_an_error_that_every_cycle_has() -> None:
     motion = cast(Motion, SimpleNamespace(tracks=tuple(tracks), noise=noise))
     assert repeatable(motion, left).ratio > 10  # 1 + 2 (4/1)^2 = 33
     assert repeatable(motion, [x - s for x, s in zip(left, shared, strict=True)]).ratio == pytest.approx(1, abs=0.3)
+
+
+def test_it_is_told_how_much_of_what_repeats_differ_by_is_no_noise_of_the_markers() -> None:
+    quiet = [track("a", 3), track("a", 3)]
+    seen = [replaced(t, least=np.full((len(t.phase), 3), NOISE)) for t in quiet]
+    noise = Noise(np.full(3, 5 * NOISE), np.full(3, NOISE))
+
+    def over(tracks: list[Any]) -> float | None:
+        return over_markers(cast(Motion, SimpleNamespace(tracks=tracks, noise=noise)))
+
+    assert over(seen) == pytest.approx(5)  # pauses do not count
+    assert over(quiet) is None  # markers without noise
+    assert over([replaced(seen[0], cycle=0 * seen[0].cycle)]) is None  # nothing was played again
+
+
+def replaced(of: Any, **values: object) -> Any:
+    return SimpleNamespace(**(vars(of) | values))
 
 
 @pytest.mark.parametrize(("cycles", "shared"), [(2, 1.3), (12, 0.7)])

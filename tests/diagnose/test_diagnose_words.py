@@ -11,6 +11,7 @@ from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.words import (
+    chance,
     drag_ratio,
     lines,
     meaning,
@@ -76,6 +77,12 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     assert "has changed" in meaning(repeated | {"reference": {"campaign": "healthy"}})
     assert "drag alone explains" in meaning(repeated | {"law": {"name": "viscous"}})
     assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})
+
+
+def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None:
+    (said,) = chance({"noise_over_markers": 79.6})
+    assert said.startswith("what was played again differs 80 times as much as the markers' noise makes it")
+    assert chance({"noise_over_markers": None}) == []
 
 
 def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:

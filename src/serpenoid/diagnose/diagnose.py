@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, total
 from serpenoid.diagnose.data.recording import Recording
@@ -218,6 +219,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "left_open_m": total(open_m), "left_open_by_gait_m": of_each_gait(found.motion, open_m),
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),
+        "noise_over_markers": over_markers(found.motion),
         **_rows([t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)]),
         "left": {stage.name: None if stage.skipped else stage.left for stage in d.stages},
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},

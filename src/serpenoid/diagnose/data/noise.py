@@ -60,6 +60,18 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
     return replace(noise, memory=memory), moved
 
 
+def over_markers(motion: Motion) -> float | None:
+    """How many times as much windows' displacements differ by chance as the markers' own noise makes them (RMS while
+    playing); None where nothing was played again, or markers have no noise."""
+    if not repeats(motion.tracks) or any(t.noise is not None for t in motion.tracks):
+        return None
+    chance, least = (
+        np.concatenate([np.broadcast_to(of(t), t.displacement.shape)[t.playing, :2] for t in motion.tracks])
+        for of in (motion.noise.chance, lambda t: t.least)
+    )
+    return float(np.sqrt((chance**2).sum() / (least**2).sum())) if least.any() else None
+
+
 def noise_uncertain(motion: Motion) -> float:
     """Standard deviation of the logarithm of a noise level: told by the windows that were played again, or by all, as
     many as they are worth."""

@@ -225,6 +225,7 @@ def lines(record: Record) -> list[str]:
     found += [stage_line(s) for s in record["ladder"]]
     if record["drag_ratio"] is None:  # of an animal nobody expects servos
         found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
+    found += [f"chance            {text}" for text in chance(record)]
     found += [f"not tested        {text}" for text in untestable(record)]
     found.append(f"seconds           {seconds(record)}")
     found += [f"rows              {text}" for text in rows(record)]
@@ -243,6 +244,17 @@ def lines(record: Record) -> list[str]:
     elif record["drag_ratio"] is None:
         found.append(f"next experiment   {no_experiment(record)}")
     return found + [f"left              {text}" for text in record["residual_pattern"]]
+
+
+def chance(record: Record) -> list[str]:
+    """How much of what repeats differ by is no noise of the markers: what is smaller than that hides in it."""
+    ratio = record.get("noise_over_markers")
+    if ratio is None:
+        return []
+    return [
+        f"what was played again differs {ratio:.2g} times as much as the markers' noise makes it; what acts on one repeat "
+        "and not on the other counts as chance, and hides what is smaller"
+    ]
 
 
 def no_experiment(record: Record) -> str:
