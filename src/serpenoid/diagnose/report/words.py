@@ -252,8 +252,8 @@ def chance(record: Record) -> list[str]:
     if ratio is None:
         return []
     return [
-        f"what was played again differs {ratio:.2g} times as much as the markers' noise makes it; what acts on one repeat "
-        "and not on the other counts as chance, and hides what is smaller"
+        f"what was played again differs {ratio:.2g} times as much as the markers' noise makes it; what acts on one "
+        "repeat and not on the other counts as chance, and hides what is smaller"
     ]
 
 
