@@ -195,6 +195,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
     goals: list[Goal] = [*task.objectives, *task.demands]
     played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
     outcomes = [goal.outcome(played) for goal in goals]
+    outcomes += [best.self_clearance.goal] if best.self_clearance else []
     efficiency = lighthill_efficiency(best.problem, best.trajectory.displacement, best.trajectory.dissipation)
     return [
         f"status            {best.status.words}",

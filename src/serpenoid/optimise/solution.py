@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
+from serpenoid.objectives.term import NOTHING, miss
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
@@ -32,6 +33,12 @@ class SelfClear(Clearance):
     """Clearance of the body from itself, and what is wanted of it [body lengths]."""
 
     wanted: float
+
+    @property
+    def goal(self) -> str:
+        """By how much it is missed, in words; empty where it is met."""
+        by = self.wanted - self.least
+        return f"self missed by {miss(by)} body lengths" if by > NOTHING else ""
 
 
 @dataclass(frozen=True, repr=False)
