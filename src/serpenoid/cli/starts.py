@@ -55,4 +55,5 @@ def bound_lines(at_bounds: Sequence[str]) -> list[str]:
         return []
     more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
     listed = ", ".join(at_bounds[:MOST_BOUNDS])
-    return [f"at its bounds     {listed}{more}: [task.bounds] may be widened, if the body can do more"]
+    sections = sorted({"[lift]" if name.startswith("lift.") else "[task.bounds]" for name in at_bounds}, reverse=True)
+    return [f"at its bounds     {listed}{more}: {' and '.join(sections)} may be widened, if the body can do more"]

@@ -76,14 +76,15 @@ class Solution(Shown):
 
     @property
     def at_bounds(self) -> tuple[str, ...]:
-        """Parameters of the gait that ended where `[task.bounds]` ends: a wider range may hold a better one."""
-        lower, upper = self.problem.family_of(self.gait).limits
-        return tuple(
-            f"{name} = {end:g}"
-            for name, q, low, high in zip(self.names, self.q, lower, upper, strict=True)
+        """Parameters of the gait that ended where the file ends the search: a wider range may hold a better one."""
+        family = self.problem.family_of(self.gait)
+        ended = (
+            (family.ended_at(name, end), end)
+            for name, q, low, high in zip(self.names, self.q, *family.limits, strict=True)
             for end in (low, high)
             if abs(q - end) < AT_BOUND * (high - low)
         )
+        return tuple(f"{name} = {end:g}" for name, end in ended if name is not None)
 
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""
