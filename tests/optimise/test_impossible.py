@@ -147,3 +147,10 @@ def test_demands_that_may_be_met_are_not(demands: str) -> None:
 def test_a_motion_that_is_not_closed_may_end_in_another_shape() -> None:
     ends = '{kind="shape",at=0.0},{kind="shape",at=1.0,angles=[0.0,0.2,0.0]}'
     assert problem("reach", *SMALL, "task.transient=true", f"task.demands=[{ends}]").task.demands
+
+
+def test_a_family_with_fewer_parameters_than_the_demands_fix_numbers_is_refused_with_larger_ones_named() -> None:
+    shapes = 'task.demands=[{kind="shape"},{kind="shape",at=1.0,angles=[0.5,0.5,0.5,0.5]}]'
+    small = "reference-optimum", "body.vertices=6", "task.transient=true", shapes
+    with pytest.raises(InputError, match=r"got 6 \(`ellipse`\) for 8\. Take a larger family \(spline, table"):
+        solver_of(problem(*small))
