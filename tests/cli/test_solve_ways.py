@@ -52,3 +52,14 @@ def test_a_family_that_fails_on_the_ladder_is_listed_with_the_reason(
     assert len(steps) == 4
     assert "Fourier, serpenoid: not_converged: IPOPT did not converge" in captured.err
     assert "100%" in captured.err
+
+
+def test_an_optimum_that_stands_still_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--c", "50", "--starts", "1", "--no-figures", "--set", "gait={family='fourier-joints',orders=[1]}"]
+    assert main(["solve", str(REFERENCE), *words, "--set", "task.bounds={family='fourier-joints'}", "--out",
+                 str(tmp_path / "out")]) == 0  # fmt: skip
+    out = capsys.readouterr().out
+    assert "motion            none: standing still is the best that was found; lower `c`, ask for a way" in out
+    assert "-0.000000" not in out
+    assert "%" not in out  # of what?
+    assert "efficiency" not in out

@@ -145,7 +145,7 @@ def _search(args: argparse.Namespace, problem: Problem, folder: Path) -> MultiSt
     with options.progress_bar(args, "starts", args.starts) as advance:
 
         def progress(done: int, best: Solution | None) -> None:
-            advance(done, "" if best is None else f"best cost {best.cost:.6f}")
+            advance(done, "" if best is None else f"best cost {best.cost:z.6f}")
 
         if workers.jobs == 1 and workers.cluster is None:
             return solve(problem, args.starts, args.seed, progress=progress, folder=folder)
@@ -196,13 +196,15 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
     played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
     outcomes = [goal.outcome(played) for goal in goals]
     outcomes += [best.self_clearance.goal] if best.self_clearance else []
-    efficiency = lighthill_efficiency(best.problem, best.trajectory.displacement, best.trajectory.dissipation)
+    went = best.trajectory.displacement, best.trajectory.dissipation
+    efficiency = None if best.trajectory.stands_still else lighthill_efficiency(best.problem, *went)
     return [
         f"status            {best.status.words}",
-        f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",
-        f"dissipation T*E   {best.trajectory.dissipation:.6f}",
+        *_still_lines(best),
+        f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
+        f"dissipation T*E   {best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
-        f"cost              {best.cost:.6f} at c = {best.c:g}",
+        f"cost              {best.cost:z.6f} at c = {best.c:g}",
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
         *(f"goal              {words}" for words in outcomes if words),
         *_case_lines(best),
@@ -217,6 +219,15 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
         *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
     ]
+
+
+def _still_lines(best: Solution) -> list[str]:
+    """Of an optimum that does not move."""
+    if not (best.status.ok and best.trajectory.stands_still):
+        return []
+    lower = "lower `c`, " * (best.c > 0)
+    remedy = f"{lower}ask for a way (a demand `travel`), or try more starts"
+    return [f"motion            none: standing still is the best that was found; {remedy}"]
 
 
 def _case_lines(best: Solution) -> list[str]:
