@@ -63,3 +63,14 @@ def test_an_optimum_that_stands_still_says_so(tmp_path: Path, capsys: pytest.Cap
     assert "-0.000000" not in out
     assert "%" not in out  # of what?
     assert "efficiency" not in out
+
+
+@pytest.mark.parametrize(("more", "said"), [([], True), (["--set", "body.joint_limit_deg=80"], False)])
+def test_a_free_table_that_nothing_holds_is_told_what_would(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], said: bool
+) -> None:
+    file = tmp_path / "free.toml"
+    file.write_text("[body]\nvertices=3\n[medium]\nanisotropy_ratio=0.1\n[gait]\nfamily='table'\n[task]\nsteps=5\n")
+    words = ["solve", str(file), *more, "--starts", "1", "--no-figures", "--out", str(tmp_path / "out")]
+    assert main(words) == 1  # one joint goes nowhere
+    assert ("give [body] joint_limit_deg" in capsys.readouterr().err) == said

@@ -177,7 +177,20 @@ def _why(problem: Problem) -> str | None:
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
             "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
         )
+    if problem.family_of().free and not _calm(problem):
+        return (
+            "the joints of a free table may leap from row to row where nothing holds them: give [body] joint_limit_deg "
+            "(or [task.bounds] angle) and joint_speed_limit_rpm, or a `bending` term among [[task.objectives]]."
+        )
     return None
+
+
+def _calm(problem: Problem) -> bool:
+    """Whether something keeps the joints of a free table from leaping."""
+    from serpenoid.objectives.bending import Bending
+
+    limited = problem.joint_limit_deg is not None or problem.joint_speed_limit_rpm is not None
+    return limited or any(isinstance(term, Bending) for term in problem.task.objectives)
 
 
 def _options(args: argparse.Namespace) -> list:
