@@ -74,3 +74,15 @@ def test_a_free_table_that_nothing_holds_is_told_what_would(
     words = ["solve", str(file), *more, "--starts", "1", "--no-figures", "--out", str(tmp_path / "out")]
     assert main(words) == 1  # one joint goes nowhere
     assert ("give [body] joint_limit_deg" in capsys.readouterr().err) == said
+
+
+def test_show_says_what_was_not_tried_and_gives_no_reason_that_it_does_not_know(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["solve", str(REFERENCE), "--set", "task.steps=8", "--starts", "1", "--out", str(tmp_path), "--no-figures"]
+    assert main(words) == 1  # eight steps are too coarse
+    assert main(["show", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "polishing gain None" not in out
+    assert out.count("polishing gain not tried") == 2
+    assert out.rstrip().endswith("pictures          none")
