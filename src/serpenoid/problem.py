@@ -195,7 +195,7 @@ class Problem(Record):
             raise ValueError(
                 "[[task.objectives]] efficiency: is one of viscous drag; with dry friction ask for transport"
             )
-        fault = contradiction(task.demands, rows, others)
+        fault = contradiction(task.demands, rows, self.body.edges, others)
         if fault is not None:
             raise ValueError(fault)
         return self

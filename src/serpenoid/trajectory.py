@@ -14,6 +14,8 @@ from serpenoid.body import Floats
 from serpenoid.shown import Shown
 from serpenoid.status import Status
 
+STILL = 1e-4  # body lengths: the tremble that an optimiser leaves of a gait that stands
+
 
 @dataclass(frozen=True, repr=False)
 class Trajectory(Shown):
@@ -47,6 +49,11 @@ class Trajectory(Shown):
     def displacement(self) -> float:
         """Distance of the centroid between first and last row [body lengths]."""
         return float(np.hypot(*self.net_motion[:2]))
+
+    @property
+    def stands_still(self) -> bool:
+        """Whether no point of the body moves."""
+        return bool(np.abs(self.vertices - self.vertices[0]).max() < STILL)
 
     @property
     def forward_displacement(self) -> float:

@@ -52,3 +52,37 @@ def test_a_family_that_fails_on_the_ladder_is_listed_with_the_reason(
     assert len(steps) == 4
     assert "Fourier, serpenoid: not_converged: IPOPT did not converge" in captured.err
     assert "100%" in captured.err
+
+
+def test_an_optimum_that_stands_still_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--c", "50", "--starts", "1", "--no-figures", "--set", "gait={family='fourier-joints',orders=[1]}"]
+    assert main(["solve", str(REFERENCE), *words, "--set", "task.bounds={family='fourier-joints'}", "--out",
+                 str(tmp_path / "out")]) == 0  # fmt: skip
+    out = capsys.readouterr().out
+    assert "note              a body that stands still does as well" in out
+    assert "-0.000000" not in out
+    assert "%" not in out  # of what?
+    assert "efficiency" not in out
+
+
+@pytest.mark.parametrize(("more", "said"), [([], True), (["--set", "body.joint_limit_deg=80"], False)])
+def test_a_free_table_that_nothing_holds_is_told_what_would(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], said: bool
+) -> None:
+    file = tmp_path / "free.toml"
+    file.write_text("[body]\nvertices=4\n[medium]\nanisotropy_ratio=0.1\n[gait]\nfamily='table'\n[task]\nsteps=5\n")
+    words = ["solve", str(file), *more, "--starts", "1", "--no-figures", "--out", str(tmp_path / "out")]
+    assert main(words) == 1  # five steps are too few
+    assert ("give [body] joint_limit_deg" in capsys.readouterr().err) == said
+
+
+def test_show_says_what_was_not_tried_and_gives_no_reason_that_it_does_not_know(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["solve", str(REFERENCE), "--set", "task.steps=8", "--starts", "1", "--out", str(tmp_path), "--no-figures"]
+    assert main(words) == 1  # eight steps are too coarse
+    assert main(["show", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "polishing gain None" not in out
+    assert out.count("polishing gain not tried") == 2
+    assert out.rstrip().endswith("pictures          none")

@@ -182,3 +182,10 @@ def test_an_optimum_that_is_better_than_rest_has_no_note() -> None:
     assert found.status.ok
     assert found.note is None
     assert "note" not in solution_record(found)
+
+
+def test_a_family_with_fewer_parameters_than_the_demands_fix_numbers_is_refused_with_larger_ones_named() -> None:
+    shapes = 'task.demands=[{kind="shape"},{kind="shape",at=1.0,angles=[0.5,0.5,0.5,0.5]}]'
+    small = "reference-optimum", "body.vertices=6", "task.transient=true", shapes
+    with pytest.raises(InputError, match=r"got 6 \(`ellipse`\) for 8\. Take a larger family \(spline, table"):
+        solver_of(problem(*small))

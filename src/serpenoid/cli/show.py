@@ -91,11 +91,11 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         *note_lines(record.get("note")),
     ]
     if record["kind"] == "optimum":
-        kkt = max(record["kkt"].values())
+        kkt, gain = max(record["kkt"].values()), record["polishing_gain"]
         lines += [
             f"cost              {_short(record['cost'])} at c = {record['c']:g}",
             f"certificate       KKT {kkt:.1e}, re-simulation {_short(record['resimulation_error'])}, "
-            f"polishing gain {_short(record['polishing_gain'])}",
+            f"polishing gain {'not tried' if gain is None else _short(gain)}",
             f"mesh              {_mesh(record['mesh'])}",
         ]
     return lines + (starts_lines(record) if record.get("multi_start") else [])
@@ -201,7 +201,7 @@ def _pictures(names: list[str], record: str | None) -> list[str]:
     """Of results; a campaign, which has no record, is none."""
     if not names and not record:
         return []
-    return [f"pictures          {', '.join(names)}"] if names else ["pictures          none (it was run --no-figures)"]
+    return [f"pictures          {', '.join(names)}"] if names else ["pictures          none"]
 
 
 def _effect(record: dict[str, Any]) -> str:

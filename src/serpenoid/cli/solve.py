@@ -145,7 +145,7 @@ def _search(args: argparse.Namespace, problem: Problem, folder: Path) -> MultiSt
     with options.progress_bar(args, "starts", args.starts) as advance:
 
         def progress(done: int, best: Solution | None) -> None:
-            advance(done, "" if best is None else f"best cost {best.cost:.6f}")
+            advance(done, "" if best is None else f"best cost {best.cost:z.6f}")
 
         if workers.jobs == 1 and workers.cluster is None:
             return solve(problem, args.starts, args.seed, progress=progress, folder=folder)
@@ -179,7 +179,20 @@ def _why(problem: Problem) -> str | None:
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
             "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
         )
+    if problem.family_of().free and not _calm(problem):
+        return (
+            "the joints of a free table may leap from row to row where nothing holds them: give [body] joint_limit_deg "
+            "(or [task.bounds] angle) and joint_speed_limit_rpm, or a `bending` term among [[task.objectives]]."
+        )
     return None
+
+
+def _calm(problem: Problem) -> bool:
+    """Whether something keeps the joints of a free table from leaping."""
+    from serpenoid.objectives.bending import Bending
+
+    limited = problem.joint_limit_deg is not None or problem.joint_speed_limit_rpm is not None
+    return limited or any(isinstance(term, Bending) for term in problem.task.objectives)
 
 
 def _options(args: argparse.Namespace) -> list:
@@ -197,14 +210,16 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
     goals: list[Goal] = [*task.objectives, *task.demands]
     played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
     outcomes = [goal.outcome(played) for goal in goals]
-    efficiency = lighthill_efficiency(best.problem, best.trajectory.displacement, best.trajectory.dissipation)
+    outcomes += [best.self_clearance.goal] if best.self_clearance else []
+    went = best.trajectory.displacement, best.trajectory.dissipation
+    efficiency = None if best.trajectory.stands_still else lighthill_efficiency(best.problem, *went)
     return [
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
-        f"displacement      {best.trajectory.displacement:.6f} body lengths{'' if task.transient else ' per cycle'}",
-        f"dissipation T*E   {best.trajectory.dissipation:.6f}",
+        f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
+        f"dissipation T*E   {best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
-        f"cost              {best.cost:.6f} at c = {best.c:g}",
+        f"cost              {best.cost:z.6f} at c = {best.c:g}",
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
         *(f"goal              {words}" for words in outcomes if words),
         *_case_lines(best),

@@ -39,14 +39,14 @@ def starts_lines(record: dict[str, Any]) -> list[str]:
     coarse = _costs(found.get("better_but_coarse", []))
     if refined:
         lines += [f"refused           {coarse}{on}: that mesh is too coarse for them"] * bool(coarse)
-        return [*lines, f"refined           {record['cost']:.6f} with {steps} steps"]
+        return [*lines, f"refined           {record['cost']:z.6f} with {steps} steps"]
     name = "better, refused" if found["optima"] else "refused"
     remedy = "solve with --refine, or with more task.steps"
     return lines + [f"{name:18}{coarse}: {steps} steps are too coarse for them; {remedy}"] * bool(coarse)
 
 
 def _costs(optima: Sequence[dict[str, Any]]) -> str:
-    return ", ".join(f"{o['cost']:.6f} ({o['starts']}x)" for o in optima)
+    return ", ".join(f"{o['cost']:z.6f} ({o['starts']}x)" for o in optima)
 
 
 def note_lines(note: str | None) -> list[str]:
@@ -60,4 +60,5 @@ def bound_lines(at_bounds: Sequence[str]) -> list[str]:
         return []
     more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
     listed = ", ".join(at_bounds[:MOST_BOUNDS])
-    return [f"at its bounds     {listed}{more}: [task.bounds] may be widened, if the body can do more"]
+    sections = sorted({"[lift]" if name.startswith("lift.") else "[task.bounds]" for name in at_bounds}, reverse=True)
+    return [f"at its bounds     {listed}{more}: {' and '.join(sections)} may be widened, if the body can do more"]

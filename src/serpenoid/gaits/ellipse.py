@@ -103,6 +103,10 @@ class EllipseFamily(GaitFamily):
         pairs = np.array([getattr(self.bounds, name) or (-np.inf, np.inf) for name in NAMES], float)
         return pairs[:, 0], pairs[:, 1]
 
+    def ended_at(self, name: str, end: float) -> str | None:
+        """The flattest and the roundest ellipse, and the smallest, are no choice of the file."""
+        return None if (name, abs(end)) in (("sigma", 1.0), ("a", 0.0)) else name
+
     @property
     def widths(self) -> Floats:
         return np.array([0.02, 0.1, 0.1, 0.02, 0.1, 0.02])

@@ -107,6 +107,10 @@ class GaitFamily:
     def limits(self) -> tuple[Floats, Floats]:
         """Lower and upper bound of every parameter, shape (n,) each; infinite where it is free."""
 
+    def ended_at(self, name: str, end: float) -> str | None:
+        """What a parameter is called where the file bounds it by `end`; None where no file may allow more."""
+        return name
+
     @property
     @abstractmethod
     def widths(self) -> Floats:

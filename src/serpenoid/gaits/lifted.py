@@ -21,6 +21,7 @@ from serpenoid.gaits.ellipse import EllipseBounds, EllipseGait
 from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
 from serpenoid.gaits.fourier import FourierGait
 
+OWN = "phase", "bias"  # parameters beside those of the bending
 WIDTHS = 0.01, 0.02  # of phase and bias
 
 
@@ -103,7 +104,7 @@ class LiftedFamily(GaitFamily):
 
     @property
     def names(self) -> tuple[str, ...]:
-        return (*self.bend.names, "phase", "bias")
+        return (*self.bend.names, *OWN)
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -114,6 +115,10 @@ class LiftedFamily(GaitFamily):
         pairs = zip(self.bend.limits, zip(self.lift.phase, self.lift.bias, strict=True), strict=True)
         lower, upper = (np.append(bend, own) for bend, own in pairs)
         return lower, upper
+
+    def ended_at(self, name: str, end: float) -> str | None:
+        """Bending is bounded in [task.bounds], what is lifted in [lift]."""
+        return f"lift.{name}" if name in OWN else self.bend.ended_at(name, end)
 
     @property
     def widths(self) -> Floats:

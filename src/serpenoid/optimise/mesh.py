@@ -83,13 +83,12 @@ class MeshStudy:
         """One line: limit and error."""
         if not np.isfinite(self.error):
             return f"{self.steps} steps: a finer mesh could not be simulated"
-        far = abs(self.displacement) > RESOLVED
         turns = GYRATION * abs(self.turn) > RESOLVED
         return "; ".join([
-            f"{self.displacement:.6f} body lengths for many steps; error of {self.steps} steps "
-            + (_share(self.error, self.displacement) if far else f"{self.error:.1e}"),
+            f"{self.displacement:z.6f} body lengths for many steps; error of {self.steps} steps "
+            f"{_share(self.error, self.displacement)}",
             *([f"turn {self.turn:.6f} rad, error {_share(self.turn_error, self.turn)}"] if turns else []),
-            f"dissipation {self.dissipation:.6f}, error {_share(self.dissipation_error, self.dissipation)}",
+            f"dissipation {self.dissipation:z.6f}, error {_share(self.dissipation_error, self.dissipation)}",
         ])  # fmt: skip
 
     @property
@@ -144,7 +143,7 @@ def _error(values: tuple[float, float, float]) -> float:
 
 
 def _share(error: float, whole: float) -> str:
-    return f"{error:.1e}" + (f" ({100 * error / abs(whole):.2g} %)" if whole else "")
+    return f"{error:.1e}" + (f" ({100 * error / abs(whole):.2g} %)" if abs(whole) > RESOLVED else "")
 
 
 def _limit(pair: tuple[float, ...]) -> float:

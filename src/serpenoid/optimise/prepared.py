@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.ipopt import BESIDE_OBSTACLES, Bounds, Ipopt
@@ -43,8 +44,20 @@ class PreparedNLPs(GaitMotions):
 
     def __init__(self, problem: Problem, customise: Customise | None, gait: Gait | None, options: dict) -> None:
         super().__init__(problem, customise, gait)
+        self._enough_parameters()
         self._options = options
         self._prepared: dict[tuple[int, bool, Watch], tuple[GaitNLP, Ipopt]] = {}
+
+    def _enough_parameters(self) -> None:
+        """InputError where more numbers are asked for than the family has parameters to meet them with."""
+        least, most = self.asked.bounds
+        asked, size = int((least == most).sum()), self.family.size
+        if asked > size:
+            raise InputError(
+                f"[gait] family: must have as many parameters as the demands fix numbers, got {size} "
+                f"(`{self.family.like.family}`) for {asked}. Take a larger family (spline, table), or "
+                "demand less."
+            )
 
     def first(self) -> Carried:
         """What the first NLP of a search carries."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
+from serpenoid.objectives.term import NOTHING, miss
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
@@ -33,6 +34,12 @@ class SelfClear(Clearance):
     """Clearance of the body from itself, and what is wanted of it [body lengths]."""
 
     wanted: float
+
+    @property
+    def goal(self) -> str:
+        """By how much it is missed, in words; empty where it is met."""
+        by = self.wanted - self.least
+        return f"self missed by {miss(by)} body lengths" if by > NOTHING else ""
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,14 +79,15 @@ class Solution(Shown):
 
     @property
     def at_bounds(self) -> tuple[str, ...]:
-        """Parameters of the gait that ended where `[task.bounds]` ends: a wider range may hold a better one."""
-        lower, upper = self.problem.family_of(self.gait).limits
-        return tuple(
-            f"{name} = {end:g}"
-            for name, q, low, high in zip(self.names, self.q, lower, upper, strict=True)
+        """Parameters of the gait that ended where the file ends the search: a wider range may hold a better one."""
+        family = self.problem.family_of(self.gait)
+        ended = (
+            (family.ended_at(name, end), end)
+            for name, q, low, high in zip(self.names, self.q, *family.limits, strict=True)
             for end in (low, high)
             if abs(q - end) < AT_BOUND * (high - low)
         )
+        return tuple(f"{name} = {end:g}" for name, end in ended if name is not None)
 
     @property
     def message(self) -> str:
