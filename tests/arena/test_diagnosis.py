@@ -65,7 +65,7 @@ def test_the_law_of_the_floor_is_asked(then):
     # by the anisotropy ratio alone the arena's contacts are nearer to dry friction than to linear drag
     assert then.motion.stage.law.startswith("dry friction (Coulomb) ")
     assert "misses windows by" in then.motion.stage.law
-    assert on_dry_friction(replace(then.model, medium=Medium(anisotropy_ratio=0.2, law="coulomb"))) is None
+    assert on_dry_friction(Model(then.model.body, Medium(anisotropy_ratio=0.2, law="coulomb"))) is None
     swimmer = Body(kind="swimmer", vertices=12)
     assert on_dry_friction(Model(swimmer, Medium(anisotropy_ratio=0.2))) is None
 

@@ -59,7 +59,7 @@ def slow(r: Recording, hertz: float, lag: float, says_commands: bool) -> Recordi
     start, spread = (told.start_s, told.spread_s) if told else (START_S + lag, UNSURE_CYCLE * CYCLE_S)
     return replace(
         r, schedule=replace(plan, start_s=0.0), log_time=log.time_s - start, position=read, t0_spread=spread,
-        commands=log.command if says_commands else None, told=told,
+        commands=log.command if says_commands else None, told=told, asked_cycle_s=None,
     )  # fmt: skip
 
 
@@ -158,6 +158,7 @@ def test_cycles_are_as_long_on_a_wrong_film_as_the_log_has_them_and_no_servo_is_
     trials = by_their_commands([filmed(trial, FILM, 1e-5)])
     assert trials[0].schedule.cycle_duration_s == pytest.approx(CYCLE_S / (1 + FILM), rel=1e-9)
     assert "so the film's is wrong" in trials[0].remarks[-1]
+    assert trials[0].setting == (trial.gait, CYCLE_S)  # the same setting as on a film that is right
     (named,) = choose_actuation(plays(trials)).named
     assert named.effect.key == ("servo_lag", None)
     low, high = named.intervals["lag"]

@@ -22,7 +22,6 @@ from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.smooth import scatter
-from serpenoid.measure.schedule import Schedule
 
 ROUNDS = 4  # each is as much nearer as a cycle's end is off by its rate
 
@@ -60,7 +59,7 @@ def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
 
     def on_film(r: Recording) -> Recording:
         words = (_words(r, rate, lasting),) if seen else ()
-        return replace(r, schedule=_at_rate(r.schedule, rate), remarks=(*r.remarks, *words))
+        return replace(_at_rate(r, rate), remarks=(*r.remarks, *words))
 
     return tuple(on_film(r) if r.told is not None and r.clock.rate_sd > 0 else r for r in recordings)
 
@@ -110,17 +109,17 @@ def _replayed(r: Recording, rate: float, late: Floats) -> Recording:
     s = r.schedule
     middles = np.arange(len(late)) * s.period_s + s.cycle_duration_s / 2
     late_s = float(np.nanmean(late - rate * middles))
-    schedule = _at_rate(s, rate)
     return replace(
-        r, schedule=schedule, time=r.time - late_s, log_time=r.log_time - late_s * (1 + r.clock.rate),
-        t0_spread=max(r.t0_spread, UNSURE_CYCLE * schedule.cycle_duration_s),  # as unsure as before
+        _at_rate(r, rate), time=r.time - late_s, log_time=r.log_time - late_s * (1 + r.clock.rate),
+        t0_spread=max(r.t0_spread, UNSURE_CYCLE * s.cycle_duration_s * (1 + rate)),  # as unsure as before
     )  # fmt: skip
 
 
-def _at_rate(schedule: Schedule, rate: float) -> Schedule:
-    return replace(
-        schedule, cycle_duration_s=schedule.cycle_duration_s * (1 + rate), pause_s=schedule.pause_s * (1 + rate)
-    )
+def _at_rate(r: Recording, rate: float) -> Recording:
+    """The recording with a schedule that ran so much slower, and what had been asked."""
+    s = r.schedule
+    slower = replace(s, cycle_duration_s=s.cycle_duration_s * (1 + rate), pause_s=s.pause_s * (1 + rate))
+    return replace(r, schedule=slower, asked_cycle_s=r.asked_cycle_s or s.cycle_duration_s)
 
 
 def _words(r: Recording, rate: float, lasting: Sequence[float]) -> str:

@@ -37,7 +37,8 @@ class Recording:
     remarks: of the campaign's check against itself.
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
     as each reading was taken, where the log says it; told: what these say of the trial, None: nothing.
-    schedule: no more cycles than the recording may show; missing_cycles: how many more the campaign promises.
+    schedule: no more cycles than the recording may show, as they ran on the film's clock; missing_cycles: how many more
+    the campaign promises; asked_cycle_s: what it promises of a cycle's duration, where that is another.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Recording:
     commands: Floats | None = None
     missing_cycles: int = 0
     told: Told | None = None
+    asked_cycle_s: float | None = None
 
     @property
     def held_as_told(self) -> bool | None:
@@ -74,8 +76,8 @@ class Recording:
 
     @property
     def setting(self) -> tuple[str, float]:
-        """Trials with the same one are repeats."""
-        return self.gait, self.schedule.cycle_duration_s
+        """Trials with the same one are repeats, whatever a cycle lasts on their film's clock."""
+        return self.gait, self.asked_cycle_s or self.schedule.cycle_duration_s
 
     @property
     def promised_s(self) -> float:
