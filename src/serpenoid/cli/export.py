@@ -33,6 +33,7 @@ from serpenoid.cli.robot_arguments import (
     checked_table,
     cycle_duration,
     load_robot,
+    planned,
     warn,
 )
 from serpenoid.errors import InputError
@@ -41,7 +42,7 @@ from serpenoid.robot import ros
 from serpenoid.robot.checks import Refusal, check_finite
 from serpenoid.robot.description import Robot
 from serpenoid.robot.firmware import sketch
-from serpenoid.robot.plan import Plan, check_repetition, make_plan
+from serpenoid.robot.plan import Plan, check_repetition
 from serpenoid.robot.table import JointTable, read_table, write_table
 
 SKETCH = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,62}")
@@ -133,15 +134,7 @@ def _ros2(args: argparse.Namespace, table: JointTable, robot: Robot | None, fold
 def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> Plan:
     if robot is None:
         raise InputError(f"--format {args.format} needs --robot FILE: it maps joints to servos.")
-    return make_plan(
-        table.angles,
-        robot,
-        cycle_duration(args, table, robot),
-        args.cycles,
-        args.pause,
-        args.widen_limits,
-        table.closed,
-    )
+    return planned(args, table, robot)
 
 
 EXPORTERS: dict[str, Exporter] = {"csv": _csv, "ticks": _ticks, "openrb": _openrb, "ros2": _ros2}

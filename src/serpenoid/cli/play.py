@@ -26,14 +26,13 @@ from serpenoid.cli.robot_arguments import (
     add_table,
     add_widen,
     checked_table,
-    cycle_duration,
     load_robot,
+    planned,
     sentence,
     tell,
     warn,
 )
 from serpenoid.robot.dry_run import describe
-from serpenoid.robot.plan import make_plan
 from serpenoid.robot.port import resolve_port
 from serpenoid.robot.session import Outcome, TrialFiles, play_trial
 
@@ -58,15 +57,7 @@ def run(args: argparse.Namespace) -> int:
     if refusals:
         warn("refused, nothing has moved:", *refusals)
         return 1
-    plan = make_plan(
-        table.angles,
-        robot,
-        cycle_duration(args, table, robot),
-        args.cycles,
-        args.pause,
-        args.widen_limits,
-        table.closed,
-    )
+    plan = planned(args, table, robot)
     if args.dry_run:
         sys.stdout.writelines(line + "\n" for line in describe(plan))
         return 0

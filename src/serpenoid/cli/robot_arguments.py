@@ -11,6 +11,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.schema import load
 from serpenoid.robot.checks import Refusal, check_body, check_repetition, check_table
 from serpenoid.robot.description import Robot
+from serpenoid.robot.plan import Plan, make_plan
 from serpenoid.robot.stated import LONGEST_CYCLE_S
 from serpenoid.robot.table import JointTable, read_table
 
@@ -49,6 +50,19 @@ def cycle_duration(args: argparse.Namespace, table: JointTable, robot: Robot | N
     if chosen is None:
         raise InputError("The results do not say how long a cycle lasts. Give --cycle-duration S or --robot FILE.")
     return chosen
+
+
+def planned(args: argparse.Namespace, table: JointTable, robot: Robot) -> Plan:
+    """What servos are told, row by row."""
+    return make_plan(
+        table.angles,
+        robot,
+        cycle_duration(args, table, robot),
+        args.cycles,
+        args.pause,
+        args.widen_limits,
+        table.closed,
+    )
 
 
 def checked_table(args: argparse.Namespace, robot: Robot) -> tuple[JointTable, list[Refusal]]:

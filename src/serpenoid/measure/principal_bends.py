@@ -5,7 +5,8 @@ angle and little of any such bend.
 
 In these units noise is alike in all directions, so the first components are bends and the others noise alone. Every
 one has the window of local cubics that generalised cross-validation picks, or its mean where that predicts no worse:
-neither the size of the noise nor how many bends a body has need be known. Of noise only the pattern enters:
+neither the size of the noise nor how many bends a body has need be known (where it is: Cp, `bends_smoother`). Of noise
+only the pattern enters:
 
     joint angle j = n . (p_{j+1} - p_j) / l_{j+1} - n . (p_j - p_{j-1}) / l_j      n: across the body, p: points,
 
@@ -16,14 +17,24 @@ Legend: R frames, m joints.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
+from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.smooth import Smoother, own_weights, smooth, smoothers
+from serpenoid.measure.smooth import (
+    Smoother,
+    own_weights,
+    scored_windows,
+    smooth,
+    smooth_states,
+    smoother,
+    smoothers,
+)
 
 LEAST_LEFT = 0.05  # of a value's variance: beyond, what smoothing leaves says nothing of its noise
 
@@ -53,15 +64,15 @@ class PrincipalBends:
 
     def _smooth(self, bends: Floats) -> Floats:
         found = np.repeat(bends.mean(axis=0)[None], len(bends), axis=0)
-        for these, smoother in self.windows:
-            found[:, these] = smooth(bends[:, these], *smoother)
+        for these, by in self.windows:
+            found[:, these] = smooth(bends[:, these], *by)
         return found
 
     def _own(self, bends: Floats) -> Floats:
         """Weight (R, m) of each frame in its own smoothed value."""
         found = np.full_like(bends, 1 / len(bends))
-        for these, smoother in self.windows:
-            found[:, these] = own_weights(smoother)[:, None]
+        for these, by in self.windows:
+            found[:, these] = own_weights(by)[:, None]
         return found
 
 
@@ -80,20 +91,47 @@ class BendFinder:
     def bends(self, angles: Floats) -> PrincipalBends:
         """Of joint angles (R, m) that points of the body show."""
         mean = angles.mean(axis=0)
-        principal = np.linalg.svd(np.linalg.solve(self.root, (angles - mean).T).T, full_matrices=False)[2]
-        of_angles, to_angles = np.linalg.solve(self.root.T, principal.T), principal @ self.root.T
+        of_angles, to_angles = _axes(self.root, angles - mean)
         best = self._best((angles - mean) @ of_angles)
-        windows = [(best == i, smoother) for i, smoother in enumerate(self.smoothers) if (best == i).any()]
+        windows = [(best == i, by) for i, by in enumerate(self.smoothers) if (best == i).any()]
         return PrincipalBends(mean, of_angles, to_angles, tuple(windows))
 
     def _best(self, bends: Floats) -> NDArray[np.int64]:
         """Index (m,) of the smoother that predicts each bend (R, m) best; -1: its mean does."""
         count = len(bends)
         scores = [(bends**2).sum(axis=0) / (count - 1) ** 2]
-        for smoother in self.smoothers:
-            left = bends - smooth(bends, *smoother)
-            scores.append((left**2).sum(axis=0) / (count - own_weights(smoother).sum()) ** 2)
+        for by in self.smoothers:
+            left = bends - smooth(bends, *by)
+            scores.append((left**2).sum(axis=0) / (count - own_weights(by).sum()) ** 2)
         return np.argmin(scores, axis=0) - 1
+
+
+def smooth_curves(time_s: Floats, poses: Floats, joint_angles: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+    """Smoothed poses (R, 3) and joint angles (R, m) of a curve through points, by `bends_smoother`."""
+    smooth_poses, _ = smooth_states(time_s, poses, joint_angles[:, :0], covariance[:, :3, :3])
+    return smooth_poses, bends_smoother(time_s, joint_angles, covariance[:, 3:, 3:])(joint_angles)
+
+
+def bends_smoother(time_s: Floats, joint_angles: Floats, covariance: Floats) -> Callable[[Floats], Floats]:
+    """What smooths joint angles (R, m) like these, whose noise (R, m, m) is known: each bend has the window that Cp
+    picks, and where Cp picks none of them, its mean."""
+    size, mean = np.trace(covariance, axis1=1, axis2=2), joint_angles.mean(axis=0)
+    of_angles, to_angles = _axes(np.linalg.cholesky(covariance[np.argsort(size)[len(size) // 2]]), joint_angles - mean)
+    bends = (joint_angles - mean) @ of_angles
+    variance = np.empty_like(bends)
+    for b in blocks(len(variance)):
+        variance[b] = ((of_angles.T @ covariance[b]) * of_angles.T).sum(axis=2)
+    picked = scored_windows(time_s, [(bends[:, k, None], variance[:, k, None]) for k in range(bends.shape[1])])
+    moves = np.array([score for score, _ in picked]) < (bends**2 / variance).sum(axis=0) + 2
+    best = np.where(moves, [window for _, window in picked], 0)
+    windows = [(best == w, smoother(time_s, int(w))) for w in np.unique(best) if w]
+    return PrincipalBends(mean, of_angles, to_angles, tuple(windows)).smoothed
+
+
+def _axes(root: Floats, angles: Floats) -> tuple[Floats, Floats]:
+    """Bends of angles (m, m) about their mean (R, m), and back; root (m, m): of the covariance of their noise."""
+    principal = np.linalg.svd(np.linalg.solve(root, angles.T).T, full_matrices=False)[2]
+    return np.linalg.solve(root.T, principal.T), principal @ root.T
 
 
 def _noise_pattern(body: Body) -> Floats:

@@ -48,10 +48,10 @@ def smooth(values: Floats, weights: Floats, rows: np.ndarray) -> Floats:
 
 def best_windows(time_s: Floats, columns: Sequence[tuple[Floats, Floats]]) -> list[int]:
     """For each (values (R, c), noise variances (R, c)) the window with the smallest Cp."""
-    return [window for _, window in _scored_windows(time_s, columns)]
+    return [window for _, window in scored_windows(time_s, columns)]
 
 
-def _scored_windows(time_s: Floats, columns: Sequence[tuple[Floats, Floats]]) -> list[tuple[float, int]]:
+def scored_windows(time_s: Floats, columns: Sequence[tuple[Floats, Floats]]) -> list[tuple[float, int]]:
     """The smallest Cp of each, and its window."""
     scores: list[list[tuple[float, int]]] = [[] for _ in columns]
     for window in WINDOWS:
@@ -75,41 +75,6 @@ def angles_smoother(time_s: Floats, joint_angles: Floats, covariance: Floats) ->
     variance = np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 1e-24)
     weights, rows = smoother(time_s, best_window(time_s, joint_angles, variance))
     return lambda angles: smooth(angles, weights, rows)
-
-
-def smooth_curves(time_s: Floats, poses: Floats, joint_angles: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-    """Smoothed poses (R, 3) and joint angles (R, m) of a curve through points, by `bends_smoother`."""
-    smooth_poses, _ = smooth_states(time_s, poses, joint_angles[:, :0], covariance[:, :3, :3])
-    return smooth_poses, bends_smoother(time_s, joint_angles, covariance[:, 3:, 3:])(joint_angles)
-
-
-def bends_smoother(time_s: Floats, joint_angles: Floats, covariance: Floats) -> Callable[[Floats], Floats]:
-    """What smooths joint angles (R, m) like these of noise (R, m, m), where close points draw a curve.
-
-    Noise of close points is most of every joint angle and little of any bend of the whole body. In units of noise the
-    principal components of the angles are a few bends, and noise alone: each has the window that Cp picks, and where
-    Cp picks none of them, its mean.
-    """
-    size, mean = np.trace(covariance, axis1=1, axis2=2), joint_angles.mean(axis=0)
-    usual = np.linalg.cholesky(covariance[np.argsort(size)[len(size) // 2]])
-    principal = np.linalg.svd(np.linalg.solve(usual, (joint_angles - mean).T).T, full_matrices=False)[2]
-    of_angles = principal @ np.linalg.inv(usual)
-    bends, variance = (joint_angles - mean) @ of_angles.T, np.empty((len(joint_angles), len(of_angles)))
-    for b in blocks(len(variance)):
-        variance[b] = ((of_angles @ covariance[b]) * of_angles).sum(axis=2)
-    picked = _scored_windows(time_s, [(bends[:, k, None], variance[:, k, None]) for k in range(len(of_angles))])
-    moves = np.array([score for score, _ in picked]) < (bends**2 / variance).sum(axis=0) + 2
-    windows = np.where(moves, [window for _, window in picked], 0)
-
-    def smoothed(angles: Floats) -> Floats:
-        found = (angles - mean) @ of_angles.T
-        for window in np.unique(windows):
-            alike = windows == window
-            column = found[:, alike]
-            found[:, alike] = smooth(column, *smoother(time_s, int(window))) if window else column.mean(axis=0)
-        return np.asarray(mean + found @ (usual @ principal.T).T)
-
-    return smoothed
 
 
 def smooth_states(time_s: Floats, poses: Floats, joint_angles: Floats, covariance: Floats) -> tuple[Floats, Floats]:

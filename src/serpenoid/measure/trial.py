@@ -16,6 +16,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate, completed, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
 from serpenoid.measure.logs import PowerLog, ServoLog
+from serpenoid.measure.principal_bends import smooth_curves
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
 from serpenoid.measure.servo_alignment import (
@@ -26,7 +27,7 @@ from serpenoid.measure.servo_alignment import (
     assumed,
     joints_unseen,
 )
-from serpenoid.measure.smooth import smooth_curves, smooth_states
+from serpenoid.measure.smooth import smooth_states
 from serpenoid.measure.strays import without_strays
 
 SHORTEST_RUN = 8  # frames: less is no motion
