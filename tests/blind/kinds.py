@@ -4,6 +4,7 @@ null, one, two, outside   the usual protocol of the ten-servo snake
 followup, handful         see near.py and handful.py
 random                    protocols drawn at random; of six, two hide nothing, two one effect, one two, one a cause
                           outside the catalogue
+laid                      the same six; every setting is played at least twice, each time laid anew
 physics                   a law of the generator's floor is taken out of the catalogue; of three campaigns of a law,
                           one is healthy, and two are changed, with the healthy one as their reference
 same                      healthy, and as the reference the same gaits on another day
@@ -20,7 +21,7 @@ from blind.catalogue import CATALOGUE, Effect
 from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
 from blind.near import draw_near, short
 from blind.protocol import usual
-from blind.random_protocols import draw_protocol, effects_that_show
+from blind.random_protocols import draw_protocol, effects_that_show, laid_anew
 
 HIDDEN: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside"}
 SIX = ("null", "one", "outside", "null", "one", "two")
@@ -33,7 +34,7 @@ LAWS: dict[str, tuple[str, float, float]] = {
     "dry_friction": ("crossover_speed", 0.5, 2.0),  # far above the speeds of a body: Coulomb's law
 }
 ANOTHER_DAY = (1,)
-KINDS = (*HIDDEN, "followup", "handful", "random", "physics", "same")
+KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "physics", "same")
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,9 @@ def case(kind: str, index: int, seed: int, identity: str) -> Case:
         return Case(short(seed, draw_near(seed), identity), "one")
     if kind == "handful":
         return Case(make(seed, HANDFUL[index], identity, COMBINATIONS[:HANDFUL_COMBINATIONS]), "one")
-    if kind == "random":
-        cause, protocol = SIX[index % len(SIX)], draw_protocol(seed)
+    if kind in ("random", "laid"):
+        cause = SIX[index % len(SIX)]
+        protocol = draw_protocol(seed) if kind == "random" else laid_anew(draw_protocol(seed), seed)
         return Case(make(seed, HIDDEN[cause], identity, protocol=protocol, among=effects_that_show(protocol)), cause)
     if kind == "physics":
         return _another_physics(index, seed, identity)

@@ -22,6 +22,7 @@ TITLES = {
     "outside": "Outside the catalogue",
     "followup": "Next experiment, after a first campaign of one gait",
     "random": "Random protocols",
+    "laid": "Random protocols, each trial laid anew",
     "physics": "Another physics",
     "same": "Healthy against healthy",
 }

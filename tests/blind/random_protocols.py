@@ -7,6 +7,8 @@ perhaps a marker that no camera ever sees; rows that are held or run through.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from blind.cameras import Instruments
@@ -52,6 +54,20 @@ def draw_protocol(seed: int) -> Protocol:
         settings.append(Setting(f"gait{gait + 1:02d}-a", gait, heading, plan, place))
     held = bool(rng.uniform() < 0.5)
     return Protocol(f"robot of {robot.joints} joints", robot, eps, slip_scale, tuple(settings), plays, tools, held)
+
+
+def laid_anew(protocol: Protocol, seed: int) -> Protocol:
+    """The same, every setting played at least twice, each time at a place and heading of its own."""
+    rng, plays = np.random.default_rng([seed, 8]), max(protocol.plays, min(2, MOST_TRIALS // len(protocol.settings)))
+    anew = [
+        replace(
+            s, label=f"{s.label}{chr(ord('a') + n)}", heading=float(rng.uniform(-np.pi, np.pi)),
+            place=tuple(rng.uniform(-0.5, 0.5, 2) * protocol.robot.length),
+        )
+        for s in protocol.settings
+        for n in range(plays)
+    ]  # fmt: skip
+    return replace(protocol, settings=tuple(anew), plays=1)
 
 
 def effects_that_show(protocol: Protocol) -> list[str]:

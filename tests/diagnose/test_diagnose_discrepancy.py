@@ -22,7 +22,8 @@ def campaign(missed_m: float, seed: int) -> tuple[Motion, list[Any]]:
         shared = rng.normal(0, missed_m / np.sqrt(2), (WINDOWS, 3)) * [1, 1, 0]
         tracks += [
             SimpleNamespace(
-                recording=SimpleNamespace(setting=(f"{setting}", 2.0)), usable=np.ones(WINDOWS, dtype=bool), noise=None,
+                recording=SimpleNamespace(setting=(f"{setting}", 2.0), body=SimpleNamespace(total_length_m=1.0)),
+                usable=np.ones(WINDOWS, dtype=bool), noise=None, on_floor=np.zeros((1, 3)),
                 displacement=shared + rng.normal(0, NOISE, (WINDOWS, 3)), doubt=np.zeros((WINDOWS, 3)), least=0.0,
                 playing=np.ones(WINDOWS, dtype=bool), name=f"{setting}",
             )

@@ -24,7 +24,13 @@ def repeated(cycles: int) -> Motion:
             playing=phase < 1,
             time=2.0 * np.arange(len(phase) + 1),
             boundaries=np.arange(len(phase) + 1),
-            recording=SimpleNamespace(setting=(f"gait-{s}", 2.0), length_unit="m", name="abcdefghijkl"[2 * s + repeat]),
+            on_floor=np.zeros((1, 3)),
+            recording=SimpleNamespace(
+                setting=(f"gait-{s}", 2.0),
+                length_unit="m",
+                name="abcdefghijkl"[2 * s + repeat],
+                body=SimpleNamespace(total_length_m=1.0),
+            ),
         )
         for s in range(SETTINGS)
         for repeat in range(2)

@@ -17,8 +17,9 @@ from blind.protocol import COMBINATIONS, usual
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import over_markers, window_noise
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.repeats import chance_from, repeats
+from serpenoid.diagnose.data.repeats import chance_from, none_alike, pairs, repeats
 from serpenoid.diagnose.data.shared import repeatable
+from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.used import CHANCE, remarks
 from serpenoid.diagnose.diagnose import diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -38,6 +39,7 @@ def track(gait: str, cycles: int, noise: object = None) -> Any:
         recording=recording, noise=noise, cycle=cycle, phase=phase, playing=phase < 1, least=np.zeros((count, 3)),
         marker_noise=None, doubt=0.0, displacement=np.zeros((count, 3)), duration=np.ones(count),
         boundaries=np.arange(count + 1), usable=np.ones(count, dtype=bool), time=np.arange(count + 1.0),
+        on_floor=np.zeros((count + 1, 3)),
     )  # fmt: skip
 
 
@@ -105,6 +107,58 @@ def test_something_repeats_no_more_often_than_stated_on_chance_that_neighbours_s
 
     assert sum(news(0.0) for _ in range(60)) <= 1  # 1 % of 60
     assert sum(news(shared) for _ in range(20)) >= 18
+
+
+def laid(gait: str, cycles: int, x_m: float, heading: float) -> Any:
+    """Of a body of 0.5 m."""
+    return replaced(track(gait, cycles), on_floor=np.tile([x_m, 0.0, heading], (cycles * (PHASES + 2) + 1, 1)))
+
+
+def test_trials_that_were_laid_alike_tell_chance_and_only_where_none_were_those_laid_otherwise() -> None:
+    mixed = [laid("a", 2, x, h) for x, h in [(0.0, 0.0), (0.0, 2.0), (0.1, 6.5), (0.3, 0.0), (0.0, 2.2)]]
+    assert pairs(mixed) == [(0, 2), (1, 4)]
+    assert not none_alike(mixed)
+    apart = [laid("a", 2, 0.0, h) for h in (0.0, 2.0, 4.0)]
+    assert pairs(apart) == [(0, 1), (1, 2)]
+    assert none_alike(apart)
+    assert not none_alike([laid("a", 2, 0.0, 0.0), laid("b", 2, 0.0, 0.0)])
+
+
+def by_chance(rng: np.random.Generator, own: float, cycles: int, headings: tuple[float, float] = (0.0, 2.0)) -> Any:
+    """Motion and residuals of six settings, played twice: pushes, and what a trial has alike in every cycle."""
+    tracks = [laid(gait, cycles, 0.0, heading) for gait in "abcdef" for heading in headings]
+    tracks = [replaced(t, least=np.full((len(t.phase), 3), NOISE / 2)) for t in tracks]
+    pushes = [2.0 ** "abcdef".index(t.recording.name) for t in tracks]  # settings differ in noise
+    left = []
+    for size in pushes:
+        alike = np.tile(rng.normal(0, own * size, (PHASES + 2, 3)), (cycles, 1))
+        left.append(alike + rng.normal(0, NOISE * size, alike.shape))
+    noise, _ = window_noise(tracks, left)
+    return cast(Motion, SimpleNamespace(tracks=tuple(tracks), noise=noise, unlike=0.0)), left
+
+
+def test_what_trials_laid_otherwise_differ_by_in_every_cycle_is_no_chance() -> None:
+    rng = np.random.default_rng(2)
+    assert sum(untold(*by_chance(rng, 0.0, cycles=3)) is not None for _ in range(100)) <= 3  # 1/3 % of 100
+    found = [untold(*by_chance(rng, SHARED, cycles=3)) for _ in range(10)]
+    size = SHARED * np.sqrt(2 * np.mean(4.0 ** np.arange(6)))  # of both directions
+    for f in found:
+        assert f is not None
+        assert f.by_cycles
+        # three quarters of the square are of one setting, of 48 numbers: 10 % is one SD
+        assert f.size == pytest.approx(size, rel=0.35)
+        assert f.ratio == pytest.approx(np.hypot(SHARED, NOISE) / NOISE, rel=0.25)
+    assert untold(*by_chance(rng, SHARED, cycles=3, headings=(0.0, 0.1))) is None  # laid alike: chance, by definition
+
+
+def test_one_cycle_a_trial_cannot_tell_pushes_from_the_room_and_what_a_reference_had_is_no_news() -> None:
+    motion, left = by_chance(np.random.default_rng(3), SHARED, cycles=1)
+    found = untold(motion, left)
+    assert found is not None
+    assert not found.by_cycles
+    assert found.ratio > 2
+    motion, left = by_chance(np.random.default_rng(4), SHARED, cycles=3)
+    assert untold(cast(Motion, replaced(motion, unlike=1.0)), left) is None
 
 
 def test_two_effects_that_hide_one_another_are_found_though_nothing_was_played_twice(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from serpenoid.diagnose.data.chance import largest_ratio
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import repeats
+from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction
 
 GAUSSIAN = 3.0  # fourth moment over the squared second
@@ -74,15 +75,18 @@ def _shared(motion: Motion, left: Sequence[Floats]) -> Shared:
 
 
 def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
-    """RMS [m] of what repeats share of a window's displacement; 0 where that is no more than chance and doubt.
+    """RMS [m] of what repeats share of a window's displacement, and of what trials that were not laid alike differ by
+    (untold.py); 0 where that is no more than chance and doubt.
 
     m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2.
     """
     left = residuals(motion.tracks, predictions)
+    room = untold(motion, left)
+    apart = 0.0 if room is None else room.size
     if not repeatable(motion, left).news:
-        return 0.0
+        return apart
     squares = [x**2 - motion.noise.of(t) ** 2 for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
     for repeat in [] if squares else repeats(motion.tracks):
         one, other = repeat.both(left)
         squares.append(one * other)  # m^2 - d^2 / 4
-    return float(np.sqrt(max(0.0, float(np.nanmean(np.concatenate(squares), axis=0)[:2].sum()))))
+    return float(np.sqrt(max(0.0, float(np.nanmean(np.concatenate(squares), axis=0)[:2].sum())) + apart**2))

@@ -66,7 +66,7 @@ def inadequacy(record: Record) -> list[str]:
     elif len(stand_ins) > len(servos):
         size = shown(record["discrepancy_m"], record["length_unit"], 2)
         said.append(
-            f"the model is inadequate by {size} a window, and what it misses repeats: names marked as stand-ins take a "
+            f"the model is inadequate by {size} a window beyond chance: names marked as stand-ins take a "
             "part of that away, but may be there for a cause that the catalogue does not hold"
         )
     return [*said, *(f"{name} is a part of what the servos do: their law is another" for name in servos)]

@@ -12,6 +12,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import noise_uncertain, residuals
 from serpenoid.diagnose.data.paths import path_draws, total
 from serpenoid.diagnose.data.shared import repeatable
+from serpenoid.diagnose.data.untold import Untold, untold
 from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.finding import VISIBLE
@@ -39,6 +40,9 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
         words += _moment(motion, left) or _when(motion, left, worst)
         words += _where(motion, left)
     chance = calm(motion, left, pushes)
+    room = untold(motion, left)
+    if room is not None:
+        words.append(laid_otherwise(room))
     draws = path_draws(chance, predictions)
     level = total(draws)
     most = largest_factor(float(np.hypot(np.log(draws / level).std(), noise_uncertain(chance))))
@@ -49,6 +53,15 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
             f"repeats differ by pushes in single trials that no law of the floor explains{where_pushed(motion, pushes)}"
         )
     return tuple(words)
+
+
+def laid_otherwise(room: Untold) -> str:
+    """Of trials that differ by more than chance, none of which was laid as another."""
+    usual = "cycles of one trial do" if room.by_cycles else "the markers' noise makes them"
+    return (
+        f"trials of one setting differ by {room.ratio:.1f} times as much as {usual}, and none was laid as another was: "
+        "something in the room that the model lacks, or chance from trial to trial; lay each twice alike to tell"
+    )
 
 
 def where_pushed(motion: Motion, pushes: Sequence[tuple[int, int, Floats]]) -> str:

@@ -10,12 +10,14 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion, Noise
+from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
+from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
@@ -162,9 +164,11 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
     what its reference missed did.
 
     Of the floor that may be all of it. With a reference what that left is no news, and what takes away most is the
-    change; what stands beside it may mend the law about it, whose error is in proportion to what the change does.
+    change; what stands beside it may mend the law about it, whose error is in proportion to what the change does. What
+    trials that were not laid alike differ by is news, with a reference, too.
     """
-    if found.motion.ratio is None:
+    motion = found.motion
+    if motion.ratio is None or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
         return effect.effect.site == "medium"
     gains = {e.key: base.chi2 - found.best.chi2 for e, base in zip(found.best.effects, found.bases, strict=True)}
     return effect.key in gains and gains[effect.key] < max(gains.values())
