@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.data.tracked import tracked_recordings
-from serpenoid.diagnose.stages.choose_tracked import STILL, moving
+from serpenoid.diagnose.stages.choose_tracked import GLIDES, STILL, moving
 from serpenoid.errors import InputError
 from serpenoid.measure.animal import stretching
 from serpenoid.measure.load import load_campaign
@@ -98,10 +98,17 @@ def test_a_larva_whose_points_run_into_each_other_is_refused_by_that(
 
 
 @dataclass(frozen=True)
+class Name:
+    """What is named."""
+
+    stand_in: bool = False
+
+
+@dataclass(frozen=True)
 class Stage:
     """What a stage of a diagnosis names, and its words."""
 
-    named: tuple[str, ...] = ()
+    named: tuple[Name, ...] = ()
     words: tuple[str, ...] = ()
 
 
@@ -113,13 +120,29 @@ class Found:
     stage: Stage
 
 
-@pytest.mark.parametrize(("left", "named", "said"), [(90.0, (), False), (120.0, (), True), (120.0, ("drag",), False)])
-def test_where_drag_leaves_no_less_than_standing_still_it_is_not_called_the_explanation(
-    left: float, named: tuple[str, ...], said: bool
-) -> None:
-    """100 displacements of one standard deviation each; what an effect costs is 5."""
-    track = SimpleNamespace(displacement=np.ones((100, 1)), usable=np.ones(100, bool))
+COST = 5.0  # of a coordinate
+
+
+def found(left: float, named: tuple[Name, ...], moves: np.ndarray) -> Any:
+    """Displacements (100,) in standard deviations, of which the best fit, with one coordinate, leaves so much."""
+    track = SimpleNamespace(displacement=moves[:, None], usable=np.ones(100, bool), duration=np.ones(100))
     motion = SimpleNamespace(tracks=[track], noise=SimpleNamespace(of=lambda _: 1.0))
-    null = SimpleNamespace(chi2=left - 5.0, evidence=SimpleNamespace(toll=lambda _: 5.0))
-    found: Any = Found(SimpleNamespace(motion=motion, null=null), Stage(named))
-    assert (STILL in moving(found).stage.words) == said
+    fit = SimpleNamespace(
+        chi2=left - COST, evidence=SimpleNamespace(toll=lambda columns: columns * COST), coordinates=[0]
+    )
+    return Found(SimpleNamespace(motion=motion, null=fit, best=fit), Stage(named))
+
+
+@pytest.mark.parametrize(("left", "said"), [(90.0, False), (120.0, True)])
+def test_where_drag_leaves_no_less_than_standing_still_it_is_not_called_the_explanation(
+    left: float, said: bool
+) -> None:
+    assert (STILL in moving(found(left, (), np.ones(100))).stage.words) == said
+
+
+def test_what_explains_no_more_than_that_the_body_glides_on_may_be_a_stand_in() -> None:
+    """Three velocities cost as much as three coordinates."""
+    beating = np.where(np.arange(100) % 2, 2.0, 0.0)  # about 1, of which gliding leaves 100
+    few, many = moving(found(100 + 3 * COST - 1, (Name(),), beating)), moving(found(100 + 3 * COST, (Name(),), beating))
+    assert (few.stage.words, few.stage.named) == ((), (Name(),))
+    assert (many.stage.words, many.stage.named) == ((GLIDES,), (Name(stand_in=True),))

@@ -10,13 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
+from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.data.untestable import fixed_to_the_room
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_on_tracks
 
+GLIDES = (
+    "a body that only glides on, whatever it bends, would leave no more: nothing can be told of what moves this one"
+)
 STILL = "a body that stood still would leave no more: nothing can be told of what moves this one, nor of its eps"
 
 
@@ -35,9 +37,29 @@ def choose_tracked(
 
 
 def moving(found: MotionFinding) -> MotionFinding:
-    """The finding; where a model leaves no less than a body that stands still would, that is said."""
-    motion, null = found.selection.motion, found.selection.null
-    still = np.concatenate([(t.displacement / motion.noise.of(t))[t.usable].ravel() for t in motion.tracks])
-    if found.stage.named or null.chi2 + null.evidence.toll(1) < still @ still:
-        return found
-    return replace(found, stage=replace(found.stage, words=(*found.stage.words, STILL)))
+    """The finding; where a model leaves no less than a body that stands still would, or what is named no less than one
+    that glides through each part at one velocity, that is said, and names may stand in for what moves it."""
+    motion, null, best = found.selection.motion, found.selection.null, found.selection.best
+    still, gliding, velocities = _without_forces(motion)
+    if not found.stage.named:
+        idle = null.chi2 + null.evidence.toll(1) >= still
+        return _doubted(found, STILL) if idle else found
+    idle = best.chi2 + best.evidence.toll(len(best.coordinates)) >= gliding + best.evidence.toll(velocities)
+    return _doubted(found, GLIDES) if idle else found
+
+
+def _doubted(found: MotionFinding, why: str) -> MotionFinding:
+    named = tuple(replace(n, stand_in=True) for n in found.stage.named)
+    return replace(found, stage=replace(found.stage, named=named, words=(*found.stage.words, why)))
+
+
+def _without_forces(motion: Motion) -> tuple[float, float, int]:
+    """Chi squared of a body that stands still, that of one that keeps the velocity of each part which leaves least,
+    and how many numbers these velocities are."""
+    still, gliding = 0.0, 0.0
+    for t in motion.tracks:
+        z = (t.displacement / motion.noise.of(t))[t.usable]
+        by = (t.duration[:, None] / motion.noise.of(t))[t.usable]
+        still += float((z**2).sum())
+        gliding += float((z**2).sum() - ((z * by).sum(axis=0) ** 2 / (by**2).sum(axis=0)).sum())
+    return still, gliding, 3 * len(motion.tracks)
