@@ -108,6 +108,7 @@ FAULTS = {
     "a pause that was none": (text("pause_s = 1.0", "pause_s = 0.0"), "set `pause_s = (1|0.9|1.0)"),
     "another table": (text('"gaits/gait-1.csv"', '"gaits/gait-3.csv"'), "follow `gait-1`, not `gait-3`"),
     "played backwards": (table(lambda rows: np.concatenate([rows[:1], rows[:0:-1]])), "played backwards"),
+    "rows in reverse order": (table(lambda rows: rows[::-1]), "played backwards"),
     "all signs": (table(lambda rows: -rows), "all signs flipped"),
     "one sign": (table(flipped), "turn `joint_4` the other way"),
     "joint order": (table(lambda rows: rows[:, ::-1]), "joints in reversed order"),

@@ -15,7 +15,8 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
+from serpenoid.measure.consistency.blame import Contradiction
+from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
