@@ -19,9 +19,11 @@ MARKER_NOISE = 0.2e-3  # m
 
 @dataclass(frozen=True)
 class Cameras:
-    """Parameters of the observation effects, neutral by default. `moved_marker`: vertex -> (along, left) [m]."""
+    """Parameters of the observation effects, neutral by default. `moved_marker`: vertex -> (along, left) [m] of the
+    edge on its tail side; `moved_ahead`: of that on its head side."""
 
     moved_marker: dict[int, tuple[float, float]] = field(default_factory=dict)
+    moved_ahead: dict[int, tuple[float, float]] = field(default_factory=dict)
     scale_error: float = 0.0
     clock_rate: float = 0.0
     jump: float = 0.0
@@ -76,17 +78,23 @@ def resample(time: Floats, nodes: Floats, values: Floats) -> Floats:
     return np.column_stack([np.interp(time, nodes, column) for column in values.T])
 
 
+def displaced(cameras: Cameras, p: Floats) -> Floats:
+    """Where markers are on a body with vertices p (F, N, 2)."""
+    seen = p.copy()
+    behind = [(vertex, max(vertex - 1, 0), moved) for vertex, moved in cameras.moved_marker.items()]
+    ahead = [(vertex, vertex, moved) for vertex, moved in cameras.moved_ahead.items()]
+    for vertex, edge, (along, left) in behind + ahead:
+        e = p[:, edge + 1] - p[:, edge]
+        e = e / np.linalg.norm(e, axis=-1, keepdims=True)
+        seen[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], axis=-1)
+    return seen
+
+
 def seen_markers(
     cameras: Cameras, phi: Floats, pose: Floats, time: Floats, jumps: Floats, robot: Robot = SNAKE10
 ) -> Floats:
     """Noise-free marker positions (F, N, 2)."""
-    p = vertices(phi, pose, robot)
-    seen = p.copy()
-    for vertex, (along, left) in cameras.moved_marker.items():
-        edge = max(vertex - 1, 0)
-        e = p[:, edge + 1] - p[:, edge]
-        e /= np.linalg.norm(e, axis=-1, keepdims=True)
-        seen[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], axis=-1)
+    seen = displaced(cameras, vertices(phi, pose, robot))
     seen += np.maximum(time, 0)[:, None, None] * np.array(cameras.drift)
     return seen * (1 + cameras.scale_error) + jumps[:, None, :]
 

@@ -214,6 +214,12 @@ CATALOGUE: dict[str, Kind] = {
         _arrow("along", "left", 0.3e-3, 15e-3),
         _cameras(moved_marker=lambda k, p: {k: (p["along"], p["left"])}),
     ),
+    "marker_offset_ahead": Kind(
+        OBSERVATION,
+        AT_JOINT,  # whose number is that of its vertex
+        _arrow("along", "left", 0.3e-3, 15e-3),
+        _cameras(moved_ahead=lambda k, p: {k: (p["along"], p["left"])}),
+    ),
     "length_scale": Kind(
         OBSERVATION, GLOBAL, _either("error", 0.001, 0.04), _cameras(scale_error=lambda k, p: p["error"])
     ),
@@ -229,7 +235,7 @@ CATALOGUE: dict[str, Kind] = {
 
 
 # Added when keys were in use: a campaign of an earlier key has one of these in few cases, and else what it had.
-NEWER = ("lagging_joint", "slow_joint")
+NEWER = ("lagging_joint", "slow_joint", "marker_offset_ahead")
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
 LENGTHS: dict[str, dict[str, int]] = {
     "dry_friction": {"crossover_speed": 1},
@@ -241,6 +247,7 @@ LENGTHS: dict[str, dict[str, int]] = {
     "friction_gradient": {"gradient_x": -1, "gradient_y": -1},
     "contact_offset": {"offset": 1},
     "marker_offset": {"along": 1, "left": 1},
+    "marker_offset_ahead": {"along": 1, "left": 1},
     "position_jumps": {"size": 1},
     "frame_drift": {"velocity_x": 1, "velocity_y": 1},
 }

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from blind.cameras import resample
+from blind.cameras import displaced, resample
 from blind.campaign import Trial
 from blind.catalogue import World
 from blind.motion import Drive
@@ -53,13 +53,7 @@ def _corrected(world: World, trial: Trial, r: Floats) -> tuple[Floats, Floats]:
     cameras, film = world.cameras, trial.film
     markers = (film.markers - film.jumps[:, None, :]) / (1 + cameras.scale_error)
     markers = markers - np.maximum(film.time, 0)[:, None, None] * np.array(cameras.drift)
-    seen = r.copy()
-    for vertex, (along, left) in cameras.moved_marker.items():
-        edge = max(vertex - 1, 0)
-        e = r[:, edge + 1] - r[:, edge]
-        e = e / np.linalg.norm(e, axis=-1, keepdims=True)
-        seen[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], axis=-1)
-    return markers, seen
+    return markers, displaced(cameras, r)
 
 
 def record(world: World, trial: Trial) -> Record:

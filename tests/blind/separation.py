@@ -70,6 +70,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "added_mass": [{"relaxation_time": 0.2}],
     "contact_offset": [{"offset": 0.0}],
     "marker_offset": [{"along": 0.0, "left": 0.0}],
+    "marker_offset_ahead": [{"along": 0.0, "left": 0.0}],
     "length_scale": [{"error": 0.0}],
     "clock_offset": [{"rate": 0.0}],
     "frame_drift": [{"velocity_x": 0.0, "velocity_y": 0.0}],

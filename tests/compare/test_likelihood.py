@@ -11,6 +11,7 @@ from scipy.special import stdtrit
 from rehearsal import EPS, serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood, rms_of, wider_intervals
+from serpenoid.compare.complaints import OFF, least_by_chance
 from serpenoid.compare.intervals import mean_intervals
 from serpenoid.compare.likelihood import Segment
 from serpenoid.compare.linearise import linearise, relative_poses
@@ -242,3 +243,24 @@ def test_mean_over_trials_stays_within_bounds():
     alike = np.array([[0.20], [0.21], [0.22]])
     plain = 0.21 + np.array([-1, 1]) * 4.302652729911275 * 0.01 / np.sqrt(3)  # Student's t for two degrees of freedom
     np.testing.assert_allclose(mean_intervals(alike, snake(), ONLY_EPS)[0], plain, rtol=1e-9)
+
+
+def test_noise_that_is_none_is_said():
+    """Edges told 8 % too long: markers miss the links by an error that stays, and it passes for noise."""
+    told = list(snake().body.edges_m)
+    told[3] *= 1.08
+    wrong = snake().body.model_copy(update={"edge_lengths": tuple(told)})
+    found = estimate(Model(wrong, snake().medium), (recorded(snake(), 4, body=wrong),), ONLY_EPS)
+    assert found.noise_scale < least_by_chance(found.solution.freedom) / OFF
+    assert any("an error that stays" in words for words in found.warnings)
+    right = estimate(snake(), (recorded(snake(), 4),), ONLY_EPS)
+    assert not any("an error that stays" in words for words in right.warnings)
+
+
+@pytest.mark.parametrize("freedom", [6, 60, 6000])
+def test_what_chance_leaves_is_counted(freedom):
+    left = np.random.default_rng(3).normal(size=(4000, freedom)) if freedom < 1000 else None
+    if left is not None:
+        share = np.mean(np.sqrt((left**2).mean(axis=1)) < least_by_chance(freedom))
+        assert share == pytest.approx(0.01, abs=3 * np.sqrt(0.01 / 4000))
+    assert least_by_chance(freedom) == pytest.approx(1 - 2.33 / np.sqrt(2 * freedom), abs=0.6 / freedom)

@@ -14,8 +14,9 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
@@ -48,6 +49,7 @@ MARKERS = (
     Effect("zero_offset", 6, {"offset": 0.06}),
     Effect("loose_joint", 5, {"width": 0.06}),
     Effect("marker_offset", 4, {"along": 4e-3, "left": -5e-3}),
+    Effect("marker_offset_ahead", 4, {"along": 4e-3, "left": -5e-3}),
     Effect("length_scale", None, {"error": 0.015}),
 )
 MOTION = (

@@ -12,8 +12,9 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.body import Body
+from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.geometry import register, shapes, turn
-from serpenoid.diagnose.data.observation import Observation, across, all_keys, columns_of
+from serpenoid.diagnose.data.observation import Observation, across
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, misfit_beside, sample
@@ -53,16 +54,16 @@ def test_derivatives_of_what_is_seen_are_its_differences() -> None:
     )
     rng = np.random.default_rng(4)
     angles, slopes = rng.uniform(-0.8, 0.8, (9, 3)), rng.choice([-0.5, 0.0, 0.5], (9, 3))
-    now = Observation(np.zeros(3), rng.uniform(-0.01, 0.01, (7, 2)), np.zeros(3), scale=0.1)
+    now = Observation(np.zeros(3), rng.uniform(-0.01, 0.01, (7, 2)), np.zeros(3), rng.uniform(-0.01, 0.01, (3, 2)), 0.1)
     columns = [c for name, place in all_keys(body) for c in columns_of(body, name, place)]
-    assert sorted(columns) == list(range(3 + 14 + 1 + 3))
+    assert sorted(columns) == list(range(3 + 14 + 1 + 3 + 6))
     found = now.derivatives(body, angles, lambda joint: slopes[:, joint], columns)
 
     def moved(column: int, step: float) -> np.ndarray:
         bent = angles.copy()
         if column < 3:
             bent[:, column] += step
-        elif column >= 18:
+        elif 18 <= column < 21:
             bent[:, column - 18] += step * slopes[:, column - 18]
         else:
             return now.with_column(column, step).seen(body, angles)
@@ -137,3 +138,21 @@ def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) 
     assert "length_scale" not in [n.effect.name for n in stage.named]
     assert not stage.settled
     assert any("length_scale takes away" in word and "beyond its bound" in word for word in stage.words)
+
+
+@pytest.mark.parametrize(
+    ("name", "place"), [("marker_offset", 4), ("marker_offset_ahead", 4), ("marker_offset_ahead", 10)]
+)
+def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, place: int, tmp_path: Path) -> None:
+    moved = {"along": 8e-3, "left": 5e-3}
+    write(make(66, [Effect(name, place, moved)], combinations=COMBINATIONS[:2]), tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert [(n.effect.name, n.effect.place) for n in stage.named] == [(name, place)]
+    assert not stage.rivals
+    assert stage.settled
+    for parameter, true in moved.items():
+        low, high = stage.named[0].intervals[parameter]
+        assert low is not None
+        assert high is not None
+        assert low < true < high

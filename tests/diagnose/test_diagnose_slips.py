@@ -12,7 +12,8 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
-from serpenoid.diagnose.data.observation import Observation, columns_of
+from serpenoid.diagnose.data.columns import columns_of
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful

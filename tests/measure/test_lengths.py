@@ -11,7 +11,8 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
-from serpenoid.measure.consistency.lengths import Shown, all_longer
+from serpenoid.errors import InputError
+from serpenoid.measure.consistency.lengths import Shown, all_longer, one_longer, wrong_edge
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import build_motion
@@ -69,6 +70,54 @@ def test_a_campaign_whose_film_is_too_large_says_so_and_what_helps(tmp_path: Pat
     (tmp_path / "campaign.toml").write_text(text.replace(stated[0], ""))
     mended = load_campaign(tmp_path)
     assert mended.trials[0].motion.marker_sd == pytest.approx(right.trials[0].motion.marker_sd, rel=0.02)
+
+
+NAMES = [f"m{k}" for k in range(len(EDGES) + 1)]
+
+
+@pytest.mark.parametrize(
+    ("edge", "unknown", "certain"), [(3, None, True), (0, None, False), (3, 2, False), (3, 4, False)]
+)
+def test_an_edge_told_wrong_is_certain_where_its_neighbours_are_as_said(edge, unknown, certain):
+    told = EDGES * np.where(np.arange(len(EDGES)) == edge, 1.08, 1.0)
+    told[[] if unknown is None else [unknown]] = np.nan
+    found = Shown.of([film(np.random.default_rng(4), 1.01, 0.0005)], told)
+    assert one_longer(found) is not None
+    said = wrong_edge(found, told, NAMES, True)
+    assert (said is not None) is certain
+    if said is not None:
+        assert "`m3` and `m4`" in said[0]
+        assert float(re.search(r"them to (.*), or leave", said[1])[1]) == pytest.approx(
+            0.1, rel=0.002
+        )  # at the others' scale
+
+
+@pytest.mark.parametrize("ahead", [False, True])
+@pytest.mark.parametrize("moved", [(-0.008, 0.0), (0.008, 0.005), (0.0, 0.02)])
+def test_a_marker_beside_its_place_is_no_wrong_edge(moved, ahead):
+    for seed in range(5):
+        points = film(np.random.default_rng(seed), 1.0, 0.0005)
+        along = points[:, 5] - points[:, 4] if ahead else points[:, 4] - points[:, 3]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        points[:, 4] += moved[0] * along + moved[1] * np.stack([-along[:, 1], along[:, 0]], axis=1)
+        assert wrong_edge(Shown.of([points], EDGES), EDGES, NAMES, True) is None
+
+
+def test_a_campaign_with_one_edge_told_wrong_is_refused_and_can_be_believed(tmp_path: Path):
+    write_campaign(tmp_path, snake(), {"g": serpenoid_table(60)}, Laboratory(), 2, 3, cycles=1, pause_s=1.0)
+    text = (tmp_path / "campaign.toml").read_text()
+    stated = re.search(r"edge_lengths = \[(.*?)\]", text, re.S)
+    lengths = [float(number) for number in stated[1].split(",") if number.strip()]
+    lengths[4] *= 1.06
+    (tmp_path / "campaign.toml").write_text(wrong := text.replace(stated[0], f"edge_lengths = {lengths}"))
+    with pytest.raises(
+        InputError, match=r"`.*vertex_4` and `.*vertex_5` 5.7 % closer .* Remedy: set .* to 0\.083\d*, or leave"
+    ):
+        load_campaign(tmp_path)
+    (tmp_path / "campaign.toml").write_text(wrong.replace('gait = "g"', 'gait = "g"\nbelieve = true'))
+    for trial in load_campaign(tmp_path).trials:
+        assert sum("edge_lengths" in note for note in trial.notes) == 1
+        assert any("believed against its data: its film shows" in note for note in trial.notes)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

@@ -17,6 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
 from serpenoid.body_curve import PLAIN
+from serpenoid.compare.complaints import complaints
 from serpenoid.compare.intervals import Z95, likelihood_intervals, mean_intervals
 from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
@@ -32,7 +33,6 @@ from serpenoid.measure.trial import Trial
 from serpenoid.model import Model
 
 LOWEST, HIGHEST = 1e-3, 1.0
-CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
 GIVEN = Others()
 MEMORY = 0.1  # of a segment: the lags over which what is left may be correlated
 
@@ -156,7 +156,7 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     return Estimate(
         names, solution.values, sd, interval, np.hypot(robust_sd(solution), lengths) + silent, differ, correlation,
         solution.noise_scale, autocorrelation(solution.segments),
-        _complaints(solution, model, sd, interval, correlation), solution,
+        complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
 
 
@@ -246,30 +246,6 @@ def _fit_trial(
 ) -> TrialFit:
     eps, rms, bound = remember(lambda: best_rms(model, segments), "best RMS", model, segments)
     return TrialFit(trial.name, trial.gait, eps, rms, bound, estimate(model, segments, names, others))
-
-
-def _complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:
-    found = [model.sparse_drag] if model.sparse_drag and not model.body.is_animal else []
-    lows, highs = bounds(solution.names, model)
-    if not solution.converged:
-        found.append("the fit did not converge: the data may not determine these numbers")
-    for i, name in enumerate(solution.names):
-        if sd[i] > 0.5 * (highs[i] - lows[i]):
-            found.append(f"these data do not determine `{name}`")
-        if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
-            found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")
-        elif interval[i, 0] <= lows[i] or interval[i, 1] >= highs[i]:
-            found.append(f"the interval of `{name}` reaches its bound: these data do not limit it there")
-        for j in range(i):
-            if abs(correlation[i, j]) > CORRELATED:
-                pair = f"`{solution.names[j]}` and `{name}`"
-                found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
-    if solution.noise_scale > 1.5:
-        found.append(
-            f"what is left is {solution.noise_scale:.1f} times the measurement noise: the model is wrong somewhere, "
-            "and the noise interval means little; look at the robust one and the spread over trials"
-        )
-    return tuple(found)
 
 
 def _sd(values: Floats) -> Floats:

@@ -21,7 +21,7 @@ from serpenoid.effects.scan import Scan
 from serpenoid.effects.view import View
 
 Site = Literal["actuation", "medium", "observation"]
-Marks = Literal["zeros", "gaps", "markers", "scale", "rate", "frame", "jumps"]
+Marks = Literal["zeros", "gaps", "markers", "ahead", "scale", "rate", "frame", "jumps"]
 Values = Mapping[str, float]
 Symbols = SimpleNamespace
 USES = ("simulate", "nlp", "fit", "diagnose")
@@ -80,9 +80,10 @@ class Effect:
     needs: what must be there for it to act (see `Body.parts`). of_animals: its words where a body is one; None: the
     same. reasons: for each use (simulate, nlp, fit, diagnose) that does not apply, why not. rank: in what order
     contributions are applied where it matters. marks: which numbers between the servos' chain and the data are its own:
-    the joints' `zeros`, their `gaps`, where `markers` sit, the `scale`, the clock's `rate`, how the `frame` moves that
-    positions are seen in, its `jumps` across gaps; None: none, it changes how the body moves. scan: how a diagnosis
-    looks for it where it lies somewhere on the floor; None: by derivatives about its neutral values.
+    the joints' `zeros`, their `gaps`, where `markers` sit on the links behind them or on those `ahead`, the `scale`,
+    the clock's `rate`, how the `frame` moves that positions are seen in, its `jumps` across gaps; None: none, it
+    changes how the body moves. scan: how a diagnosis looks for it where it lies somewhere on the floor; None: by
+    derivatives about its neutral values.
     """
 
     name: str
@@ -120,6 +121,12 @@ class Effect:
     def acts_in(self, law: str) -> bool:
         """Whether it can be there in a medium of this law."""
         return True
+
+    def places(self, body: Body) -> list[int | None]:
+        """Where it can sit on a body: at its vertices, at its joints, or nowhere in particular."""
+        if self.place is None:
+            return [None]
+        return list(range(body.vertices)) if self.place == "vertex" else list(range(1, body.joint_count + 1))
 
     def words(self, animal: bool) -> Advice:
         """What it looks like and what to do, of a robot or of an animal."""

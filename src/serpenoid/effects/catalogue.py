@@ -39,10 +39,8 @@ def find(name: str) -> Effect:
 
 
 def places(effect: Effect, body: Body) -> list[int | None]:
-    """Where an effect can sit on a body: its vertices, its joints, or nowhere in particular."""
-    if effect.place is None:
-        return [None]
-    return list(range(body.vertices)) if effect.place == "vertex" else list(range(1, body.joint_count + 1))
+    """Where an effect can sit on a body."""
+    return effect.places(body)
 
 
 @cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from serpenoid.body import Floats
 class View:
     """markers (R, N, 2) [m] at camera times (R,) [s since the start]; servo_times (R,): the same moments on its clock.
 
+    vertices (R, N, 2) [m]: where the body is, whatever is seen of it.
     gaps (G,) [s]: when each gap of all markers ends; directions (G,) [rad]: where a jump across it would go.
     """
 
@@ -22,11 +23,20 @@ class View:
     servo_times: Floats
     gaps: Floats
     directions: Floats
+    vertices: Floats
 
     @classmethod
     def true(
         cls, vertices: Floats, times: Floats, gaps: Sequence[float] = (), directions: Sequence[float] = ()
     ) -> View:
         """Without any effect."""
-        times = np.asarray(times, float)
-        return cls(np.asarray(vertices, float), times, times, np.asarray(gaps, float), np.asarray(directions, float))
+        times, there = np.asarray(times, float), np.asarray(vertices, float)
+        return cls(there, times, times, np.asarray(gaps, float), np.asarray(directions, float), there)
+
+    def displaced(self, vertex: int, edge: int, along: float, left: float) -> View:
+        """With one marker moved with an edge of the body: so far along it [m], and so far to its left."""
+        e = self.vertices[:, edge + 1] - self.vertices[:, edge]
+        e = e / np.linalg.norm(e, axis=-1, keepdims=True)
+        markers = self.markers.copy()
+        markers[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], -1)
+        return replace(self, markers=markers)

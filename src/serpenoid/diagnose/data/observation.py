@@ -12,10 +12,9 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data import views
+from serpenoid.diagnose.data.columns import all_keys, columns_of, first_columns, sizes
 from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import Marks
-from serpenoid.effects.catalogue import catalogue, find, places, view_effects
 from serpenoid.measure.links import link_of_edge
 
 
@@ -23,20 +22,22 @@ from serpenoid.measure.links import link_of_edge
 class Observation:
     """What lies between the chain and the data; all zero: nothing does.
 
-    zeros (m,) [rad], markers (N, 2) along and left [m], gaps (m,) of joints with play [rad], scale error; views (V,):
-    coordinates of effects of observation that have none of these marks, and show what their own law (`on_view`) says.
+    zeros (m,) [rad], markers (N, 2) along and left of the links behind them [m], gaps (m,) of joints with play [rad],
+    ahead (m, 2): as markers, of those at joints that ride on the links ahead; scale error; views (V,): coordinates of
+    effects of observation that have none of these marks, and show what their own law (`on_view`) says.
     """
 
     zeros: Floats
     markers: Floats
     gaps: Floats
+    ahead: Floats
     scale: float = 0.0
     views: Floats = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def neutral(cls, body: Body) -> Observation:
         joints, markers = body.joint_count, np.zeros((body.vertices, 2))
-        return cls(np.zeros(joints), markers, np.zeros(joints), views=views.resting(body))
+        return cls(np.zeros(joints), markers, np.zeros(joints), np.zeros((joints, 2)), views=views.resting(body))
 
     @classmethod
     def of(cls, body: Body, effects: Sequence[ActiveEffect]) -> Observation:
@@ -52,12 +53,13 @@ class Observation:
     @property
     def corrects(self) -> bool:
         """Whether shapes are anything else than what servos read, or markers stand elsewhere."""
-        return bool(np.any(self.zeros) or np.any(self.markers) or np.any(self.gaps) or self.scale or np.any(self.views))
+        return bool(np.any(self.numbers))
 
     @property
     def numbers(self) -> Floats:
-        """One for each column: zeros, markers (along, left by vertex), scale, gaps, views."""
-        return np.concatenate([self.zeros, self.markers.ravel(), [self.scale], self.gaps, self.views])
+        """One for each column: zeros, markers (along, left by vertex), scale, gaps, markers ahead, views."""
+        parts = self.zeros, self.markers.ravel(), [self.scale], self.gaps, self.ahead.ravel(), self.views
+        return np.concatenate(parts)
 
     def with_middles(self) -> Observation:
         """The same of a body with vertices in the middles of its edges: see `Body`."""
@@ -75,7 +77,7 @@ class Observation:
     def seen(self, body: Body, angles: Floats) -> Floats:
         """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
         points = shapes(body, angles)
-        points = self._displaced(points, *directions(points)) * (1 + self.scale)
+        points = self._displaced(body, points, *directions(points)) * (1 + self.scale)
         return views.seen(body, points, self.views)
 
     def derivatives(
@@ -85,8 +87,8 @@ class Observation:
         m, n = body.joint_count, body.vertices
         points = shapes(body, angles)
         along, left = directions(points)
-        gaps, others = _layout(body)["gaps"], _layout(body)[None]
-        bent = self._by_angles(body, left, along, {c % gaps for c in columns if c < m or gaps <= c < others})
+        gaps, ahead, others = (first_columns(body)[mark] for mark in ("gaps", "ahead", None))
+        bent = self._by_angles(body, left, along, {c % gaps for c in columns if c < m or gaps <= c < ahead})
         found = np.zeros((len(columns), len(angles), n, 2))
         for slot, column in enumerate(columns):
             if column < m:
@@ -95,52 +97,56 @@ class Observation:
                 vertex, side = divmod(column - m, 2)
                 found[slot, :, vertex] = (along, left)[side][:, vertex]
             elif column == m + 2 * n:
-                found[slot] = self._displaced(points, along, left) / (1 + self.scale)
-            elif column < others:
+                found[slot] = self._displaced(body, points, along, left) / (1 + self.scale)
+            elif column < ahead:
                 joint = column - gaps
                 found[slot] = by_gap(joint)[:, None, None] * bent[joint]
+            elif column < others:
+                joint, side = divmod(column - ahead, 2)
+                vertex = body.joint_vertices[joint]
+                found[slot, :, vertex] = (along, left)[side][:, vertex + 1]
             else:
                 found[slot] = views.derivative(body, points, column - others)
         found *= 1 + self.scale
         return found
 
-    def _displaced(self, points: Floats, along: Floats, left: Floats) -> Floats:
+    def _displaced(self, body: Body, points: Floats, along: Floats, left: Floats) -> Floats:
         """Markers about the vertices (F, N, 2), before the scale."""
-        return points + self.markers[:, :1] * along + self.markers[:, 1:] * left
+        there = points + self.markers[:, :1] * along + self.markers[:, 1:] * left
+        at = np.array(body.joint_vertices)
+        there[:, at] += self.ahead[:, :1] * along[:, at + 1] + self.ahead[:, 1:] * left[:, at + 1]
+        return there
 
     def _by_angles(self, body: Body, left: Floats, along: Floats, joints: Iterable[int]) -> dict[int, Floats]:
         """By which points and displaced markers move with each joint's angle (F, N, 2), before the scale."""
         link = link_of_edge(body)
         reached = np.tri(body.vertices, body.vertices - 1, -1)  # edges between vertex 0 and each vertex
         reached = (reached - body.vertex_weights @ reached) * body.edges_m
-        moved, displaced = -self.markers[:, 1:] * along + self.markers[:, :1] * left, np.any(self.markers)
+        at = np.array(body.joint_vertices)
+        moved = -self.markers[:, 1:] * along + self.markers[:, :1] * left
+        leading = -self.ahead[:, 1:] * along[:, at + 1] + self.ahead[:, :1] * left[:, at + 1]
+        displaced = np.any(self.markers) or np.any(self.ahead)
         ahead = np.ascontiguousarray(left[:, 1:].swapaxes(1, 2))  # (F, 2, N - 1)
 
         def bent(joint: int) -> Floats:
             turned = (link > joint) - np.mean(link > joint)
             points = (ahead @ (reached * turned).T).swapaxes(1, 2)
-            return points + np.concatenate([turned[:1], turned])[:, None] * moved if displaced else points
+            if displaced:
+                points += np.concatenate([turned[:1], turned])[:, None] * moved
+                points[:, at] += turned[at, None] * leading
+            return points
 
         return {joint: bent(joint) for joint in joints}
 
     def with_column(self, column: int, amount: float) -> Observation:
-        """One number changed: zeros, then markers (along, left by vertex), scale, gaps (none below zero), views."""
-        zeros, markers, gaps = self.zeros.copy(), self.markers.copy(), self.gaps.copy()
-        m, n = len(zeros), len(markers)
-        if column < m:
-            zeros[column] += amount
-        elif column < m + 2 * n:
-            markers[(column - m) // 2, (column - m) % 2] += amount
-        elif column == m + 2 * n:
-            return replace(self, scale=self.scale + amount)
-        elif column > 2 * (m + n):
-            others = self.views.copy()
-            others[column - 2 * (m + n) - 1] += amount
-            return replace(self, views=others)
-        else:
-            gap = column - m - 2 * n - 1
-            gaps[gap] = max(gaps[gap] + amount, 0.0)
-        return replace(self, zeros=zeros, markers=markers, gaps=gaps)
+        """One number changed, in the order of `numbers`; gaps are none below zero."""
+        numbers = self.numbers
+        numbers[column] += amount
+        m, n = len(self.zeros), len(self.markers)
+        zeros, markers, scale, gaps, ahead, others = np.split(numbers, np.cumsum(list(sizes(m, n).values())))
+        return Observation(
+            zeros, markers.reshape(n, 2), np.maximum(gaps, 0.0), ahead.reshape(m, 2), float(scale[0]), others
+        )
 
 
 def directions(points: Floats) -> tuple[Floats, Floats]:
@@ -169,35 +175,7 @@ def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
     return np.array(links), np.array(slopes)
 
 
-def columns_of(body: Body, name: str, place: int | None) -> list[int]:
-    """Column numbers of an effect that marks this model."""
-    effect = find(name)
-    first, size = _layout(body)[effect.marks], len(effect.parameters)
-    if effect.marks is None:
-        return [first + i for i in next(own for view, own in views.numbered(body) if view.key == (name, place))]
-    first += size * places(effect, body).index(place)
-    return list(range(first, first + size))
-
-
 def values_of(body: Body, now: Observation, name: str, place: int | None) -> list[float]:
     """Parameters of one effect in an observation model."""
     numbers = now.numbers
     return [float(numbers[column]) for column in columns_of(body, name, place)]
-
-
-def column_count(body: Body) -> int:
-    """Of all columns."""
-    return _layout(body)[None] + len(views.resting(body))
-
-
-def _layout(body: Body) -> dict[Marks | None, int]:
-    """First column of each kind of number; None: of the views."""
-    m, n = body.joint_count, body.vertices
-    return {"zeros": 0, "markers": m, "scale": m + 2 * n, "gaps": m + 2 * n + 1, None: 2 * m + 2 * n + 1}
-
-
-def all_keys(body: Body) -> list[tuple[str, int | None]]:
-    """Name and place of every effect that moves markers against the servos' chain; fewest numbers first."""
-    marked = [k for k in catalogue().values() if k.marks and k.marks in _layout(body)]
-    kinds = sorted((*marked, *view_effects()), key=lambda k: len(k.parameters))
-    return [(kind.name, place) for kind in kinds for place in places(kind, body)]

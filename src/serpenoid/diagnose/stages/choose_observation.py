@@ -8,7 +8,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
-from serpenoid.diagnose.data.observation import Observation, columns_of, values_of
+from serpenoid.diagnose.data.columns import columns_of
+from serpenoid.diagnose.data.observation import Observation, values_of
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful

@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.observation import Observation, all_keys, columns_of, values_of
+from serpenoid.diagnose.data.columns import all_keys, columns_of
+from serpenoid.diagnose.data.observation import Observation, values_of
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced

@@ -19,8 +19,9 @@ from scipy.special import ndtri
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data import chance
 from serpenoid.diagnose.data.chance import ERROR
+from serpenoid.diagnose.data.columns import column_count
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
-from serpenoid.diagnose.data.observation import Observation, across, column_count
+from serpenoid.diagnose.data.observation import Observation, across
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.measure.links import link_of_edge, marker_angles

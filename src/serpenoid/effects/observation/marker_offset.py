@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from serpenoid.effects.base import ObservationEffect, Parameter, Values
 from serpenoid.effects.view import View
 
 
 class MarkerOffset(ObservationEffect):
-    """The marker moves with its link."""
+    """The marker moves with the link behind it."""
 
     def on_view(self, view: View, place: int | None, values: Values) -> View:
         """Move one marker."""
         vertex = place or 0
-        tail = max(vertex - 1, 0)
-        edge = view.markers[:, tail + 1] - view.markers[:, tail]
-        edge = edge / np.linalg.norm(edge, axis=-1, keepdims=True)
-        markers = view.markers.copy()
-        markers[:, vertex] += values["along"] * edge
-        markers[:, vertex] += values["left"] * np.stack([-edge[:, 1], edge[:, 0]], -1)
-        return replace(view, markers=markers)
+        return view.displaced(vertex, max(vertex - 1, 0), values["along"], values["left"])
 
 
 EFFECT = MarkerOffset(

@@ -9,7 +9,6 @@ the same in every trial, so its evidence is summed over trials.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import find_offset, held
+from serpenoid.measure.consistency.blame import Contradiction, certain
 from serpenoid.measure.consistency.hypotheses import (
     KINDS,
     SAME_TABLE,
@@ -36,7 +36,6 @@ from serpenoid.parallel import in_processes
 
 MOST_ROWS = 100_000  # of a recording in a promised cycle: closer ones count in another unit
 MOST_CYCLES = 1000  # of a promise are laid over a recording
-TIED = 3.0  # nats: rivals as near as this to the best are named with it
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
 SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` fills in what lies between
 WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
@@ -52,22 +51,6 @@ class Claim:
     cameras: Signal | None = None
     servos: Signal | None = None
     commands: Signal | None = None
-
-
-@dataclass(frozen=True)
-class Contradiction:
-    """What a witness shows instead, the likely cure, and by how much it is likelier [nats, beyond prior odds]."""
-
-    trial: str
-    kind: str
-    words: str
-    cure: str
-    certainty: float
-
-    @property
-    def said(self) -> str:
-        """Words and remedy, as sentences."""
-        return f"{self.words}. Remedy: {self.cure}{'' if self.cure.endswith('?') else '.'}"
 
 
 @dataclass(frozen=True)
@@ -93,7 +76,7 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
     rivals = [rival for one in judged for rival in one.rivals]
     lost = [found for one in judged for found in one.contradictions]
     torn = {trial: places for one in judged for trial, places in one.torn.items()}
-    return Verdict((*_certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
+    return Verdict((*certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
 
 
 def _in_other_units(claim: Claim) -> list[Contradiction]:
@@ -227,27 +210,6 @@ def _logged(servos: Signal, period: float | None) -> Course:
         return held(time, values, at)
 
     return Course(angles, total, period or total, told=False)
-
-
-def _certain(rivals: Sequence[Rival]) -> list[Contradiction]:
-    """The best certain rivals of every trial; what would be wrong in every trial has the evidence of them all."""
-    together: dict[tuple[str, str], float] = defaultdict(float)
-    for rival in rivals:
-        together[rival.kind, rival.words] += rival.lead
-    by_trial: dict[str, list[Rival]] = defaultdict(list)
-    for rival in rivals:
-        if leads(rival, together[rival.kind, rival.words] if rival.everywhere else rival.lead):
-            by_trial[rival.trial].append(rival)
-    return [_contradiction(trial, certain) for trial, certain in by_trial.items()]
-
-
-def _contradiction(trial: str, certain: list[Rival]) -> Contradiction:
-    best = max(rival.lead + rival.log_share for rival in certain)
-    near = sorted(certain, key=lambda rival: -rival.lead - rival.log_share)
-    near = [rival for rival in near if rival.lead + rival.log_share > best - TIED][:3]
-    words = "; or ".join(dict.fromkeys(rival.words for rival in near))
-    cure = "; or ".join(dict.fromkeys(rival.cure for rival in near))
-    return Contradiction(trial, near[0].kind, words, cure, float(best))
 
 
 def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:

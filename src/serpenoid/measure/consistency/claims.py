@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -15,12 +15,13 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.check import Claim, Contradiction, Verdict, check
+from serpenoid.measure.consistency.blame import Contradiction
+from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.lengths import beside_film, other_bodies
+from serpenoid.measure.consistency.lengths import Shown, beside_film, other_bodies, wrong_edge
 from serpenoid.measure.consistency.lost_frames import Lost, set_on
 from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
@@ -75,8 +76,10 @@ def believe(
             remarks[files.entry.name].append(files.zeros)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
-    for trial in (said := _scale(file, body, read)):
-        remarks[trial].append(said[trial])
+    films = _films(file, body, read)
+    if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
+        for trial in films.trials if (words := beside_film(*films.shown)) else ():
+            remarks[trial].append(words)
     for one in verdict.contradictions:
         remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
     torn = {trial: places for trial, places in verdict.torn.items() if trial not in believed}
@@ -106,7 +109,7 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
     seen = in_processes([(_seen, (file, body, files)) for files in read])
     markers = [fault for faults, _ in seen for fault in faults]
-    markers += _copies(read) + ([] if file.lengths_given else _lengths(body, read))
+    markers += _copies(read) + (_wrong_edge(file, body, read) if file.lengths_given else _lengths(body, read))
     if markers:
         return Verdict(tuple(markers), (), ())
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
@@ -189,21 +192,39 @@ def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
     ]
 
 
-def _scale(file: CampaignFile, body: Body, read: Sequence[Files]) -> dict[str, str]:
-    """What is said of trials whose films show lengths that are not those said, by trial."""
+def _wrong_edge(file: CampaignFile, body: Body, read: Sequence[Files]) -> list[Contradiction]:
+    """One link that all films together show of another length."""
+    films = _films(file, body, read)
+    found = None if films is None else wrong_edge(*films.shown)
+    if films is None or found is None:
+        return []
+    words, cure, gain = found
+    return [Contradiction(trial, "length", words, cure, gain) for trial in films.trials]
+
+
+@dataclass(frozen=True)
+class Films:
+    """Trials whose films have a scale, and what they show of stated lengths: see `beside_film`."""
+
+    trials: tuple[str, ...]
+    shown: tuple[Shown, Floats, list[str], bool]
+
+
+def _films(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | None:
+    """None where nothing is stated, or nothing seen."""
     if body.is_animal or not file.lengths_given:
-        return {}
+        return None
     films = {
         f.entry.name: f for f in read if f.tracks is not None and f.tracks.scale_known and f.keys.length_unit != "bl"
     }
     marked = {name: f.labelled.vertices for name, f in films.items() if f.labelled is not None}
     if not marked:
-        return {}
+        return None
     shown = sorted({k for points in marked.values() for k in ever_seen(points).tolist()})
     stated = stated_between(shown, body.edges_m, body)
     names, seen = next(iter(films.values())).names(body), [points[:, shown] for points in marked.values()]
-    words = beside_film(seen, stated, [names[k] for k in shown], len(shown) == body.vertices)
-    return dict.fromkeys(marked, words) if words else {}
+    labels = [names[k] for k in shown]
+    return Films(tuple(marked), (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices))
 
 
 def _copies(read: Sequence[Files]) -> list[Contradiction]:

@@ -8,7 +8,7 @@ schedule) and have them scored beside these.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -31,7 +31,8 @@ KINDS = 8  # of faults, alike in prior odds
 class Fault:
     """One thing that the contract may have wrong. `everywhere`: it would be so in every trial (wiring, markers).
 
-    log_share: log prior probability among all faults.
+    log_share: log prior probability among all faults. cures: where it depends on which source is wrong (the joint
+    "table", the servo "log", the "markers"), in the place of `cure`.
     """
 
     kind: str
@@ -43,15 +44,17 @@ class Fault:
     timed: Callable[[float], tuple[str, str] | None] | None = (
         None  # words and cure at a rate found more exactly, if any
     )
+    cures: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Wiring:
     """One joint turned round or two exchanged, nothing laid anew: log evidence relative to the contract, and the share
-    of the motion's variance that it explains."""
+    of the motion's variance that it explains; cures: see `Fault`."""
 
     words: str
     cure: str
+    cures: Mapping[str, str]
     log_share: float
     gain: float
     explained: float
@@ -79,24 +82,34 @@ def _other_tables(schedule: Schedule, label: str, tables: Mapping[str, Floats]) 
 
 
 def _backwards(schedule: Schedule, label: str) -> list[Fault]:
-    table = np.concatenate([schedule.table[:1], schedule.table[:0:-1]])
+    """From row 0 back, and from the last row, as rows in reverse order are played."""
     words, cure = f"follow `{label}` played backwards", "reverse the rows of `joint_table`"
-    return [Fault("reversed", words, cure, course_of(replace(schedule, table=table)), -np.log(KINDS))]
+    back = schedule.table[::-1]
+    return [Fault("reversed", words, cure, course_of(replace(schedule, table=table)), -np.log(2 * KINDS))
+            for table in (np.roll(back, 1, axis=0), back)]  # fmt: skip
 
 
 def turned(course: Course, label: str) -> list[Fault]:
     """All signs flipped, joints counted from the other end, head and tail exchanged: alike in every trial."""
-    made: list[tuple[str, str, str, Callable[[Floats], Floats]]] = [
-        ("signs", f"follow `{label}` with all signs flipped",
+    first = "`joint_1` is the joint next to the tail"
+    made: list[tuple[str, str, str, str, Callable[[Floats], Floats]]] = [
+        ("signs", "all signs flipped", "flip the signs of {}",
          "check `up_axis` and the direction of the joints, or is the film `mirrored`?", lambda angles: -angles),
-        ("order", f"follow `{label}` with its joints in reversed order",
-         "`joint_1` is the joint next to the tail: reverse the columns", lambda angles: angles[:, ::-1]),
-        ("ends", f"follow `{label}` with head and tail exchanged",
+        ("order", "its joints in reversed order", f"{first}: reverse the columns of {{}}",
+         "`markers` run from tail to head: reverse them, and is the film `mirrored`?", lambda angles: angles[:, ::-1]),
+        ("ends", "head and tail exchanged", f"{first}: reverse the columns of {{}} and flip their signs",
          "`markers` run from tail to head: reverse them (or set `first_point`)", lambda angles: -angles[:, ::-1]),
     ]  # fmt: skip
     return [
-        Fault(kind, words, cure, course.changed(change), -np.log(KINDS), True) for kind, words, cure, change in made
-    ]
+        Fault(kind, f"follow `{label}` with {words}", of_markers, course.changed(change), -np.log(KINDS), True,
+              cures=cures_of(columns) | {"markers": of_markers})
+        for kind, words, columns, of_markers, change in made
+    ]  # fmt: skip
+
+
+def cures_of(columns: str) -> dict[str, str]:
+    """A cure of columns, of the joint table's and of the servo log's."""
+    return {"table": columns.format("`joint_table`"), "log": columns.format("the servo log")}
 
 
 def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
@@ -193,8 +206,9 @@ def wiring_faults(signal: Sampled, contract: Match) -> list[Wiring]:
 
     share = -np.log(KINDS * joints)
     found = [
-        Wiring(f"turn `joint_{j + 1}` the other way", f"flip the sign of `joint_{j + 1}`", share,
-               float(evidence[1, j, j] - own[j]), explained({j: residual[1, j, j]}))
+        Wiring(f"turn `joint_{j + 1}` the other way", f"flip the sign of `joint_{j + 1}`",
+               cures_of(f"flip the sign of `joint_{j + 1}` in {{}}"), share, float(evidence[1, j, j] - own[j]),
+               explained({j: residual[1, j, j]}))
         for j in range(joints)
     ]  # fmt: skip
     pairs = -np.log(KINDS * max(joints * (joints - 1) / 2, 1))
@@ -205,5 +219,8 @@ def wiring_faults(signal: Sampled, contract: Match) -> list[Wiring]:
                 f"have `joint_{j + 1}` and `joint_{i + 1}` exchanged",
                 f"exchange `joint_{j + 1}` and `joint_{i + 1}`",
             )
-            found.append(Wiring(words, cure, pairs, gain, explained({i: residual[0, i, j], j: residual[0, j, i]})))
+            cures = cures_of(f"{cure} in {{}}")
+            found.append(
+                Wiring(words, cure, cures, pairs, gain, explained({i: residual[0, i, j], j: residual[0, j, i]}))
+            )
     return found

@@ -15,7 +15,8 @@ Where it gives them, a film's scale shows in all edges alike, a marker beside it
 
 Camera and ruler differ by up to `geometry.SCALE_SD`, so that is no contradiction; but it is counted as noise of markers
 and moves every fit: it is said. So is one edge that is off while the others agree: its r lies farther from the others'
-mean than their scatter explains (Student's t, any of E edges).
+mean than their scatter explains (Student's t, any of E edges). A marker beside its place moves both edges that meet in
+it: where the neighbours of such an edge are as said, its length is wrong for certain, and that is a contradiction.
 """
 
 from __future__ import annotations
@@ -60,9 +61,27 @@ def other_bodies(vertices: Mapping[str, Floats], edges: Floats) -> list[Longer]:
     return longer
 
 
-def beside_film(vertices: Sequence[Floats], stated: Floats, names: Sequence[str], all_marked: bool) -> str:
-    """What is said where recordings (F, M, 2) show all or one of M - 1 stated distances other than said, or ""."""
-    found = Shown.of(vertices, stated)
+def wrong_edge(found: Shown, stated: Floats, names: Sequence[str], all_marked: bool) -> tuple[str, str, float] | None:
+    """Words, cure and certainty [nats] where films show one of M - 1 stated distances other than said, which no marker
+    beside its place explains."""
+    one = one_longer(found)
+    if one is None:
+        return None
+    (k, off), (_, _, chance) = one, _worst(found)
+    certainty = -float(np.log(max(chance, np.finfo(float).tiny)))
+    if not (0 < k < len(found.known) - 1 and found.known[k - 1] and found.known[k + 1]) or certainty < ODDS:
+        return None
+    how = f"{100 * abs(off):.2g} % {'farther apart' if off > 0 else 'closer'}"
+    words = (
+        f"its film shows `{names[k]}` and `{names[k + 1]}` {how} "
+        f"than `edge_lengths` says ({stated[k]:.4g}), and other links as said: a marker beside its place would move two"
+    )
+    shown = stated[k] * (1 + off)  # by the scale of the others
+    return words, f"set what `edge_lengths` has between them to {shown:.4g}{_left_out(all_marked)}", certainty
+
+
+def beside_film(found: Shown, stated: Floats, names: Sequence[str], all_marked: bool) -> str:
+    """What is said where films show all or one of M - 1 stated distances other than said, or ""."""
     share, one = all_longer(found), one_longer(found)
     if share is not None:
         more = "longer" if share > 0 else "shorter"
@@ -74,8 +93,11 @@ def beside_film(vertices: Sequence[Floats], stated: Floats, names: Sequence[str]
         what += "one of the two is off, or a marker beside its place"
     else:
         return ""
-    tells = ", or leave `edge_lengths` out: the film then tells them" if all_marked else ""
-    return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{tells}"
+    return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{_left_out(all_marked)}"
+
+
+def _left_out(all_marked: bool) -> str:
+    return ", or leave `edge_lengths` out: the film then tells them" if all_marked else ""
 
 
 @dataclass(frozen=True)
@@ -111,18 +133,24 @@ def all_longer(found: Shown) -> float | None:
 
 def one_longer(found: Shown) -> tuple[int, float] | None:
     """Which one edge is longer than it is said to be, and by which share, if the others agree."""
-    longer = found.longer
-    if len(longer) < 3:
+    if len(found.longer) < 3:
         return None
-    worst = int(np.abs(longer - np.median(longer)).argmax())
-    others = np.delete(longer, worst)
-    apart = float(longer[worst] - others.mean())
-    scatter = max(float(others.std(ddof=1)), np.finfo(float).tiny) * np.sqrt(1 + 1 / len(others))
-    chance = len(longer) * 2 * stdtr(len(others) - 1, -abs(apart) / scatter)
+    worst, apart, chance = _worst(found)
+    others = np.delete(found.longer, worst)
     agree = np.abs(others - others.mean()).max() < SCALE_SD
     if chance > 1 - CERTAIN or abs(apart) < SCALE_SD or not agree:
         return None
     return int(np.flatnonzero(found.known)[worst]), float(np.expm1(apart))
+
+
+def _worst(found: Shown) -> tuple[int, float, float]:
+    """The edge that differs most from the others, by how much, and how likely chance makes as much of any of them."""
+    longer = found.longer
+    worst = int(np.abs(longer - np.median(longer)).argmax())
+    others = np.delete(longer, worst)
+    apart = float(longer[worst] - others.mean())
+    scatter = max(float(others.std(ddof=1)), np.finfo(float).tiny) * np.sqrt(1 + 1 / len(others))
+    return worst, apart, float(len(longer) * 2 * stdtr(len(others) - 1, -abs(apart) / scatter))
 
 
 def _scale(points: Floats, edges: Floats) -> tuple[float, float] | None:

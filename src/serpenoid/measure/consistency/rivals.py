@@ -6,7 +6,7 @@ said, and accuses nobody.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +22,15 @@ POINTS = 40  # of the grid in a cycle
 PERIODS = 8  # of a recording that are looked at, from where it begins to move
 SURE = 0.95  # of it is explained by what was really played; a rival with less accuses nobody (a damaged robot)
 HOPELESS = 50.0  # nats behind at the contract's rate: other rates are not tried
+SOURCES = {"the servo log's commands": "log", "the servo log's positions": "log", "the recorded shapes": "markers"}
 
 
 @dataclass(frozen=True)
 class Rival:
-    """One hypothesis' lead over the contract in one trial [nats], its prior share taken off separately."""
+    """One hypothesis' lead over the contract in one trial [nats], its prior share taken off separately.
+
+    pair: the two sources that were compared; cures: see `Fault`.
+    """
 
     trial: str
     witness: str
@@ -37,6 +41,8 @@ class Rival:
     log_share: float
     everywhere: bool
     explained: float  # of the motion's variance
+    pair: tuple[str, str]
+    cures: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -53,17 +59,18 @@ def compared(
     trial: str, signal: Signal, course: Course, own: float | None, faults: list[Fault], witness: str, prior: Prior
 ) -> Compared:
     """The contract and all rivals laid over one witness; rivals ahead of it, and it, as servos' laws play them, too."""
+    pair = ("table" if course.told else "log", SOURCES[witness])
     grid = _window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
     contract = match(grid, course, prior)
     laid = [(fault, _laid(grid, fault, contract, prior)) for fault in faults]
-    plain = rivals = _rivals(trial, grid, contract, laid, witness)
+    plain = rivals = _rivals(trial, grid, contract, laid, witness, pair)
     if any(rival.lead + rival.log_share > 0 for rival in plain):
         from serpenoid.measure.consistency.servos import with_servos  # CasADi, long to import and seldom asked
 
         ahead = [found.evidence + fault.log_share > contract.evidence for fault, found in laid]
         contract = with_servos(grid, contract, prior)
         laid = [(f, with_servos(grid, m, prior) if first else m) for (f, m), first in zip(laid, ahead, strict=True)]
-        rivals = _rivals(trial, grid, contract, laid, witness)
+        rivals = _rivals(trial, grid, contract, laid, witness, pair)
     return Compared(contract, rivals, witness, _doubts(plain, rivals))
 
 
@@ -90,7 +97,12 @@ def _laid(grid: Sampled, fault: Fault, contract: Match, prior: Prior) -> Match:
 
 
 def _rivals(
-    trial: str, grid: Sampled, contract: Match, laid: Sequence[tuple[Fault, Match]], witness: str
+    trial: str,
+    grid: Sampled,
+    contract: Match,
+    laid: Sequence[tuple[Fault, Match]],
+    witness: str,
+    pair: tuple[str, str],
 ) -> list[Rival]:
     """How far all are ahead of the contract, those with words."""
     rivals = []
@@ -99,12 +111,13 @@ def _rivals(
         if said is not None:
             rivals.append(
                 Rival(trial, witness, fault.kind, f"{witness} {said[0]}", said[1],
-                      found.evidence - contract.evidence, fault.log_share, fault.everywhere, found.explained)
+                      found.evidence - contract.evidence, fault.log_share, fault.everywhere, found.explained,
+                      pair, fault.cures)
             )  # fmt: skip
     for wiring in wiring_faults(grid, contract):
         rivals.append(
             Rival(trial, witness, "wiring", f"{witness} {wiring.words}", wiring.cure,
-                  wiring.gain, wiring.log_share, True, wiring.explained)
+                  wiring.gain, wiring.log_share, True, wiring.explained, pair, wiring.cures)
         )  # fmt: skip
     return rivals
 

@@ -23,7 +23,7 @@ ALIKE = 0.25  # of its variance that a row shares with the next: two witnesses o
 ROUNDING = 1e-12  # rad^2: of numbers that never change
 CHANCE = 0.01  # of witnesses whose rows are in disorder that are taken for motion: stated
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
-LEAST_OVERLAP = 1 / 3  # of the motion's sum of squares: a cycle and a half without pauses
+LEAST_OVERLAP = 1 / 3  # of the motion's sum of squares: a cycle and a half, two whatever the pause
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
 
@@ -137,16 +137,18 @@ def _without_outliers(values: Floats) -> Floats:
 
 def _period_s(signal: Signal) -> float | None:
     """The first delay at which it agrees with itself nearly best: products over squares of all that overlaps, while
-    that is a third of all its motion."""
+    that is a third of all its motion: of its squares about where it rested, since what rests in a pause does not move;
+    of rows in holes no more is asked than they are in all."""
     whole = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
     centred = _without_outliers(whole.values) * whole.weight[:, None]
     squares, count = (centred**2).sum(axis=1), len(centred)
     if not squares.sum() > 0:  # between holes that are too long nothing varies
         return None
-    moved, energy, seen = (np.fft.rfft(x, 2 * count, axis=0) for x in (centred, squares, whole.weight))
+    away = ((centred - np.median(centred[whole.weight > 0][:5], axis=0)) ** 2).sum(axis=1) * whole.weight
+    moved, energy, motion, seen = (np.fft.rfft(x, 2 * count, axis=0) for x in (centred, squares, away, whole.weight))
     products = np.fft.irfft((np.abs(moved) ** 2).sum(axis=1))[:count]
     overlap = np.fft.irfft((np.conj(energy) * seen).real)[:count]  # mean of both ways round
-    enough = overlap > LEAST_OVERLAP * squares.sum()
+    enough = np.fft.irfft((np.conj(motion) * seen).real)[:count] > LEAST_OVERLAP * whole.weight.mean() * away.sum()
     usable = count if enough.all() else int(np.argmin(enough))
     agreement = products[:usable] / overlap[:usable]
     below = np.flatnonzero(agreement < 0.5)

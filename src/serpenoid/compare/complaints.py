@@ -1,0 +1,58 @@
+"""What is wrong with a fit, in words: what the data do not say, what the model does not follow, noise that is none."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtri
+
+from serpenoid.body import Floats
+from serpenoid.compare.likelihood import Solution
+from serpenoid.compare.parameters import bounds
+from serpenoid.model import Model
+
+CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
+OFF = 1.5  # times the noise, or a part of the least that chance makes of it: something is wrong
+CHANCE = 0.01
+
+
+def complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:
+    """All of them; sd (P,), interval (P, 2) and correlation (P, P) of the fitted numbers."""
+    found = [model.sparse_drag] if model.sparse_drag and not model.body.is_animal else []
+    lows, highs = bounds(solution.names, model)
+    if not solution.converged:
+        found.append("the fit did not converge: the data may not determine these numbers")
+    for i, name in enumerate(solution.names):
+        if sd[i] > 0.5 * (highs[i] - lows[i]):
+            found.append(f"these data do not determine `{name}`")
+        if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
+            found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")
+        elif interval[i, 0] <= lows[i] or interval[i, 1] >= highs[i]:
+            found.append(f"the interval of `{name}` reaches its bound: these data do not limit it there")
+        for j in range(i):
+            if abs(correlation[i, j]) > CORRELATED:
+                pair = f"`{solution.names[j]}` and `{name}`"
+                found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
+    return (*found, *_size(solution, model.body.is_animal))
+
+
+def least_by_chance(freedom: int) -> float:
+    """What is left, in times the noise, where chance makes less in one fit of a hundred."""
+    return float(np.sqrt(chdtri(max(freedom, 1), 1 - CHANCE) / max(freedom, 1)))
+
+
+def _size(solution: Solution, animal: bool) -> list[str]:
+    """Whether what is left is as large as the noise, which is told by how markers miss the links."""
+    scale, least = solution.noise_scale, least_by_chance(solution.freedom)
+    if scale > OFF:
+        return [
+            f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, "
+            "and the noise interval means little; look at the robust one and the spread over trials"
+        ]
+    if scale >= least / OFF:
+        return []
+    cause = "its points or lengths" if animal else "a marker beside its place, a wrong length, a wrong scale"
+    return [
+        f"what is left is only {scale:.2f} times the measurement noise, where chance leaves {least:.2f} times or more: "
+        f"most of what passes for noise is an error that stays ({cause}), which may be in these numbers, "
+        "and the noise interval means little; `serpenoid diagnose` looks for it"
+    ]
