@@ -16,6 +16,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
 from serpenoid.files import schema
 from serpenoid.files.inputs import read_bytes
 from serpenoid.files.schema import Record
@@ -172,6 +173,12 @@ class Problem(Record):
         return self
 
     @model_validator(mode="after")
+    def _gait_fits(self) -> Self:
+        if (said := self.gait.misfit(self.body.joint_count, self.task.steps)) is not None:
+            raise ValueError(f"[gait] {said}")
+        return self
+
+    @model_validator(mode="after")
     def _lift_fits(self) -> Self:
         said = None if self.lift is None else fault(self.lift, self.gait, self.model, self.task.bounds, self._goals)
         if said is not None:
@@ -218,6 +225,8 @@ class Problem(Record):
     def family_of(self, gait: Gait | None = None) -> GaitFamily:
         """The family of `gait` (default the problem's own) for this body and table, within the task's bounds."""
         gait, task = gait or self.gait, self.task
+        if (said := gait.misfit(self.body.joint_count, task.steps)) is not None:
+            raise InputError(f"[gait] {said}.")
         bend = gait.bend if isinstance(gait, LiftedGait) else gait
         bounds = task.bounds if task.bounds.family == bend.family else bend.Bounds(family=bend.family)
         frequency = task.constraints.spatial_frequency
