@@ -53,7 +53,7 @@ def test_of_failed_starts_the_gait_that_goes_is_shown_and_not_the_one_that_stand
 
 
 def test_a_sweep_over_the_price_of_friction_is_certified_throughout() -> None:
-    """Where dissipation is free the gait goes farthest, and steps are longest: 40 of them are 6.3 % off, 60 are 3.5 %."""
+    """Where dissipation is free the gait goes farthest, and steps are longest: 40 are 6.3 % off, 60 are 3.5 %."""
     result = sweep(problem(*DRY, "task.steps=60"), np.linspace(0, 2, 5), starts=2, seed=1)
     assert all(point.solution is not None for point in result.points)
     assert (np.diff(result.dissipation) < 1e-9).all()
