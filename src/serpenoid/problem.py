@@ -140,6 +140,8 @@ class Problem(Record):
         body, task = self.body, self.task
         return f"<Problem {self._name}: {body.vertices} vertices, {self.gait.family} gait, {task.steps} steps>"
 
+    __str__ = __repr__
+
     @model_validator(mode="before")
     @classmethod
     def _bounds_of_the_family(cls, data: Any) -> Any:
@@ -277,6 +279,11 @@ def load(
     joints that its body does not state stays the problem's.
     Raises InputError that names file, section, key, rule, value and remedy.
     """
+    if not isinstance(path, str | Path) or not isinstance(model, str | Path | None):
+        got = type(path if not isinstance(path, str | Path) else model).__name__
+        raise InputError(f"sp.load: takes the path of a file, got {got}. Is it read already?")
+    if not isinstance(set, list | tuple | None) or not all(isinstance(assignment, str) for assignment in set or []):
+        raise InputError(f"`set` must be a list of assignments, set=['task.c=0.5'], got {set!r}.")
     path = Path(path)
     data = schema.read_toml(path, "problem")
     if model is not None:

@@ -33,7 +33,8 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.cli.goals import asked_lines
     from serpenoid.joint_limits import limit_lines
     from serpenoid.problem import load
-    from serpenoid.results import crossing_warning, default_folder, weight_warning, write_simulation
+    from serpenoid.results import default_folder, weight_warning, write_simulation
+    from serpenoid.self_contact import crossing_warning
     from serpenoid.simulation.problem import simulate
     from serpenoid.trajectory import floor_lines
 

@@ -92,7 +92,8 @@ def _check_together(args: argparse.Namespace) -> None:
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.joint_limits import limit_lines
     from serpenoid.optimise.solve import refine_best
-    from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
+    from serpenoid.results import default_folder, weight_warning, write_solution
+    from serpenoid.self_contact import crossing_warning
     from serpenoid.status import Status
     from serpenoid.studies.many_starts import write_starts
 

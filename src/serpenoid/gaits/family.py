@@ -21,6 +21,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.gaits.bounds import GaitBounds, GaitNumbers
 
+LONGEST = 200  # characters of a gait that is printed whole
 Coordinates = Literal["serpenoid", "joints", "lifted"]
 
 
@@ -30,6 +31,12 @@ class Gait(GaitNumbers):
     Bounds: ClassVar[type[GaitBounds]]
     named: ClassVar[bool] = True  # in files, by its `family`
     family: str
+
+    def __repr__(self) -> str:
+        text = super().__repr__()
+        return text if len(text) <= LONGEST else f"<{type(self).__name__} {self.words}>"
+
+    __str__ = __repr__
 
     @abstractmethod
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> GaitFamily:
