@@ -6,9 +6,14 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from serpenoid.cli.main import VERBS
+from serpenoid.objectives import demands, terms
+from serpenoid.objectives.obstacles import Obstacle
+from serpenoid.objectives.term import Played
+from serpenoid.problem import load
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -43,3 +48,33 @@ def test_the_architecture_names_every_folder() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     folders = {path.parent.name for path in (ROOT / "src" / "serpenoid").glob("*/__init__.py")}
     assert {folder for folder in folders if f"`{folder}/`" not in text} == set()
+
+
+GOALS = (ROOT / "docs" / "goals.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^\n((?:    .*\n|\n(?=    ))+)", GOALS, re.M)
+BODY = "[body]\nvertices = 6\n[medium]\nanisotropy_ratio = 0.3\n"
+
+
+@pytest.mark.parametrize("block", [block for block in BLOCKS if "serpenoid" not in block], ids=lambda b: b.split()[0])
+def test_the_examples_of_goals_are_parts_of_a_problem_file(tmp_path: Path, block: str) -> None:
+    text = "\n".join(line.removeprefix("    ") for line in block.splitlines())
+    (tmp_path / "mine.toml").write_text(f"{BODY}{text}\n", encoding="utf-8")
+    (tmp_path / "plain.toml").write_text(BODY, encoding="utf-8")
+    assert load(tmp_path / "mine.toml") != load(tmp_path / "plain.toml")  # it says something, too
+
+
+def test_the_obstacles_of_goals_are_kept_by_a_body_at_rest_and_seen() -> None:
+    asked = [d for d in demands() if issubclass(d, Obstacle)]
+    block = next(block for block in BLOCKS if all(f'kind = "{d.model_fields["kind"].default}"' in block for d in asked))
+    data = tomllib.loads("\n".join(line.removeprefix("    ") for line in block.splitlines()))
+    straight = np.column_stack([np.linspace(-0.5, 0.5, 11), np.zeros(11)])
+    for given in data["task"]["demands"]:
+        kind = next(d for d in asked if d.model_fields["kind"].default == given["kind"])
+        assert "met" in kind.model_validate(given).outcome(Played(np.zeros((2, 3)), straight[None], np.zeros((1, 9))))
+
+
+def test_goals_name_every_kind_and_every_key_of_it() -> None:
+    words = set(re.findall(r"`(\w+)`", GOALS)) | set(re.findall(r"^    (\w+) = ", GOALS, re.M))
+    kinds = [*terms(), *demands()]
+    assert {kind.model_fields["kind"].default for kind in kinds} <= set(re.findall(r"\w+", GOALS))
+    assert {key for kind in kinds for key in kind.model_fields} <= words

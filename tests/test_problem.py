@@ -297,6 +297,8 @@ def test_what_a_problem_file_expects_is_so(name: str) -> None:
 
 BODY = "[body]\nvertices = 5\n"
 MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
+FOURIER = "[gait]\nfamily = 'fourier-joints'\norders = [1, 3]\n"
+SPLINE = "[gait]\nfamily = 'spline'\npoints = 5\nangles = [[0], [0], [0, 0], [0], [0]]\n"
 
 
 @pytest.mark.parametrize(
@@ -332,6 +334,24 @@ MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
         (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"^\S*: \[gait\] family: must be one of .*'spiral'\.$"),
         (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[\[task\.objectives\]\] 1 kind: is required"),
         (BODY + "[medium]\nanisotropy_ratio = 1.7\n", r"\[medium\] anisotropy_ratio: .*Swap tangential and normal"),
+        (BODY + MEDIUM + "[gait]\na = 1e20\n", r"\[gait\] a: must be within \+-100000, got 1e\+20\. Joint angles of"),
+        (BODY + MEDIUM + "[gait]\nxi = 1e300\n", r"\[gait\] xi: must be within"),
+        (BODY + MEDIUM + "[gait]\ntheta = 1e18\n", r"\[gait\] theta: must be within"),
+        (BODY + MEDIUM + "[task.bounds]\na = [0.0, 1e20]\n", r"\[task\.bounds\] a: must be within"),
+        (
+            BODY + MEDIUM + "[gait]\nfamily = 'fourier'\nw = [[0, 0, -1e9, 0, 0], [0, 0, 0, 0, 0]]\n",
+            r"\] w: must be within",
+        ),
+        (BODY + MEDIUM + "[gait]\nfamily = 'fourier'\norders = [1, 1]\n", r"orders: each order may be there once"),
+        (
+            BODY + MEDIUM + FOURIER + "[task]\nsteps = 6\n",
+            r"\[gait\] `orders` \[1, 3\] need task\.steps of more than 6",
+        ),
+        (
+            BODY + MEDIUM + FOURIER + "angles = [[0, 0, 0, 0, 0]]\n",
+            r"\[gait\] `angles` needs 3 rows, one per joint, got 1",
+        ),
+        (BODY + MEDIUM + SPLINE, r"\[gait\] `angles` needs 3 numbers in every row, one per joint, got 1"),
     ],
 )
 def test_a_fault_in_a_problem_file_is_located_and_named(tmp_path: Path, text: str, message: str) -> None:
@@ -339,6 +359,14 @@ def test_a_fault_in_a_problem_file_is_located_and_named(tmp_path: Path, text: st
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message):
         load(path)
+
+
+def test_orders_that_the_rows_show_and_large_numbers_that_mean_something_are_taken() -> None:
+    assert problem("reference", "gait.theta=-1e5", "gait.a=1e5").gait.theta == -1e5
+    fourier = "gait.family=fourier-joints", "gait.orders=[1, 3]"
+    asked = problem("reference", *fourier, "task.steps=7")
+    with pytest.raises(InputError, match=r"`orders` \[4\] need task\.steps of more than 8"):
+        asked.family_of(asked.gait.model_copy(update={"orders": (4,)}))
 
 
 def test_assignments_go_before_the_file_and_are_checked_like_it() -> None:

@@ -153,3 +153,56 @@ def test_vertices_of_an_opened_nlp_are_those_of_the_simulation(family: str) -> N
     np.testing.assert_allclose(head[:, 0], expected[-1, -1], atol=1e-12)
     assert len(repr(nlp)) < 100
     assert len(repr(problem)) < 100
+
+
+SMALL = ["task.steps=20", "body.vertices=5", "task.c=0.5"]
+
+
+def test_a_problem_may_be_named_by_its_file_wherever_it_is_taken() -> None:
+    assert sp.simulate(REFERENCE).trajectory.displacement == sp.simulate(sp.load(REFERENCE)).trajectory.displacement
+    with pytest.raises(InputError, match=r"nowhere\.toml: no such file"):
+        sp.solve("nowhere.toml")
+    assert len(repr(sp.gait_nlp(str(REFERENCE)))) < 200
+
+
+PROBLEM = sp.load(PROBLEMS / "reference-optimum.toml", set=SMALL)
+MISUSE = {
+    "set is a word": (lambda: sp.load(REFERENCE, set="task.c=1"), r"`set` must be a list .* got 'task\.c=1'"),
+    "set is a dict": (lambda: sp.load(REFERENCE, set={"task.c": 1}), r"`set` must be a list"),
+    "set has a number": (lambda: sp.load(REFERENCE, set=[1]), r"`set` must be a list"),
+    "loaded twice": (lambda: sp.load(PROBLEM), r"takes the path of a file, got Problem\. Is it read already"),
+    "no problem": (lambda: sp.solve(None), r"`problem` must be what sp\.load\(path\) gives, .* got NoneType"),
+    "starts in part": (lambda: sp.solve(PROBLEM, starts=1.5), r"`starts` must be a whole number, 1 or more, got 1\.5"),
+    "starts in words": (lambda: sp.solve(PROBLEM, starts="3"), r"`starts` must be .* got '3'"),
+    "a gait for starts": (lambda: sp.solve(PROBLEM, PROBLEM.gait), r"`starts` must be .* got EllipseGait"),
+    "seed below zero": (lambda: sp.solve(PROBLEM, seed=-1), r"`seed` must be a whole number, 0 or more, got -1"),
+    "parameters for a gait": (lambda: sp.solve_from(PROBLEM, np.ones(6)), r"`gait` must be a gait, .* got ndarray"),
+    "improve a gait": (lambda: sp.improve(PROBLEM, PROBLEM.gait), r"`count` must be .* solve_from\(problem, gait\)"),
+    "improve none": (lambda: sp.improve(PROBLEM, 0), r"`count` must be a whole number, 1 or more, got 0"),
+    "improve too far": (lambda: sp.improve(PROBLEM, 1, 2), r"`fraction` \(--within\) must be in"),
+    "no c": (lambda: sp.sweep(PROBLEM, []), r"`values` must be one c or more"),
+    "c below zero": (lambda: sp.sweep(PROBLEM, [-1.0]), r"`values` must be .* none of them negative, got \[-1\.0\]"),
+    "starts of a sweep": (lambda: sp.sweep(PROBLEM, [0.5], starts=1.5), r"`starts` must be"),
+    "a problem for a model": (
+        lambda: sp.simulate_joint_angles(PROBLEM, np.zeros((5, 3))), r"got Problem\. Of a problem: problem\.model"),
+    "steps of a problem": (lambda: sp.step_functions(PROBLEM), r"`model` must be a Model, got Problem"),
+    "a motion to write": (lambda: sp.write_simulation("x", sp.simulate(PROBLEM).trajectory), r"must be a Simulation"),
+    "starts to write": (lambda: sp.write_solution("x", sp.solve(PROBLEM, starts=1)), r"Of many starts .* found\.best"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MISUSE)
+def test_misuse_is_refused_in_words(name: str) -> None:
+    call, said = MISUSE[name]
+    with pytest.raises(InputError, match=said):
+        call()
+
+
+def test_what_is_printed_is_short() -> None:
+    rows = [[0.1] * 3] * 20
+    table = sp.load(REFERENCE, set=[*SMALL, f"gait={{family='table',angles={rows}}}"])
+    for printed in (PROBLEM, table, table.gait, sp.sweep(PROBLEM, [0.5], starts=1), sp.improve(PROBLEM, 1)[0]):
+        assert len(str(printed)) < 200
+        assert len(repr(printed)) < 200
+    assert str(PROBLEM) == "<Problem reference-optimum: 5 vertices, ellipse gait, 20 steps>"
+    assert repr(PROBLEM.gait).startswith("EllipseGait(family='ellipse', sigma=")

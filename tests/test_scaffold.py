@@ -76,6 +76,32 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     assert check_table(simulate(problem).table, robot, 5.0, robot.voltage.nominal_V) == []
 
 
+def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    new("problem", tmp_path / "mine.toml", *SIX)
+    limit = load(tmp_path / "mine.toml").body.joint_limit_deg
+    capsys.readouterr()
+    path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"), "--baud-rate", "57600")
+    assert "Assumed, as nobody said: --joint-limit 80, --speed-limit 40.\n" in capsys.readouterr().out
+    text = path.read_text(encoding="utf-8")
+    assert (
+        "# Limits: +-80 degrees at 40 rpm, the same for every joint, as this file was asked for or by default." in text
+    )
+    assert f"# The body in mine.toml bends by {limit:g} degrees: `play` holds that, too." in text
+    new(
+        "robot",
+        tmp_path / "told.toml",
+        "--joints",
+        "6",
+        "--joint-limit",
+        "70",
+        "--speed-limit",
+        "30",
+        "--baud-rate",
+        "57600",
+    )
+    assert "Assumed" not in capsys.readouterr().out
+
+
 def test_a_new_protocol_is_played_in_the_arena_on_the_problems_own_body(tmp_path: Path) -> None:
     problem = new("problem", tmp_path / "robots" / "mine.toml", *SIX)
     words = ["--problem", str(problem), "--trials", "1", "--cycles", "1", "--cycle-duration", "3"]

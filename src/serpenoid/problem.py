@@ -16,6 +16,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
 from serpenoid.files import schema
 from serpenoid.files.inputs import read_bytes
 from serpenoid.files.schema import Record
@@ -139,6 +140,8 @@ class Problem(Record):
         body, task = self.body, self.task
         return f"<Problem {self._name}: {body.vertices} vertices, {self.gait.family} gait, {task.steps} steps>"
 
+    __str__ = __repr__
+
     @model_validator(mode="before")
     @classmethod
     def _bounds_of_the_family(cls, data: Any) -> Any:
@@ -169,6 +172,12 @@ class Problem(Record):
         if size > MOST_POSITIONS:
             raise ValueError(f"task.steps * task.cycles * body.vertices must be at most {MOST_POSITIONS}, is {size}")
         self.model.step_duration(self.task.steps)  # refuses effects that do not fit the body, or lack the clock
+        return self
+
+    @model_validator(mode="after")
+    def _gait_fits(self) -> Self:
+        if (said := self.gait.misfit(self.body.joint_count, self.task.steps)) is not None:
+            raise ValueError(f"[gait] {said}")
         return self
 
     @model_validator(mode="after")
@@ -218,6 +227,8 @@ class Problem(Record):
     def family_of(self, gait: Gait | None = None) -> GaitFamily:
         """The family of `gait` (default the problem's own) for this body and table, within the task's bounds."""
         gait, task = gait or self.gait, self.task
+        if (said := gait.misfit(self.body.joint_count, task.steps)) is not None:
+            raise InputError(f"[gait] {said}.")
         bend = gait.bend if isinstance(gait, LiftedGait) else gait
         bounds = task.bounds if task.bounds.family == bend.family else bend.Bounds(family=bend.family)
         frequency = task.constraints.spatial_frequency
@@ -268,6 +279,11 @@ def load(
     joints that its body does not state stays the problem's.
     Raises InputError that names file, section, key, rule, value and remedy.
     """
+    if not isinstance(path, str | Path) or not isinstance(model, str | Path | None):
+        got = type(path if not isinstance(path, str | Path) else model).__name__
+        raise InputError(f"sp.load: takes the path of a file, got {got}. Is it read already?")
+    if not isinstance(set, list | tuple | None) or not all(isinstance(assignment, str) for assignment in set or []):
+        raise InputError(f"`set` must be a list of assignments, set=['task.c=0.5'], got {set!r}.")
     path = Path(path)
     data = schema.read_toml(path, "problem")
     if model is not None:

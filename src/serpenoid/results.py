@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.errors import InputError
+from serpenoid.errors import InputError, of_kind
 from serpenoid.files.inputs import read_json
 from serpenoid.files.writing import provenance, short_hash, write_csv, write_json
 from serpenoid.gaits import Gait
 from serpenoid.performance import electrical_cost_of_transport, lighthill_efficiency
 from serpenoid.problem import Problem
-from serpenoid.self_contact import crosses_itself
+from serpenoid.self_contact import crossing_rows
 from serpenoid.table_file import write_table
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
 
@@ -33,6 +33,9 @@ def default_folder(problem: Problem, verb: str, *options: Any) -> Path:
 
 def write_simulation(folder: str | Path, simulation: Simulation, figures: bool = True) -> dict[str, Any]:
     """Write a simulation's folder and return its record."""
+    from serpenoid.simulation.problem import Simulation
+
+    of_kind("simulation", simulation, Simulation, "It is what sp.simulate gives.")
     problem, trajectory = simulation.problem, simulation.trajectory
     gait = problem.family_of().like  # as it is lifted, where it is
     record = _record(problem, trajectory, gait, "simulation", trajectory.status.name, trajectory.status.value)
@@ -52,6 +55,9 @@ def write_solution(
     folder: str | Path, solution: Solution, figures: bool = True, summary: dict[str, Any] | None = None
 ) -> dict[str, Any]:
     """Write an optimum's folder and return its record; `summary` (of a multi-start, say) is added to it."""
+    from serpenoid.optimise.solution import Solution
+
+    of_kind("solution", solution, Solution, "Of many starts it is found.best.")
     record = solution_record(solution) | (summary or {})
     _write(Path(folder), record, solution.table, solution.trajectory)
     if figures:
@@ -115,19 +121,6 @@ def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, An
     if not isinstance(record, dict):
         raise InputError(f"{path}: is not a record of this package.")
     return record
-
-
-def crossing_rows(trajectory: Trajectory) -> int:
-    """In how many rows of the table the chain crosses itself: no real body can play those."""
-    rows = trajectory.vertices[: trajectory.steps_per_cycle, :, :2]
-    return int(crosses_itself(rows).sum()) if np.isfinite(rows).all() else 0
-
-
-def crossing_warning(trajectory: Trajectory) -> list[str]:
-    """A line for the user where the gait cannot be played, else nothing."""
-    rows = crossing_rows(trajectory)
-    remedy = "lower the joint limits or the amplitude, or raise c"
-    return [f"warning           the body crosses itself in {rows} row(s) of the table: {remedy}"] if rows else []
 
 
 def weight_warning(problem: Problem) -> list[str]:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from serpenoid.body import Floats
+
+if TYPE_CHECKING:
+    from serpenoid.trajectory import Trajectory
 
 
 def crosses_itself(vertices: Floats) -> np.ndarray:
@@ -24,3 +29,16 @@ def _side(a: Floats, b: Floats, p: Floats) -> Floats:
     """On which side of the line a-b the point p lies, by sign."""
     along, to = b - a, p - a
     return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
+
+
+def crossing_rows(trajectory: Trajectory) -> int:
+    """In how many rows of the table the chain crosses itself: no real body can play those."""
+    rows = trajectory.vertices[: trajectory.steps_per_cycle, :, :2]
+    return int(crosses_itself(rows).sum()) if np.isfinite(rows).all() else 0
+
+
+def crossing_warning(trajectory: Trajectory) -> list[str]:
+    """A line for the user where the gait cannot be played, else nothing."""
+    rows = crossing_rows(trajectory)
+    remedy = "lower the joint limits or the amplitude, or raise c"
+    return [f"warning           the body crosses itself in {rows} row(s) of the table: {remedy}"] if rows else []

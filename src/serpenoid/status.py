@@ -13,6 +13,10 @@ class Status(Enum):
     STEP_UNSOLVED = "a step has no root within the tolerance: use more steps per cycle, or a smaller amplitude"
     BAD_SHAPE = "a shape has an edge of length zero or a number that is not finite: check the joint table"
     NOT_CONVERGED = "IPOPT did not converge: try another start (--seed), fewer constraints or a lower amplitude"
+    NOT_A_NUMBER = (
+        "what is asked is not a number (NaN) at this gait: of your own terms, keep roots, logarithms and quotients "
+        "defined for every gait, or try another start"
+    )
     INFEASIBLE = "no start met all constraints: relax a limit, a bound or a demand, or try more starts"
     RESIMULATION_DISAGREES = "step-by-step simulation does not confirm the optimum: use more steps per cycle"
     NOT_STATIONARY = "the optimality conditions do not hold to 1e-8: try another start, or free a bound"

@@ -106,6 +106,18 @@ def test_a_folder_with_other_things_is_no_answer(tmp_path: Path) -> None:
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
+def test_a_table_that_is_no_answer_is_not_written_over(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "joint_table.csv").write_text("mine")
+    monkeypatch.chdir(tmp_path)
+    for more in ([], ["--force"]):
+        assert simulated(Path("."), *more) == 2
+        assert "--out .: is no results folder, and holds another joint_table.csv" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["joint_table.csv"]
+    assert (tmp_path / "joint_table.csv").read_text() == "mine"
+
+
 def test_an_export_does_not_take_the_place_of_another_gaits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     gaits, out = [tmp_path / "one", tmp_path / "two"], tmp_path / "out"
     assert simulated(gaits[0]) == 0

@@ -67,7 +67,7 @@ def test_bash_completes_verbs_and_options(tmp_path: Path, capsys: pytest.Capture
 
 
 def test_the_log_tells_what_ran_and_how_it_ended(tmp_path: Path) -> None:
-    log = tmp_path / "deep" / "run.log"
+    log = tmp_path / "a" / "run.log"  # in the results folder, which is not there yet
     assert simulated(tmp_path / "a", "--log-file", str(log)) == 0
     assert main(["simulate", "missing.toml", "--log-file", str(log)]) == 2
     text = log.read_text(encoding="utf-8")
@@ -92,9 +92,26 @@ def test_a_crash_leaves_its_traceback_in_the_log(tmp_path: Path) -> None:
 def test_a_log_that_cannot_be_written_is_refused_before_the_work(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert simulated(tmp_path / "a", "--log-file", str(tmp_path)) == 2
-    assert "--log-file" in capsys.readouterr().err
-    assert not (tmp_path / "a").exists()
+    for place, said in (
+        (tmp_path, "cannot be written"),
+        (tmp_path / "typo" / "run.log", "there is no folder"),
+        (tmp_path / "a" / "deeper" / "run.log", "there is no folder"),
+    ):
+        assert simulated(tmp_path / "a", "--log-file", str(place)) == 2
+        err = capsys.readouterr().err
+        assert f"--log-file {place}" in err
+        assert said in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_verbose_is_about_this_package_and_not_about_its_libraries(tmp_path: Path) -> None:
+    """matplotlib alone notes some hundred lines about fonts, filelock two for every lock."""
+    words = ["simulate", REFERENCE, "--out", str(tmp_path / "a"), "-v", "--log-file", str(tmp_path / "run.log")]
+    run = subprocess.run([sys.executable, "-m", "serpenoid", *words], capture_output=True, text=True, check=True)
+    said = [line.split()[1] for line in run.stderr.splitlines() if line.startswith(("DEBUG", "INFO"))]
+    assert "serpenoid:" in said
+    assert all(name.startswith("serpenoid") for name in said)
+    assert "matplotlib" not in (tmp_path / "run.log").read_text(encoding="utf-8")
 
 
 def test_remaining_time_is_the_elapsed_over_the_done_share() -> None:

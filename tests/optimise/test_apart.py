@@ -11,7 +11,6 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.optimise.apart import Pairs
 from serpenoid.optimise.robust import solver_of
-from serpenoid.optimise.solution import SelfClear
 from serpenoid.optimise.solve import solve, starts_of
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.simulation.steps import shape_rows
@@ -97,8 +96,3 @@ def test_a_distance_that_no_shape_keeps_is_refused_when_the_file_is_read() -> No
         problem(*five, 'task.demands=[{kind="self",distance=0.4}]')
     problem(*five, 'task.demands=[{kind="self",distance=0.2}]')
     problem(*five, 'task.demands=[{kind="self",distance=0.4,between=2}]')
-
-
-def test_a_distance_that_is_missed_is_said_with_the_amount() -> None:
-    assert SelfClear(least=0.05, proven=0.05, wanted=0.08).goal == "self missed by 0.0300 body lengths"
-    assert SelfClear(least=0.09, proven=0.08, wanted=0.08).goal == ""

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import casadi as ca
 import numpy as np
 import pytest
 
+from serpenoid.errors import InputError
+from serpenoid.gaits import EllipseGait
 from serpenoid.objectives import Criteria
+from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.solve import solve
+from serpenoid.results import solution_record
+from serpenoid.status import Status
 from specimens import problem
+
+FAMILY = EllipseGait().of(9, 30)
 
 
 def test_a_constraint_of_ones_own_is_met_and_costs() -> None:
@@ -55,3 +64,67 @@ def test_joint_angles_can_be_constrained_as_one_likes() -> None:
     sums = s.table.sum(0)
     assert sums[0] == pytest.approx(sums[-1], abs=1e-8)
     assert np.abs(sums).max() > 1e-3
+
+
+def foreign(of: Criteria) -> None:
+    of.minimise(of.displacement + ca.SX.sym("y"))
+
+
+def off_the_end(of: Criteria) -> None:
+    of.minimise(of.poses[0, 1000])
+
+
+def branching(of: Criteria) -> None:
+    of.minimise(of.displacement if of.dissipation > 1 else of.dissipation)
+
+
+MISTAKES = {  # what customise does: what is said of it
+    lambda of: of.displacement: r"returned SX, which is not looked at\. Call minimise",
+    lambda: None: r"must be a function of one argument.* does not take one argument",
+    "displacement": r"must be a function of one argument.*got str",
+    foreign: r"minimise: `y` is no symbol of these criteria",
+    off_the_end: r"`customise` off_the_end: Slice .* out of bounds with supplied length of 31\. Build it of",
+    branching: r"`customise` branching: Cannot compute the truth value .* ca\.if_else, not if",
+    lambda of: of.minimise("displacement"): r"minimise: takes an expression, got str",
+    lambda of: of.minimise(ca.MX.sym("x")): r"minimise: takes an expression, got casadi\.MX",
+    lambda of: of.also_minimise(of.poses[:2, -1]): r"also_minimise: takes one number, got 2 x 1\. Sum them",
+    lambda of: of.minimise(
+        math.sin(of.displacement)
+    ): r"minimise: is not a number \(NaN\), whatever the gait.*not math",
+    lambda of: of.subject_to(of.displacement, 1.0, 0.0): r"needs lower <= upper, got 1\.0 and 0\.0",
+    lambda of: of.subject_to(of.displacement, np.nan, 1.0): r"needs lower <= upper, got nan and 1\.0",
+    lambda of: of.subject_to(of.displacement, "a", 1.0): r"`lower` must be numbers, got str",
+    lambda of: of.subject_to(of.joint_angles, 0.0, np.ones(3)): r"`upper` must be one number or 270, .* got 3",
+    lambda of: of.keep_clear(lambda points: 3.0): r"keep_clear: must give as many gaps for every point, got 1 for one",
+    lambda of: of.keep_clear(lambda points: points[0, :] + of.dissipation): r"`dissipation` is no symbol",
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES, ids=range(len(MISTAKES)))
+def test_a_mistake_in_a_function_of_ones_own_is_told_in_words(mistake: object) -> None:
+    with pytest.raises(InputError, match=MISTAKES[mistake]):
+        asked(problem("reference-optimum", "task.steps=30").task, FAMILY, mistake)  # type: ignore[arg-type]
+
+
+def test_own_exceptions_of_the_function_pass_as_they_are() -> None:
+    def slip(of: Criteria) -> None:
+        of.displacment  # type: ignore[attr-defined] # noqa: B018
+
+    with pytest.raises(AttributeError, match="displacment"):
+        asked(problem("reference-optimum", "task.steps=30").task, FAMILY, slip)
+
+
+@pytest.mark.parametrize(
+    "add",
+    [
+        lambda of: of.minimise(ca.log(-of.dissipation)),
+        lambda of: of.subject_to(ca.sqrt(of.displacement - 10), 0.0, 1.0),
+    ],
+)
+def test_what_is_not_a_number_is_a_failure_in_words_and_no_cost_of_zero(add: Customise) -> None:
+    found = solve(problem("reference-optimum", "task.steps=30", "body.vertices=5"), starts=2, customise=add)
+    best = found.best
+    assert best.status is Status.NOT_A_NUMBER
+    assert "keep roots, logarithms and quotients defined" in best.message
+    assert np.isnan(best.objective)
+    assert solution_record(best)["cost"] is None

@@ -21,8 +21,6 @@ from serpenoid.model import Model
 from serpenoid.objectives import demands, terms
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
-from serpenoid.objectives.reach import Reach
-from serpenoid.objectives.term import Played
 from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import clearance
@@ -218,28 +216,6 @@ def test_a_heading_is_not_reached_by_a_step_of_a_whole_turn() -> None:
         poses = np.column_stack([np.zeros((9, 2)), heading])[None]
         motion = Batch(poses, np.zeros(1), np.zeros(1), np.ones(1, bool))
         assert (criteria.evaluate(motion, table, table.reshape(1, -1), 0.0)[1][0] == 0) == allowed
-
-
-def test_what_an_obstacle_misses_is_said_with_place_and_step() -> None:
-    points = np.zeros((3, 2, 2))
-    points[:, 1, 0] = 1.0
-    points[2, 1] = (1.0, 0.5)  # a tenth inside the disc, and a step before it not
-    disc = Disc(centre=(1.0, 0.8), radius=0.2, clearance=0.2)
-    moved = Played(np.zeros((3, 3)), points, np.zeros((2, 1)))
-    assert disc.outcome(moved) == "disc missed by 0.1000 body lengths at vertex 1, step 2"
-    assert Disc(centre=(5.0, 0.0), radius=1.0).outcome(moved) == ""
-
-
-@pytest.mark.parametrize(
-    ("left", "said"),
-    [(0.02 + 5e-8, "0.02 body lengths (0.02 allowed)"), (0.02003, "0.02003 body lengths (0.02 allowed)"),
-     (0.02 + 2e-7, "0.0200002 body lengths (0.02 allowed)"), (0.5, "0.5000 body lengths (0.02 allowed)")],
-)  # fmt: skip
-def test_what_is_missed_and_what_is_allowed_have_as_many_digits_as_tell_them_apart(left: float, said: str) -> None:
-    poses = np.zeros((3, 3))
-    poses[-1, 0] = left
-    moved = Played(poses, np.zeros((3, 2, 2)), np.zeros((2, 1)))
-    assert Reach(target=(0.0, 0.0), radius=0.02).outcome(moved) == f"(0, 0) missed by {said}"
 
 
 def test_a_transient_runs_from_shape_to_shape_and_is_not_closed() -> None:

@@ -34,7 +34,9 @@ def nearest(*demands: str) -> tuple[Solution, list[str]]:
 
 
 def missed(words: str) -> float:
-    """The number that follows `missed by`."""
+    """The number that follows `missed by`; nothing where it is met."""
+    if words.endswith("met"):
+        return 0.0
     found = re.search(r"missed by (\S+)", words)
     assert found is not None
     return float(found[1])

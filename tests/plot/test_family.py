@@ -35,9 +35,25 @@ def test_idle_levels_fall_as_c_grows_and_bracket_the_interval(family):
 def test_cost_of_transport_panel_draws_the_costs_and_stars_their_least(family, ax):
     transport.cost_of_transport(family, ax, [0.5])
     cost = (0.5 + family.dissipation) / family.displacement
-    np.testing.assert_array_equal(ax.lines[0].get_ydata(), cost)
-    assert ax.lines[1].get_ydata()[0] == cost.min()
-    assert ax.lines[1].get_xdata()[0] == family.c[cost.argmin()]
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), cost)
+    assert ax.lines[2].get_ydata()[0] == cost.min()
+    assert ax.lines[2].get_xdata()[0] == family.c[cost.argmin()]
+
+
+def test_few_gaits_are_joined_by_a_curve_and_not_by_its_corners(family):
+    """The family's own law says what lies between six gaits; the curve goes through all of them."""
+    few = Family(*(values[::5] for values in (family.c, family.displacement, family.dissipation, family.gaits)))
+    along = few.between()
+    x = along.c / (1 + along.c)
+    cost = (0.5 + (1 - x) ** 2 / 2) / (1 - x**2 / 2)
+    joined = np.interp(along.c, few.c, (0.5 + few.dissipation) / few.displacement)
+    for draw in (lambda ax: transport.cost_of_transport(few, ax, [0.5]), lambda ax: transport.idle_levels(few, ax)):
+        ax = Figure().add_subplot()
+        draw(ax)
+        assert len(ax.lines[0].get_xdata()) > 200
+        assert set(ax.lines[1].get_xdata()) <= set(ax.lines[0].get_xdata())
+    drawn = (0.5 + along.dissipation) / along.displacement
+    assert np.abs(drawn - cost).max() < np.abs(joined - cost).max() / 2
 
 
 def test_pareto_panel_draws_every_gait_and_joins_the_front(family, ax):

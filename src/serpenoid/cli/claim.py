@@ -19,6 +19,7 @@ from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
 from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
 
 REQUEST = "request.json"
+TABLES = "joint_table.csv", "trajectory.csv"  # that somebody may have made by hand, and play from where they are
 # what tells a folder of results from any other
 RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json", "compare.json", "diagnosis.json",
            "in-use.json", "play.json", "campaign.toml", ".arena.json", REQUEST)  # fmt: skip
@@ -40,6 +41,11 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
                 f"{_aside(folder)} by --force."
             )
         move_aside(folder)
+    others = [] if held else [name for name in TABLES if (folder / name).exists()]
+    if others:
+        raise InputError(
+            f"--out {folder}: is no results folder, and holds another {' and '.join(others)}. Name another folder."
+        )
     clear_unfinished(folder)
     args.requests = [*getattr(args, "requests", []), (folder, request)]
     return folder

@@ -43,18 +43,23 @@ class _LogFile(logging.FileHandler):
 
 
 def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
-    """Loggers as -v, --quiet and --log-file ask for; closing what is returned closes the file."""
-    screen = logging.DEBUG if args.verbose else logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
-    logging.basicConfig(level=screen, format="%(levelname)s %(name)s: %(message)s")
+    """Loggers as -v, --quiet and --log-file ask for; closing what is returned closes the file.
+
+    What libraries note to themselves is no part of it: -v and --log-file are about this package's own loggers.
+    """
+    others = logging.ERROR if getattr(args, "quiet", False) else logging.WARNING
+    logging.basicConfig(level=others, format="%(levelname)s %(name)s: %(message)s")
     stack = ExitStack()
-    if args.log_file is None:
+    if args.log_file is None and not args.verbose:
         return stack
-    handler = _handler(args.log_file)
-    for existing in logging.getLogger().handlers:
-        existing.setLevel(screen)
+    handler = None if args.log_file is None else _handler(args.log_file, getattr(args, "out", None))
     log.setLevel(logging.DEBUG)
-    log.addHandler(handler)
     stack.callback(log.setLevel, logging.NOTSET)
+    if handler is None:
+        return stack
+    for existing in logging.getLogger().handlers:
+        existing.setLevel(logging.DEBUG if args.verbose else others)
+    log.addHandler(handler)
     stack.callback(handler.close)
     stack.callback(log.removeHandler, handler)
     log.info("serpenoid %s, Python %s on %s", __version__, platform.python_version(), platform.platform())
@@ -62,7 +67,10 @@ def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
     return stack
 
 
-def _handler(path: Path) -> logging.FileHandler:
+def _handler(path: Path, out: str | Path | None) -> logging.FileHandler:
+    """A folder that is not there is made where it is the one of the results: any other is a slip of the pen."""
+    if not path.parent.exists() and (out is None or path.parent.absolute() != Path(out).absolute()):
+        raise InputError(f"--log-file {path}: there is no folder {path.parent}. Make it, or name one that is there.")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handler = _LogFile(path, encoding="utf-8")

@@ -52,14 +52,18 @@ def run(args: argparse.Namespace) -> int:
     if not (talks or args.yes) and any(getattr(args, q.name.replace("-", "_")) is None for q in template.questions):
         options.complain("this is no terminal, so nothing is asked: options answer, and the rest has its defaults.")
     answers: dict[str, Any] = {}
+    assumed = []
     for question in template.questions:
         given = getattr(args, question.name.replace("-", "_"))
-        asked = talks and given is None
-        answers[question.name] = (
-            _ask(question) if asked else question.value(question.default if given is None else given)
-        )
+        wanted = given is None and answers.get(question.unless) is None
+        if wanted and talks:
+            answers[question.name] = _ask(question)
+            continue
+        answers[question.name] = question.value(question.default if given is None else given)
+        assumed += [f"--{question.name} {question.default}"] if wanted and question.default else []
     first = template.write(path, answers)
-    sys.stdout.write("\n".join([str(path), *_length(args.file, path), f"Begin: {first}", ""]))
+    unsaid = [f"Assumed, as nobody said: {', '.join(assumed)}."] if assumed else []
+    sys.stdout.write("\n".join([str(path), *unsaid, *_length(args.file, path), f"Begin: {first}", ""]))
     return 0
 
 

@@ -30,9 +30,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
+    from serpenoid.cli.goals import asked_lines
     from serpenoid.joint_limits import limit_lines
     from serpenoid.problem import load
-    from serpenoid.results import crossing_warning, default_folder, weight_warning, write_simulation
+    from serpenoid.results import default_folder, weight_warning, write_simulation
+    from serpenoid.self_contact import crossing_warning
     from serpenoid.simulation.problem import simulate
     from serpenoid.trajectory import floor_lines
 
@@ -47,12 +49,13 @@ def run(args: argparse.Namespace) -> int:
         options.report(args, record, [])
         return 1
     lines = [
-        f"displacement      {motion.displacement:.6f} body lengths ({problem.task.cycles} cycle(s))",
-        f"forward part      {motion.forward_displacement:+.6f} body lengths along the mean heading",
+        f"displacement      {motion.displacement:z.6f} body lengths ({problem.task.cycles} cycle(s))",
+        f"forward part      {motion.forward_displacement:+z.6f} body lengths along the mean heading",
         f"heading change    {options.signed(motion.heading_change)} rad",
-        f"dissipation T*E   {motion.dissipation:.6f}   (raw E {motion.energy_raw:.6g})",
+        f"dissipation T*E   {motion.dissipation:z.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
         *_rows_lines(problem, len(result.table)),
+        *asked_lines(problem, result.table, motion),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
         *crossing_warning(motion),

@@ -34,7 +34,6 @@ from serpenoid.cli.claim import sign
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines, summary
 
 if TYPE_CHECKING:
-    from serpenoid.objectives.term import Goal
     from serpenoid.optimise.multistart import MultiStart
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
@@ -93,7 +92,8 @@ def _check_together(args: argparse.Namespace) -> None:
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.joint_limits import limit_lines
     from serpenoid.optimise.solve import refine_best
-    from serpenoid.results import crossing_warning, default_folder, weight_warning, write_solution
+    from serpenoid.results import default_folder, weight_warning, write_solution
+    from serpenoid.self_contact import crossing_warning
     from serpenoid.status import Status
     from serpenoid.studies.many_starts import write_starts
 
@@ -200,17 +200,13 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[str]:
-    from serpenoid.objectives.term import Played
+    from serpenoid.cli.goals import clear_lines, goal_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
     kept = f", {result.kept} of them kept from an earlier run" * bool(result.kept)
-    goals: list[Goal] = [*task.objectives, *task.demands]
-    played = Played(best.trajectory.poses, best.trajectory.vertices, best.table)
-    outcomes = [goal.outcome(played) for goal in goals]
-    outcomes += [best.self_clearance.goal] if best.self_clearance else []
     went = best.trajectory.displacement, best.trajectory.dissipation
     efficiency = None if best.trajectory.stands_still else lighthill_efficiency(best.problem, *went)
     return [
@@ -221,15 +217,14 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:z.6f} at c = {best.c:g}",
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
-        *(f"goal              {words}" for words in outcomes if words),
+        *goal_lines(best.problem, best.table, best.trajectory, best.self_clearance),
         *_case_lines(best),
         *floor_lines(best.trajectory),
         f"gait              {best.gait.words}",
         *bound_lines(best.at_bounds),
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
-        *([f"clearance         {best.clearance.words}"] if best.clearance else []),
-        *([f"from itself       {best.self_clearance.words}"] if best.self_clearance else []),
+        *clear_lines(best.clearance, best.self_clearance),
         f"mesh              {best.mesh.words}",
         *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",

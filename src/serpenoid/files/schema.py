@@ -197,7 +197,8 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     if not place:
         return f"{message}."
     rule, _, remedy = message.partition("; ")
-    return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}' if remedy else ''}"
+    end = "" if remedy.endswith("?") else "."
+    return f"{place}: {rule}{shown}.{f' {remedy[0].upper()}{remedy[1:]}{end}' if remedy else ''}"
 
 
 def _place(where: Sequence[str | int], is_section: bool) -> str:

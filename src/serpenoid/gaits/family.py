@@ -17,46 +17,34 @@ from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
-from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.files.schema import Record
+from serpenoid.gaits.bounds import GaitBounds, GaitNumbers
 
+LONGEST = 200  # characters of a gait that is printed whole
 Coordinates = Literal["serpenoid", "joints", "lifted"]
 
 
-class GaitBounds(Record):
-    """Where the optimiser may look; each family has its own, in `[task.bounds]`."""
-
-    family: str
-
-    def fixed(self, **pairs: tuple[float, float]) -> Self:
-        """The same bounds with some of them replaced."""
-        return self.model_copy(update=pairs)
-
-
-class AngleBounds(GaitBounds):
-    """Bounds of families whose parameters are joint angles, or coefficients of them."""
-
-    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every joint angle, or coefficient [rad]")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.angle[0] > self.angle[1]:
-            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
-        return self
-
-
-class Gait(Record):
+class Gait(GaitNumbers):
     """One gait as a problem file gives it, and as a solution reports it."""
 
     Bounds: ClassVar[type[GaitBounds]]
     named: ClassVar[bool] = True  # in files, by its `family`
     family: str
 
+    def __repr__(self) -> str:
+        text = super().__repr__()
+        return text if len(text) <= LONGEST else f"<{type(self).__name__} {self.words}>"
+
+    __str__ = __repr__
+
     @abstractmethod
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> GaitFamily:
         """The family of this gait for a body of `joints` joints and a table of `rows` rows."""
+
+    def misfit(self, joints: int, steps: int) -> str | None:
+        """Why it is no gait of a body with so many joints and a cycle of so many steps; None: it is."""
+        return None
 
     def curve(self, phases: Floats) -> Floats | None:
         """(w1, w2) at `phases` [cycles], shape (n,) -> (n, 2), if the gait is a curve in that space."""

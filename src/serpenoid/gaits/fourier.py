@@ -13,14 +13,30 @@ from typing import Annotated, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.gaits.ellipse import EllipseGait
 from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
 
 Range = tuple[float, float]
-Orders = Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=1)]
+
+
+def _each_once(orders: tuple[int, ...]) -> tuple[int, ...]:
+    if len(set(orders)) < len(orders):
+        raise ValueError("each order may be there once; two of the same are one, of the sum of their coefficients")
+    return orders
+
+
+Orders = Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=1), AfterValidator(_each_once)]
+
+
+def aliased(orders: tuple[int, ...], steps: int) -> str | None:
+    """Of an order that rows cannot tell from a lower one: at k = T / 2 its sine is zero in all of them."""
+    if 2 * max(orders) < steps:
+        return None
+    wanted = f"task.steps of more than {2 * max(orders)}, twice the highest"
+    return f"`orders` {list(orders)} need {wanted}, got {steps}; leave it out, or raise task.steps"
 
 
 class FourierBounds(GaitBounds):
@@ -71,6 +87,10 @@ class FourierGait(Gait):
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> FourierFamily:
         """Series of the same orders and number of modes."""
         return FourierFamily(self, joints, rows, bounds or FourierBounds(), closed)
+
+    def misfit(self, joints: int, steps: int) -> str | None:
+        """Orders that the rows do not show."""
+        return aliased(self.orders, steps)
 
     def curve(self, phases: Floats) -> Floats | None:
         """(w1, w2) of a gait with one mode."""

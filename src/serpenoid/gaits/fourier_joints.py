@@ -10,8 +10,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
-from serpenoid.gaits.fourier import Orders, waves
+from serpenoid.gaits.bounds import AngleBounds, GaitBounds
+from serpenoid.gaits.family import Gait, GaitFamily
+from serpenoid.gaits.fourier import Orders, aliased, waves
 
 
 class JointSeriesBounds(AngleBounds):
@@ -43,10 +44,14 @@ class JointSeriesGait(Gait):
             raise ValueError(f"`angles` needs rows of {columns} numbers: mean, cosine and sine of every order")
         return self
 
+    def misfit(self, joints: int, steps: int) -> str | None:
+        """Rows for other joints, orders that the rows of the table do not show."""
+        if self.angles is not None and len(self.angles) != joints:
+            return f"`angles` needs {joints} rows, one per joint, got {len(self.angles)}"
+        return aliased(self.orders, steps)
+
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> JointSeriesFamily:
         """Series of the same orders."""
-        if self.angles is not None and len(self.angles) != joints:
-            raise ValueError(f"`angles` needs {joints} rows, one per joint, got {len(self.angles)}")
         return JointSeriesFamily(self, joints, rows, bounds or JointSeriesBounds(), closed)
 
     @classmethod

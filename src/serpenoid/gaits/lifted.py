@@ -62,6 +62,10 @@ class LiftedGait(Gait):
     bias: float
     lift: Lift
 
+    def misfit(self, joints: int, steps: int) -> str | None:
+        """Of the bending."""
+        return self.bend.misfit(joints, steps)
+
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> LiftedFamily:
         """Both waves, for a body of `joints` joints that turn and as many that pitch; bounds: of the bending."""
         return LiftedFamily(self, 2 * joints, rows, bounds or self.bend.Bounds(family=self.bend.family), closed)

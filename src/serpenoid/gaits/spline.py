@@ -13,7 +13,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.bounds import AngleBounds, GaitBounds
+from serpenoid.gaits.family import Gait, GaitFamily
 
 
 class SplineBounds(AngleBounds):
@@ -36,6 +37,11 @@ class SplineGait(Gait):
         if self.angles is not None and len(self.angles) != self.points:
             raise ValueError(f"`angles` needs {self.points} rows, one per control point, got {len(self.angles)}")
         return self
+
+    def misfit(self, joints: int, steps: int) -> str | None:
+        """Control points of other joints."""
+        widths = sorted({len(row) for row in self.angles or ()} - {joints})
+        return f"`angles` needs {joints} numbers in every row, one per joint, got {widths[0]}" if widths else None
 
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> SplineFamily:
         """Splines with as many control points."""

@@ -14,7 +14,8 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.gaits.family import AngleBounds, Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.bounds import AngleBounds, GaitBounds
+from serpenoid.gaits.family import Gait, GaitFamily
 
 HARMONICS = 3  # of a random start: a smooth table
 SPREAD = 0.3  # rad: standard deviation of a random start's first harmonic

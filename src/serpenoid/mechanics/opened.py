@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from serpenoid.errors import InputError
+from serpenoid.errors import InputError, of_kind
 from serpenoid.mechanics import functions
 from serpenoid.model import Model
 
@@ -16,7 +16,7 @@ def step_functions(model: Model) -> dict[str, ca.Function]:
 
     InputError where the model has effects: these Functions are the baseline's, and silence would mislead.
     """
-    if model.effects:
+    if of_kind("model", model, Model, "Of a problem: problem.model.").effects:
         names = ", ".join(dict.fromkeys(effect.name for effect in model.effects))
         raise InputError(
             f"step functions are the baseline's, and this model has effects ({names}). Simulate, solve or open "

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
+from serpenoid.objectives.checked import expression as checked
+from serpenoid.objectives.checked import interval, scalar
 from serpenoid.objectives.frames import composed, place, placed
 
 
@@ -56,7 +59,7 @@ class Criteria:
     gait: ca.SX = field(init=False)
     c: ca.SX = field(init=False)
     objective: ca.SX = field(init=False)
-    added: list[tuple[ca.SX, Floats | float, Floats | float]] = field(init=False, default_factory=list)
+    added: list[tuple[ca.SX, Floats, Floats]] = field(init=False, default_factory=list)
 
     clear_of: list[Gaps] = field(init=False, default_factory=list)
 
@@ -69,6 +72,11 @@ class Criteria:
         self.dissipation, self.c = ca.SX.sym("dissipation"), ca.SX.sym("c")
         self.gait = ca.SX.sym("gait", self.size)
         self.objective = ca.SX(0)
+
+    @cached_property
+    def _known(self) -> set[int]:
+        """All symbols, by element."""
+        return {element.element_hash() for element in ca.symvar(ca.vertcat(*self.inputs))}
 
     @property
     def displacement(self) -> ca.SX:
@@ -127,15 +135,16 @@ class Criteria:
 
     def minimise(self, expression: ca.SX) -> None:
         """Replace the objective."""
-        self.objective = expression
+        self.objective = scalar(expression, "minimise", self._known)
 
     def also_minimise(self, expression: ca.SX) -> None:
         """Add to the objective."""
-        self.objective = self.objective + expression
+        self.objective = self.objective + scalar(expression, "also_minimise", self._known)
 
     def subject_to(self, expression: ca.SX, lower: Floats | float, upper: Floats | float) -> None:
         """Add `lower <= expression <= upper` (scalars or columns)."""
-        self.added.append((ca.vec(ca.SX(expression)), lower, upper))
+        column = ca.vec(checked(expression, "subject_to", self._known))
+        self.added.append((column, *interval(lower, upper, column.numel())))
 
     def keep_clear(self, gaps: Callable[[ca.SX], ca.SX], convex: bool = False) -> None:
         """Keep `gaps` of all points of the body in the world from falling below zero at any time; see `Gaps`."""

@@ -8,7 +8,7 @@ import casadi as ca
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Played, Term
+from serpenoid.objectives.term import Played, Term, told
 
 
 class Heading(Term):
@@ -26,4 +26,4 @@ class Heading(Term):
     def outcome(self, played: Played) -> str:
         """How far from the heading it ends."""
         left = self.cycles * float(played.poses[-1, 2]) - self.target_rad
-        return f"heading {self.target_rad:g} rad missed by {left:+.4f}"
+        return told(f"heading {self.target_rad:g} rad", left, "rad")

@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand, Played, miss
+from serpenoid.objectives.term import Demand, Played, told
 
 Point = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
@@ -53,13 +53,13 @@ class Obstacle(Demand):
         of.keep_clear(lambda points: ca.vec(self.distances(points)) - self.clearance, convex=True)
 
     def outcome(self, played: Played) -> str:
-        """How deep a vertex comes into what it should keep clear of, and at which step; empty: none does."""
-        points = np.asarray(played.vertices)
+        """Whether vertices keep clear at all steps, or how deep one comes into what it should keep clear of."""
+        points, words = np.asarray(played.vertices), f"clearance of {self.kind}"
         gaps = self.gap(points.reshape(-1, 2)).reshape(points.shape[:2]) - self.clearance
         if gaps.min() >= -DEEP:
-            return ""
+            return f"{words} met at every vertex and step"
         step, vertex = np.unravel_index(gaps.argmin(), gaps.shape)
-        return f"{self.kind} missed by {miss(-gaps.min())} body lengths at vertex {vertex}, step {step}"
+        return f"{told(words, -gaps.min())} at vertex {vertex}, step {step}"
 
 
 class Disc(Obstacle):

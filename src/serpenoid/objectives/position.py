@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Played, Term, after
+from serpenoid.objectives.term import Played, Term, after, told
 
 
 class Position(Term):
@@ -26,4 +26,4 @@ class Position(Term):
     def outcome(self, played: Played) -> str:
         """How far from the target it ends."""
         left = np.hypot(*(after(played.poses, self.cycles)[:2] - self.target))
-        return f"({self.target[0]:g}, {self.target[1]:g}) missed by {left:.4f} body lengths"
+        return told(f"({self.target[0]:g}, {self.target[1]:g})", float(left))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, after, beside, miss
+from serpenoid.objectives.term import NOTHING, Ask, Demand, Played, Rows, after, beside, told
 
 
 class Reach(Demand):
@@ -35,14 +35,17 @@ class Reach(Demand):
             of.subject_to(pose[2] - self.heading_rad, 0.0, 0.0)
 
     def outcome(self, played: Played) -> str:
-        """How far from the target it is then, beside the radius that is allowed."""
+        """Whether the target is met, and how far away it is then, beside the radius that is allowed."""
         poses = played.poses
         pose = after(poses, self.cycles) if self.at == 1 else poses[self._row(len(poses) - 1)]
         left = np.hypot(*(pose[:2] - self.target))
         place = f"({self.target[0]:g}, {self.target[1]:g})"
-        turn = "" if self.heading_rad is None else f", heading by {miss(pose[2] - self.heading_rad)} rad"
-        by, allowed = beside(float(left), self.radius)
-        return f"{place} missed by {by} body lengths ({allowed} allowed){turn}"
+        turn = "" if self.heading_rad is None else f"; {told('heading there', pose[2] - self.heading_rad, 'rad')}"
+        if self.radius == 0:
+            return told(place, float(left)) + turn
+        away, allowed = beside(float(left), self.radius)
+        met = "met" if left < self.radius + NOTHING else "missed"
+        return f"{place} {met}: {away} body lengths away, {allowed} allowed{turn}"
 
     def asks(self, rows: Rows) -> list[Ask]:
         """x and y within the radius; at the end of one cycle the displacement."""

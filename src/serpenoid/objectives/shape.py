@@ -10,7 +10,7 @@ from pydantic import Field
 
 from serpenoid.errors import InputError
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, miss
+from serpenoid.objectives.term import Ask, Demand, Played, Rows, told
 
 
 class Shape(Demand):
@@ -32,11 +32,14 @@ class Shape(Demand):
             of.subject_to(bends[:, beside] - bends[:, row], 0.0, 0.0)
 
     def outcome(self, played: Played) -> str:
-        """How far the farthest joint is from its angle."""
-        row = round(self.at * (len(played.poses) - 1)) % len(played.table)
-        bends = played.table[row][: len(self.angles) if self.angles else None]
-        left = np.abs(bends - (0.0 if self.angles is None else np.array(self.angles))).max()
-        return f"shape at {self.at:g} missed by {miss(left)} rad"
+        """How far the farthest joint is from its angle, and with `still` from rest."""
+        bends, row = played.bends, round(self.at * played.steps) % len(played.table)
+        left = np.abs(bends[row] - (0.0 if self.angles is None else np.array(self.angles))).max()
+        words = told(f"shape at {self.at:g}", left, "rad")
+        if not self.still:
+            return words
+        beside = row + 1 if row + 1 < len(bends) else row - 1
+        return f"{words}; {told('rest there', np.abs(bends[beside] - bends[row]).max(), 'rad')}"
 
     def asks(self, rows: Rows) -> list[Ask]:
         """Every joint angle of the row."""

@@ -20,14 +20,24 @@ NOTHING = 1e-7  # body lengths or radians: KKT conditions hold to 1e-8, with fac
 
 @dataclass(frozen=True)
 class Played:
-    """A motion from the origin: poses (T + 1, 3), vertices (T + 1, N, 2) and the joint table (R, m) that made it.
+    """A cycle's motion from the origin: poses (T + 1, 3), vertices (T + 1, N, 2), the joint table (R, m) that made it.
 
-    In space poses have six numbers, see `frames`, and vertices three.
+    In space poses have six numbers, see `frames`, vertices three, and the table pitches after the yaws.
     """
 
     poses: Floats
     vertices: Floats
     table: Floats
+
+    @property
+    def steps(self) -> int:
+        """T."""
+        return len(self.poses) - 1
+
+    @property
+    def bends(self) -> Floats:
+        """Joint angles (R, m) in the body's own plane."""
+        return self.table if self.poses.shape[1] == 3 else self.table[:, : self.table.shape[1] // 2]
 
 
 @dataclass(frozen=True)
@@ -88,6 +98,11 @@ class Demand(Goal):
 def miss(amount: float, digits: int = 4) -> str:
     """An amount by which something is missed: zero where it is less than the optimiser leaves of a constraint."""
     return "0" if abs(amount) < NOTHING else f"{amount:.{digits}f}" if abs(amount) >= 10**-digits else f"{amount:.0e}"
+
+
+def told(what: str, off: float, unit: str = "body lengths") -> str:
+    """`what` is met, or by how much it is missed."""
+    return f"{what} met" if abs(off) < NOTHING else f"{what} missed by {miss(off)} {unit}"
 
 
 def beside(amount: float, allowed: float) -> tuple[str, str]:

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, miss
+from serpenoid.objectives.term import Ask, Demand, Played, Rows, told
 
 
 class Travel(Demand):
@@ -38,4 +38,4 @@ class Travel(Demand):
         way = float(np.hypot(*played.poses[-1, :2]))
         beyond = max(self.least - way, way - self.most, 0.0)
         ends = f"{self.least:g}" if self.least == self.most else f"{self.least:g} to {self.most:g}"
-        return f"displacement {ends} missed by {miss(beyond)} body lengths"
+        return told(f"displacement {ends}", beyond)

@@ -9,6 +9,7 @@ Legend: R rows, T steps, N vertices, n edges, P pairs of edges, m joints.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,9 +19,12 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.model import Model
 from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.self_clearance import SelfClearance
+from serpenoid.objectives.term import Demand
 from serpenoid.optimise.between import Between
 from serpenoid.optimise.clearance import MOST, RESOLUTION, Clearance
 from serpenoid.self_contact import crosses
+from serpenoid.simulation.servos import realise_gait
 
 SHARES = (0.0, 0.5)  # of a step, where pairs that come near are looked for
 TINY = 1e-18
@@ -67,6 +71,13 @@ class Pairs:
         pick = [np.take_along_axis(x, at, 0)[0] for x in (found, vertex, edge)]
         touching = crosses(chains, first, second)
         return np.where(touching, 0.0, pick[0]), pick[1], pick[2]
+
+    def realised(self, table: Floats, closed: bool) -> Floats:
+        """Joint angles that the body has at rows 0 .. T of a commanded table."""
+        if not closed:
+            return table
+        angles = realise_gait(self.model, table)
+        return np.concatenate([angles, angles[:1]])
 
     def least(self, tables: Floats) -> Floats:
         """Smallest distance of closed or open tables (B, T + 1, m), at rows: (B,)."""
@@ -133,6 +144,12 @@ class Pairs:
 
     def _path(self, angles: Floats) -> Between:
         return Between(self.model, np.zeros((1, len(angles), 3)), angles[None])
+
+
+def pairs_of(model: Model, demands: Sequence[Demand]) -> tuple[Pairs, float] | None:
+    """Pairs of edges that demands keep apart, and the distance that suits all of them; None where no demand does."""
+    asked = [d for d in demands if isinstance(d, SelfClearance)]
+    return (Pairs(model, min(d.between for d in asked)), max(d.distance for d in asked)) if asked else None
 
 
 def keep_apart(of: Criteria, watched: tuple[Near, ...], distance: float) -> None:

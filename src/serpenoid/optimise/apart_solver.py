@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.self_clearance import SelfClearance
-from serpenoid.optimise.apart import Near, Pairs, keep_apart
+from serpenoid.optimise.apart import Near, keep_apart, pairs_of
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.clearance import RESOLUTION
 from serpenoid.optimise.interrupt import StopFlag
@@ -26,7 +26,6 @@ from serpenoid.optimise.prepared import Carried
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.problem import Problem
-from serpenoid.simulation.servos import realise_gait
 from serpenoid.status import Status
 
 ROUNDS = 12
@@ -40,9 +39,10 @@ class ApartSolver(GaitSolver):
     def __init__(self, problem: Problem, customise: Customise | None = None, gait: Gait | None = None) -> None:
         super().__init__(problem, customise, gait)
         self._customise, self._gait = customise, gait
-        demands = [d for d in problem.task.demands if isinstance(d, SelfClearance)]
-        self.distance = max(d.distance for d in demands)
-        self.pairs = Pairs(self.model, min(d.between for d in demands))
+        asked = pairs_of(self.model, problem.task.demands)
+        if asked is None:
+            raise InputError("nothing asks the body to keep off itself. Add a demand of kind `self`.")
+        self.pairs, self.distance = asked
 
     def solve(
         self,
@@ -92,15 +92,11 @@ class ApartSolver(GaitSolver):
 
     def self_clearance(self, table: Floats) -> SelfClear | None:
         """Proven at every time."""
-        found = self.pairs.clearance(self._angles(table), self.distance)
-        return SelfClear(found.least, found.proven, self.distance)
+        return SelfClear.of(self.pairs, self.distance, table, self.family.closed)
 
     def _angles(self, table: Floats) -> Floats:
         """Realised joint angles of rows 0 .. T."""
-        if not self.family.closed:
-            return table
-        angles = realise_gait(self.model, table)
-        return np.concatenate([angles, angles[:1]])
+        return self.pairs.realised(table, self.family.closed)
 
     def _with(self, watched: tuple[Near, ...], margin: float) -> Customise:
         def customise(of: Criteria) -> None:

@@ -5,7 +5,6 @@ Legend: B gaits, T steps, m joints, R rows, n gait parameters.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -20,10 +19,9 @@ from serpenoid.mechanics import functions, kinematics
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
+from serpenoid.optimise.customised import Customise, add_own
 from serpenoid.problem import Task
 from serpenoid.simulation.rollout import Batch
-
-Customise = Callable[[Criteria], None]
 
 
 @dataclass(frozen=True)
@@ -36,8 +34,7 @@ class Asked:
     def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper bounds of all constraints."""
         added = self.criteria.added
-        lower = [np.broadcast_to(np.asarray(lo, float).ravel(), e.numel()) for e, lo, _ in added]
-        upper = [np.broadcast_to(np.asarray(hi, float).ravel(), e.numel()) for e, _, hi in added]
+        lower, upper = ([ends[side] for ends in added] for side in (1, 2))
         return np.concatenate([np.zeros(0), *lower]), np.concatenate([np.zeros(0), *upper])
 
     @cached_property
@@ -90,7 +87,7 @@ def asked(task: Task, family: GaitFamily, customise: Customise | None = None, mo
     for demand in task.demands:
         demand.require(criteria)
     if customise is not None:
-        customise(criteria)
+        add_own(customise, criteria)
     return Asked(criteria)
 
 

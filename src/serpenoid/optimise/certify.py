@@ -60,6 +60,8 @@ def certify(
         gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
         status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
     cost = solver.value(answer.q, table, trajectory, c)
+    if trajectory.status.ok and np.isnan(cost):
+        status = Status.NOT_A_NUMBER
     rest = status.ok and polish and rest_cost(solver, answer, c) < cost + GAIN_TOLERANCE
     return Certificate(status, trajectory, table, error, gain, cost, rest)
 

@@ -92,10 +92,11 @@ class GaitMotions:
         return Costs(value, outside, batch.sound, batch)
 
     def value(self, q: Floats, table: Floats, trajectory: Trajectory, c: float) -> float:
-        """The objective of a simulated gait; not a number where the simulation failed."""
+        """The objective of a simulated gait; not a number where the simulation failed, or what is asked is none."""
         poses, dissipation = trajectory.poses[None], np.array([trajectory.dissipation])
         batch = Batch(poses, dissipation, np.array([trajectory.residual]), np.array([trajectory.status.ok]))
-        return float(self.asked.evaluate(batch, table[None], q[None], c)[0][0])
+        value, outside = self.asked.evaluate(batch, table[None], q[None], c)
+        return float(value[0]) if not np.isnan(outside[0]) else np.nan
 
     def pose_error(self, point: Point, trajectory: Trajectory) -> float:
         """Largest difference between the poses of the NLP and those of the simulation."""

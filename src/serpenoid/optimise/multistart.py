@@ -125,7 +125,7 @@ def as_solution(
         table=check.table,
         trajectory=check.trajectory,
         cost=check.cost,
-        objective=outcome.objective,
+        objective=np.nan if status is Status.NOT_A_NUMBER else outcome.objective,  # IPOPT's is 0 there
         residuals=outcome.residuals,
         resimulation_error=check.resimulation_error,
         polishing_gain=check.polishing_gain,

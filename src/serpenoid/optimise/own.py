@@ -8,6 +8,7 @@ tells the same displacement.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -20,6 +21,7 @@ from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.simulation.callers import problem_of
 from serpenoid.simulation.given import finite, shaped
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
@@ -43,11 +45,12 @@ class OwnCertificate(Shown):
         return f"{self.status.value}, {self.trajectory.displacement:.6f} body lengths per cycle"
 
 
-def certify_table(problem: Problem, table: Floats, poses: Floats | None = None) -> OwnCertificate:
+def certify_table(problem: Problem | str | Path, table: Floats, poses: Floats | None = None) -> OwnCertificate:
     """Check a closed joint table (T, m) [rad], and poses (T, 3) or (T + 1, 3) of its cycle [body lengths, rad].
 
     poses: of the body frame (weighted centroid, mean edge angle), from the origin, which may be left out.
     """
+    problem = problem_of(problem)
     table = finite("table", shaped("table", table, (-1, problem.body.joint_count), least=3))
     trajectory = simulate_joint_angles(problem.model, table)
     error = None if poses is None else _apart(trajectory.poses, finite("poses", shaped("poses", poses, (-1, 3))))

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
-from serpenoid.objectives.term import NOTHING, miss
+from serpenoid.objectives.term import NOTHING, told
+from serpenoid.optimise.apart import Pairs
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
@@ -37,9 +38,16 @@ class SelfClear(Clearance):
 
     @property
     def goal(self) -> str:
-        """By how much it is missed, in words; empty where it is met."""
-        by = self.wanted - self.least
-        return f"self missed by {miss(by)} body lengths" if by > NOTHING else ""
+        """Whether it is met, or by how much it is missed, in words."""
+        proven = self.proven >= self.wanted - NOTHING or self.least < self.wanted - NOTHING
+        words = told("distance from itself", max(self.wanted - self.least, 0.0))
+        return words if proven else f"{words} where it was looked, but not proven between"
+
+    @classmethod
+    def of(cls, pairs: Pairs, wanted: float, table: Floats, closed: bool) -> SelfClear:
+        """Of a commanded joint table, proven at every time."""
+        found = pairs.clearance(pairs.realised(table, closed), wanted)
+        return cls(found.least, found.proven, wanted)
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
@@ -20,6 +19,8 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits, within
 from serpenoid.problem import Problem
+from serpenoid.shown import Shown
+from serpenoid.simulation.callers import gait_of, problem_of, whole
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
@@ -30,19 +31,20 @@ MOST_REFINED = 3  # distinct optima better than the best certified one that are 
 
 
 def solve(
-    problem: Problem,
+    problem: Problem | str | Path,
     starts: int = 12,
     seed: int = 0,
     customise: Customise | None = None,
     progress: Progress | None = None,
     folder: str | Path | None = None,
 ) -> MultiStart:
-    """Optimise a problem's gait from `starts` random gaits (the problem's own gait is the first start).
+    """Optimise the gait of a problem, or of its file, from `starts` random gaits (its own gait is the first start).
 
     `customise(criteria)` may add to the objective and the constraints. `progress(done, best)`
     is called after each start. Ctrl-C ends the search and returns what there is. With `folder` each solved start is
     kept there, and taken from there the next time (with `customise` give each choice a folder of its own).
     """
+    problem, starts, seed = problem_of(problem), whole("starts", starts, 1), whole("seed", seed, 0)
     solver = solver_of(problem, customise)
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])
@@ -53,16 +55,15 @@ def solve(
 
 def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:
     """The problem's own gait, if it moves, then random ones, shape (starts, n)."""
-    if starts < 1:
-        raise InputError(f"`starts` must be 1 or more, got {starts}.")
     gaits = random_gaits(solver, starts, seed)
     if solver.family.moves(own := solver.own_start()):
         gaits[0] = own
     return gaits
 
 
-def solve_from(problem: Problem, gait: Gait, customise: Customise | None = None) -> Solution:
+def solve_from(problem: Problem | str | Path, gait: Gait, customise: Customise | None = None) -> Solution:
     """Optimise from one gait, in its family; the answer is certified with polishing."""
+    problem, gait = problem_of(problem), gait_of(gait)
     solver = solver_of(problem, customise, gait)
     start = np.clip(solver.family.start(), *solver.gait_bounds())
     solver.prepare(start)
@@ -106,8 +107,8 @@ def with_steps(problem: Problem, steps: int) -> Problem:
     return problem.model_copy(update={"task": problem.task.model_copy(update={"steps": steps})})
 
 
-@dataclass(frozen=True)
-class Improved:
+@dataclass(frozen=True, repr=False)
+class Improved(Shown):
     """A random gait (q, joint table, motion) and the best gait within a fraction of its own parameters."""
 
     q: Floats
@@ -115,15 +116,21 @@ class Improved:
     trajectory: Trajectory
     solution: Solution
 
+    def summary(self) -> str:
+        """How far the random gait goes, and what became of it."""
+        return f"{self.trajectory.displacement:.6f} body lengths; {self.solution.summary()}"
+
 
 def improve(
-    problem: Problem,
+    problem: Problem | str | Path,
     count: int = 12,
     fraction: float = 0.3,
     seed: int = 0,
     progress: Callable[[int], None] | None = None,
 ) -> list[Improved]:
     """The paper's set: `count` random gaits, each improved within +-`fraction` of its own parameters."""
+    problem, seed = problem_of(problem), whole("seed", seed, 0)
+    count = whole("count", count, 1, "To improve a gait of your own: solve_from(problem, gait).")
     solver = solver_of(problem)
     gaits = random_gaits(solver, count, seed)
     solver.prepare(gaits[0])

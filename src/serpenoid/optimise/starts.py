@@ -18,7 +18,7 @@ def random_gaits(solver: GaitSolver, count: int, seed: int) -> Floats:
 def within(solver: GaitSolver, q: Floats, fraction: float) -> tuple[Floats, Floats]:
     """Bounds of +-fraction of each of the gait's own parameters, inside the problem's bounds."""
     if not 0 < fraction <= 1:
-        raise InputError(f"--within must be in (0, 1], got {fraction}. 0.3 is the paper's +-30 %.")
+        raise InputError(f"`fraction` (--within) must be in (0, 1], got {fraction}. 0.3 is the paper's +-30 %.")
     lower, upper = solver.gait_bounds()
     ends = np.sort(np.stack([q * (1 - fraction), q * (1 + fraction)]), axis=0)
     return np.maximum(lower, ends[0]), np.minimum(upper, ends[1])

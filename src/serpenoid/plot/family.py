@@ -13,12 +13,13 @@ from matplotlib.axes import Axes
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
-from serpenoid.performance import pareto_front
+from serpenoid.performance import between, pareto_front
 from serpenoid.plot.gait import FINE, X_LABEL, Y_LABEL
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, RED, dress, fill_equal
 
 C_LABEL = "dissipation coefficient c"
 DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised, T·E]"
+SAMPLES = 300  # along a curve: two pixels apart
 PARAMETERS = {
     "sigma": (BLUE, "flatness σ"),
     "a": (GREEN, "half axis a [rad / body length]"),
@@ -42,6 +43,12 @@ class Family:
         good = np.flatnonzero(np.isfinite(numbers).all(1))
         order = good[np.argsort(self.c[good], kind="stable")]
         return Family(self.c[order], self.displacement[order], self.dissipation[order], self.gaits[order], self.names)
+
+    def between(self, first: int = 0) -> Family:
+        """What it does between its gaits, from the given one on; parameters of gaits are not interpolated."""
+        at = np.unique(np.concatenate([self.c[first:], np.linspace(self.c[first], self.c[-1], SAMPLES)]))
+        delta, spent = (between(self.c, values, at) for values in (self.displacement, self.dissipation))
+        return Family(at, delta, spent, np.full((at.size, self.gaits.shape[1]), np.nan), self.names)
 
 
 def against_c(family: Family, values: Floats, ax: Axes, label: str, title: str = "", colour: str = BLUE) -> Axes:

@@ -37,13 +37,16 @@ def idle_interval(family: Family, between: tuple[float, float] = BETWEEN) -> tup
 def cost_of_transport(
     family: Family, ax: Axes, idle_levels: Sequence[float], title: str = "Cost of transport (p + D) / Δ"
 ) -> Axes:
-    """A curve per idle level p, its least value starred (hollow at an end of the sweep: it goes on beyond)."""
+    """A curve per idle level p, a dot per gait, the least of these starred (hollow at an end: it goes on beyond)."""
+    along = family.between()
     for p, colour in zip(idle_levels, CHAIN_MAP(np.linspace(0, 1, len(idle_levels))), strict=True):
         cost = normalised_cost_of_transport(family.displacement, family.dissipation, p)
         least = int(cost.argmin())
         inside = 0 < least < cost.size - 1
         star: dict[str, Any] = {"color": colour, "markerfacecolor": colour if inside else "white"}
-        ax.plot(family.c, cost, color=colour, linewidth=1.6)
+        curve = normalised_cost_of_transport(along.displacement, along.dissipation, p)
+        ax.plot(along.c, curve, color=colour, linewidth=1.6)
+        ax.plot(family.c, cost, "o", color=colour, markersize=3)
         ax.plot(family.c[least], cost[least], "*", markersize=12, markeredgecolor=colour, zorder=4, **star)
         ax.annotate(
             f"p = {p:.3g}", (family.c[-1], cost[-1]), xytext=(9, 0), textcoords="offset points", color=INK,
@@ -62,7 +65,9 @@ def cost_of_transport(
 def idle_levels(family: Family, ax: Axes, between: tuple[float, float] = BETWEEN) -> Axes:
     """For each c the idle level it is best for; the levels whose least cost lies `between` two values are shaded."""
     real = family.c > 0
-    ax.semilogy(family.c[real], best_idle(family)[real], "o-", color=BLUE, markersize=4, linewidth=1.5)
+    along = family.between(int(np.argmax(real)))
+    ax.semilogy(along.c, best_idle(along), color=BLUE, linewidth=1.5)
+    ax.semilogy(family.c[real], best_idle(family)[real], "o", color=BLUE, markersize=4)
     ends = idle_interval(family, between)
     if ends is not None:
         ax.axhspan(*ends, color=ORANGE, alpha=0.25, linewidth=0)

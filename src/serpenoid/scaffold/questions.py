@@ -14,12 +14,16 @@ Answers = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Question:
-    """`name` is the option, `text` what is asked; `read` turns an answer into a value, or raises ValueError."""
+    """`name` is the option, `text` what is asked; `read` turns an answer into a value, or raises ValueError.
+
+    unless: another question; where that has an answer, this one is not looked at.
+    """
 
     name: str
     text: str
     default: str
     read: Callable[[str], Any]
+    unless: str = ""
 
     def value(self, answer: str) -> Any:
         """The answer as a value; raises InputError that names the option."""

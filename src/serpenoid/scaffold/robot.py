@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import radians
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
@@ -11,6 +12,9 @@ from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
 from serpenoid.robot.ticks import RADIANS_PER_TICK
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, whole
+
+if TYPE_CHECKING:
+    from serpenoid.problem import Problem
 
 CENTRE = TICKS_PER_TURN // 2
 
@@ -30,7 +34,7 @@ def _baud_rate(text: str) -> int:
 
 QUESTIONS = (
     Question("problem", "Problem file of its body (empty: answer the next)", "", existing),
-    Question("joints", "How many joints (where no problem file is given)?", "6", whole(1, 60)),
+    Question("joints", "How many joints (where no problem file is given)?", "6", whole(1, 60), "problem"),
     Question("ids", "Servo IDs, tail to head, with commas (empty: 1, 2, 3 ...)", "", _ids),
     Question("joint-limit", "How far may the mechanics bend a joint, in degrees?", "80", number(0, 175)),
     Question("speed-limit", "How fast may a joint turn, in rpm?", "40", number(0, 61)),
@@ -40,23 +44,38 @@ QUESTIONS = (
 
 def write(path: Path, answers: Answers) -> str:
     """Write the file; returns a command to begin with."""
-    joints = _joints(answers)
+    problem = _problem(answers)
+    joints = int(answers["joints"]) if problem is None else problem.body.joint_count
     ids = answers["ids"] or tuple(range(1, joints + 1))
     if len(ids) != joints:
         raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
     head = _head(write_schema(path.parent, "robot"), path.stem, answers)
     reach = int(radians(answers["joint-limit"]) / RADIANS_PER_TICK)
     servos = [_servo(number, servo_id, reach, answers) for number, servo_id in enumerate(ids, 1)]
-    write_text(path, "\n".join([head, *servos]))
+    write_text(path, "\n".join([head, _limits(answers, problem), *servos]))
     return f"serpenoid robot emulate --robot {path}"
 
 
-def _joints(answers: Answers) -> int:
+def _problem(answers: Answers) -> Problem | None:
     if answers["problem"] is None:
-        return int(answers["joints"])
+        return None
     from serpenoid.problem import load
 
-    return load(answers["problem"]).body.joint_count
+    return load(answers["problem"])
+
+
+def _limits(answers: Answers, problem: Problem | None) -> str:
+    """Where the limits of all joints come from: whoever copies them to a robot must know that nobody measured them."""
+    said = f"# Limits: +-{answers['joint-limit']:g} degrees at {answers['speed-limit']:g} rpm, the same for every joint"
+    body = None if problem is None else problem.body.joint_limit_deg
+    own = (
+        ""
+        if body is None
+        else f"\n# The body in {answers['problem'].name} bends by {body:g} degrees: `play` holds that, too."
+    )
+    return f"""{said}, as this file was asked for or by default.
+# They are of the mechanics: try by hand where the first parts touch, and put your own numbers below.{own}
+"""
 
 
 def _head(hint: str, name: str, answers: Answers) -> str:

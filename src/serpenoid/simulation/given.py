@@ -8,7 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.errors import InputError
+from serpenoid.errors import InputError, of_kind
+from serpenoid.model import Model
+
+
+def model_of(model: Model) -> Model:
+    """The model itself; a problem has one."""
+    return of_kind("model", model, Model, "Of a problem: problem.model.")
 
 
 def shaped(name: str, values: Floats, shape: Sequence[int], least: int = 1) -> Floats:

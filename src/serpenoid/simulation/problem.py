@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
@@ -11,6 +12,7 @@ from serpenoid.gaits.lifted import LiftedFamily
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
+from serpenoid.simulation.callers import problem_of
 from serpenoid.simulation.lifted import simulate_lifted
 from serpenoid.simulation.rollout import simulate_joint_angles
 from serpenoid.table_file import read_table
@@ -50,8 +52,9 @@ def gait_parameters(problem: Problem, family: GaitFamily) -> Floats:
     return family.start()
 
 
-def simulate(problem: Problem) -> Simulation:
-    """Simulate the gait of a problem; with `[lift]` in space, lifted in the middle of its `phase` and `bias`."""
+def simulate(problem: Problem | str | Path) -> Simulation:
+    """Simulate the gait of a problem (or its file); with `[lift]` in space, in the middle of its `phase` and `bias`."""
+    problem = problem_of(problem)
     table, task, family = gait_table(problem), problem.task, problem.family_of()
     if isinstance(family, LiftedFamily):
         lifted = simulate_lifted(problem.model, family, family.start(), task.cycles)

@@ -13,7 +13,7 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended, solve_independent
-from serpenoid.simulation.given import cycles_of, first_poses, shaped, times_of
+from serpenoid.simulation.given import cycles_of, first_poses, model_of, shaped, times_of
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
@@ -39,7 +39,8 @@ def simulate_joint_angles(
     `start` is the first pose (x, y, heading), default the origin. Source: Even et al., Alg. 1. Actuation effects turn
     the table into the periodic motion on which the servos settle (not closed: beginning at rest on the first row).
     """
-    table, cycles = shaped("table", table, (-1, model.body.joint_count)), cycles_of(cycles)
+    joints = model_of(model).body.joint_count
+    table, cycles = shaped("table", table, (-1, joints)), cycles_of(cycles)
     start = first_poses(start)
     if not _baseline(model) and np.isfinite(table).all():
         return _simulate_extended(model, table, cycles, start, closed)
@@ -57,7 +58,7 @@ def simulate_realised(model: Model, joint_angles: Floats, times: Floats, start: 
 
     Actuation effects do not act on them; `simulation.servos.realise` makes such angles from commanded ones.
     """
-    angles = shaped("joint_angles", joint_angles, (-1, model.body.joint_count))
+    angles = shaped("joint_angles", joint_angles, (-1, model_of(model).body.joint_count))
     clock, start = times_of(times, len(angles)), first_poses(start)
     if not np.isfinite(angles).all():
         return _failed(Status.BAD_SHAPE, angles.shape[0], model)
@@ -73,7 +74,7 @@ def simulate_vertices(
     `times` (R,) [s since the start of the motion], for effects that know speed. These shapes are realised ones:
     actuation effects do not act on them. `start` (3,), or the first poses (K + 1, 3) of a body that is moving.
     """
-    shapes = body_frame(model, shaped("vertices", vertices, (-1, model.body.vertices, 2)))
+    shapes = body_frame(model_of(model), shaped("vertices", vertices, (-1, model.body.vertices, 2)))
     times, start = times_of(times, len(shapes)), first_poses(start)
     lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
     if not np.isfinite(shapes).all() or (lengths <= 0).any():
@@ -99,7 +100,7 @@ class Batch:
 
 def simulate_batch(model: Model, tables: Floats, closed: bool = True) -> Batch:
     """Simulate B joint tables, shape (B, R, m) [rad], for one cycle each; closed ones in one compiled call."""
-    tables = shaped("tables", tables, (-1, -1, model.body.joint_count))
+    tables = shaped("tables", tables, (-1, -1, model_of(model).body.joint_count))
     b, t, _ = tables.shape
     if not closed:
         return _one_by_one(model, tables, closed)

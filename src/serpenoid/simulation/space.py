@@ -21,7 +21,7 @@ from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
-from serpenoid.simulation.given import shaped
+from serpenoid.simulation.given import model_of, shaped
 from serpenoid.simulation.newton import TOLERANCE, State, newton
 from serpenoid.status import Status
 
@@ -45,7 +45,7 @@ class SpatialTrajectory:
 
 def simulate_in_space(model: Model, vertices: Floats) -> SpatialTrajectory:
     """Place shapes (R, N, 3) [body lengths] one after the other; the first stays where it is."""
-    if model.medium_effects:
+    if model_of(model).medium_effects:
         raise InputError(f"[[effects]] `{model.medium_effects[0].name}` acts on a floor; simulate in the plane.")
     shapes = shaped("vertices", vertices, (-1, model.body.vertices, 3))
     rows = shapes.shape[0]

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.files.writing import write_csv
+from serpenoid.errors import InputError
 from serpenoid.optimise.chain_store import CHAIN, ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import as_solution
@@ -23,8 +23,9 @@ from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.starts import random_gaits
-from serpenoid.performance import electrical_cost_of_transport, pareto_front
 from serpenoid.problem import Problem
+from serpenoid.shown import Shown
+from serpenoid.simulation.callers import problem_of, whole
 
 Progress = Callable[[int, str], None]
 NOT_REACHED = "not reached"
@@ -46,14 +47,22 @@ class SweepPoint:
         return self.solution is not None or self.message != NOT_REACHED
 
 
-@dataclass(frozen=True)
-class Sweep:
+@dataclass(frozen=True, repr=False)
+class Sweep(Shown):
     """Points in increasing c; `complete` is False after Ctrl-C; kept: how many of them an earlier run had solved."""
 
     problem: Problem
     points: tuple[SweepPoint, ...]
     complete: bool
     kept: int = 0
+
+    def summary(self) -> str:
+        """How many points, and what they span."""
+        said = f"{self.problem.name}: {len(self.solved)} of {len(self.points)} point(s) solved"
+        if not self.solved:
+            return said
+        far = self.displacement
+        return f"{said}, c = {self.c[0]:g} .. {self.c[-1]:g}, {far.min():.6f} .. {far.max():.6f} body lengths"
 
     @property
     def solved(self) -> list[Solution]:
@@ -87,7 +96,7 @@ class Sweep:
 
 
 def sweep(
-    problem: Problem,
+    problem: Problem | str | Path,
     values: Sequence[float] | Floats,
     starts: int = 4,
     seed: int = 0,
@@ -95,10 +104,13 @@ def sweep(
     polish: bool = True,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Optimal gaits for every c in `values`; with `folder`, solved chain points are kept there and not solved again."""
+    """Optimal gaits of a problem, or of its file, for every c in `values`.
+
+    With `folder`, solved chain points are kept there and not solved again.
+    """
+    problem, ordered = problem_of(problem), _in_order(values)
     solver = solver_of(problem)
-    ordered = np.unique(np.asarray(values, float))
-    gaits = random_gaits(solver, starts, seed)
+    gaits = random_gaits(solver, whole("starts", starts, 1), whole("seed", seed, 0))
     solver.prepare(gaits[0])
     found: dict[str, dict[float, Answer]] = {}
     with catch_interrupt() as flag:
@@ -112,6 +124,19 @@ def sweep(
         points = tuple(_better(solver, c, found, polish and not flag) for c in ordered.tolist())
     kept = sum(any(chain[c].kept for chain in found.values() if c in chain) for c in ordered.tolist())
     return Sweep(problem, points, complete=not flag, kept=kept)
+
+
+def _in_order(values: Sequence[float] | Floats) -> Floats:
+    """c, from the least on."""
+    try:
+        ordered = np.unique(np.asarray(values, float))
+    except (TypeError, ValueError):
+        ordered = np.zeros(0)
+    if not ordered.size or not np.isfinite(ordered).all() or ordered[0] < 0:
+        raise InputError(
+            f"`values` must be one c or more, none of them negative, got {values!r}. np.linspace(0, 2, 9)?"
+        )
+    return ordered
 
 
 def _chain(
@@ -178,31 +203,3 @@ def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]],
             return SweepPoint(c, solution, name, solution.message)
         reasons.append(f"{name}: {solution.message}")
     return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
-
-
-BEFORE = ["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"]
-AFTER = ["iterations", "seconds", "chain", "message"]
-
-
-def write_sweep_table(path: str | Path, result: Sweep) -> None:
-    """One line per point; a failed point has its reason and empty numbers."""
-    front = iter(pareto_front(result.displacement, result.dissipation).tolist())
-    family = result.problem.family_of()
-    names = () if family.free else family.names  # a free gait is its table, in the point's folder
-    write_csv(
-        path,
-        [*BEFORE, "pareto", *names, *AFTER],
-        [_row(names, result.problem, p, next(front) if p.solution else "") for p in result.points],
-    )
-
-
-def _row(names: tuple[str, ...], problem: Problem, point: SweepPoint, on_front: bool | str) -> list:
-    s = point.solution
-    if s is None:
-        blanks = len(BEFORE) + 1 + len(names) + len(AFTER) - 3
-        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * blanks, point.message]
-    d, e = s.trajectory.displacement, s.trajectory.dissipation
-    transport = electrical_cost_of_transport(problem, d, e)
-    numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]
-    gait = s.q.tolist()[: len(names)]
-    return [point.c, "solved", *numbers, *gait, s.iterations, s.seconds, point.chain, point.message]

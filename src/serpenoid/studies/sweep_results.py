@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from serpenoid.files.writing import provenance, write_json
+from serpenoid.files.writing import provenance, write_csv, write_json
 from serpenoid.joint_limits import limit_lines
-from serpenoid.performance import idle_for_minimum
+from serpenoid.performance import electrical_cost_of_transport, idle_for_minimum, pareto_front
+from serpenoid.problem import Problem
 from serpenoid.results import write_solution
-from serpenoid.studies.sweep import Sweep, write_sweep_table
+from serpenoid.studies.sweep import NOT_REACHED, Sweep, SweepPoint
 
 
 def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict[str, Any]:
@@ -44,3 +45,31 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
 
         sweep_figures(folder, Family(result.c, result.displacement, result.dissipation, result.gaits, result.names))
     return summary
+
+
+BEFORE = ["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"]
+AFTER = ["iterations", "seconds", "chain", "message"]
+
+
+def write_sweep_table(path: str | Path, result: Sweep) -> None:
+    """One line per point; a failed point has its reason and empty numbers."""
+    front = iter(pareto_front(result.displacement, result.dissipation).tolist())
+    family = result.problem.family_of()
+    names = () if family.free else family.names  # a free gait is its table, in the point's folder
+    write_csv(
+        path,
+        [*BEFORE, "pareto", *names, *AFTER],
+        [_row(names, result.problem, p, next(front) if p.solution else "") for p in result.points],
+    )
+
+
+def _row(names: tuple[str, ...], problem: Problem, point: SweepPoint, on_front: bool | str) -> list:
+    s = point.solution
+    if s is None:
+        blanks = len(BEFORE) + 1 + len(names) + len(AFTER) - 3
+        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * blanks, point.message]
+    d, e = s.trajectory.displacement, s.trajectory.dissipation
+    transport = electrical_cost_of_transport(problem, d, e)
+    numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]
+    gait = s.q.tolist()[: len(names)]
+    return [point.c, "solved", *numbers, *gait, s.iterations, s.seconds, point.chain, point.message]

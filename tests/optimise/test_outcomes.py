@@ -1,0 +1,120 @@
+"""What is said of goals and demands: met within the optimiser's tolerance, or by how much it is missed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from serpenoid.cli.main import main
+from serpenoid.objectives.heading import Heading
+from serpenoid.objectives.obstacles import Disc
+from serpenoid.objectives.position import Position
+from serpenoid.objectives.reach import Reach
+from serpenoid.objectives.shape import Shape
+from serpenoid.objectives.swing import Swing
+from serpenoid.objectives.term import Played
+from serpenoid.objectives.travel import Travel
+from serpenoid.optimise.solution import SelfClear
+from specimens import PROBLEMS
+
+
+def moved(x: float = 0.0, heading: float = 0.0, table: tuple[tuple[float, ...], ...] = ((0.0,),) * 2) -> Played:
+    poses = np.zeros((3, 3))
+    poses[-1] = x, 0, heading
+    return Played(poses, np.zeros((3, 2, 2)), np.array(table))
+
+
+def test_what_is_within_tolerance_is_met() -> None:
+    near = moved(0.3 + 5e-8, 0.4 - 5e-8)
+    assert Reach(target=(0.3, 0.0), heading_rad=0.4).outcome(near) == "(0.3, 0) met; heading there met"
+    assert Travel(least=0.3, most=0.3).outcome(near) == "displacement 0.3 met"
+    assert Position(target=(0.3, 0.0)).outcome(near) == "(0.3, 0) met"
+    assert Heading(target_rad=0.4).outcome(near) == "heading 0.4 rad met"
+    assert Shape().outcome(near) == "shape at 0 met"
+    assert Heading(target_rad=0.5).outcome(near) == "heading 0.5 rad missed by -0.1000 rad"
+
+
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [
+        (0.0149, "met: 0.0149 body lengths away, 0.02 allowed"),
+        (0.02 + 5e-8, "met: 0.02 body lengths away, 0.02 allowed"),
+        (0.02003, "missed: 0.02003 body lengths away, 0.02 allowed"),
+        (0.02 + 2e-7, "missed: 0.0200002 body lengths away, 0.02 allowed"),
+        (0.5, "missed: 0.5000 body lengths away, 0.02 allowed"),
+    ],
+)
+def test_what_is_missed_and_what_is_allowed_have_as_many_digits_as_tell_them_apart(left: float, said: str) -> None:
+    assert Reach(target=(0.0, 0.0), radius=0.02).outcome(moved(left)) == f"(0, 0) {said}"
+
+
+def test_what_an_obstacle_misses_is_said_with_place_and_step() -> None:
+    points = np.zeros((3, 2, 2))
+    points[:, 1, 0] = 1.0
+    points[2, 1] = (1.0, 0.5)  # a tenth inside the disc, and a step before it not
+    disc = Disc(centre=(1.0, 0.8), radius=0.2, clearance=0.2)
+    motion = Played(np.zeros((3, 3)), points, np.zeros((2, 1)))
+    assert disc.outcome(motion) == "clearance of disc missed by 0.1000 body lengths at vertex 1, step 2"
+    assert Disc(centre=(5.0, 0.0), radius=1.0).outcome(motion) == "clearance of disc met at every vertex and step"
+
+
+def test_a_shape_that_does_not_rest_and_a_swing_the_other_way_are_missed() -> None:
+    going = moved(table=((0.0,), (0.25,)))
+    assert Shape(still=True).outcome(going) == "shape at 0 met; rest there missed by 0.2500 rad"
+    assert Swing().outcome(going) == "swing of joint 1 met"
+    assert Swing().outcome(moved(table=((0.25,), (0.0,)))) == "swing of joint 1 missed by 0.2500 rad"
+    assert Swing().outcome(moved(table=((0.25,), (0.0,), (0.0,)))) == "swing of joint 1 missed by 0.2500 rad"
+
+
+def test_in_space_a_shape_is_one_of_the_yaws() -> None:
+    played = Played(np.zeros((3, 6)), np.zeros((3, 3, 3)), np.array([[0.0, 0.3], [0.1, 0.3]]))
+    assert Shape().outcome(played) == "shape at 0 met"
+
+
+def test_a_distance_from_itself_is_met_where_it_is_proven() -> None:
+    def said(least: float, proven: float) -> str:
+        return SelfClear(least=least, proven=proven, wanted=0.08).goal
+
+    assert said(0.05, 0.05) == "distance from itself missed by 0.0300 body lengths"
+    assert said(0.09, 0.08) == "distance from itself met"
+    assert said(0.09, 0.07) == "distance from itself met where it was looked, but not proven between"
+
+
+ASKED = {
+    "turn-in-a-box": ["missed by -3.1416 rad", "clearance of box missed by 0.0100", "clearance         at least"],
+    "checkpoints": ["shape at 0 met; rest there met", "(0.4, 0.1) missed: 0.4123 body lengths away, 0.05 allowed"],
+    "steer": ["heading change 0.3 rad missed by -0.3000 rad"],
+    "purcell-stroke": ["swing of joint 1 met"],
+    "sidewind-to": ["(0.3, 0.8) missed by"],
+}
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_simulate_says_what_the_gait_makes_of_what_the_file_asks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    words = ["--set", "task.cycles=2", "--no-figures", "--out", str(tmp_path / "out")]
+    assert main(["simulate", str(PROBLEMS / f"{name}.toml"), *words]) == 0
+    out = capsys.readouterr().out
+    assert all(said in out for said in ASKED[name])
+    assert "-0.000000" not in out
+
+
+def test_simulate_says_of_an_optimum_what_solve_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The gait of an optimum, played again: the same lines of goals, and how far it is from itself."""
+    file = PROBLEMS / "reference-optimum.toml"
+    asks = ["body.vertices=5", "task.steps=24", "task.c=0.3",
+            'task.demands=[{kind="travel",least=0.2},{kind="self",distance=0.05}]']  # fmt: skip
+    words = [str(file), *(word for ask in asks for word in ("--set", ask)), "--no-figures"]
+    assert main(["solve", *words, "--starts", "1", "--out", str(tmp_path / "best")]) == 0
+    solved = capsys.readouterr().out.splitlines()
+    gait = json.loads((tmp_path / "best" / "solution.json").read_text())["gait"]
+    given = [w for key, value in gait.items() for w in ("--set", f"gait.{key}={json.dumps(value)}")]
+    assert main(["simulate", *words, *given, "--out", str(tmp_path / "again")]) == 0
+    simulated = capsys.readouterr().out.splitlines()
+    kinds = ("goal", "from itself")
+    assert [line for line in simulated if line.startswith(kinds)] == [line for line in solved if line.startswith(kinds)]
+    assert "goal              distance from itself met" in simulated
