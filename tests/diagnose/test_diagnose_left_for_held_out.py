@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.chance import SYSTEMATIC
 from serpenoid.diagnose.data.paths import strays, total
 from serpenoid.diagnose.inference.held_out import first_order, left_open, of_each_gait, part
 from serpenoid.diagnose.inference.medium import Fit, linearised, with_values
-from serpenoid.diagnose.report import words
+from serpenoid.diagnose.report import sentences
 from serpenoid.diagnose.report.cards import cards
 
 DRAWS = 8
@@ -56,7 +56,7 @@ def test_where_no_gaits_are_held_out_none_is_named(diagnosed: tuple[Any, dict[st
 
 @pytest.mark.parametrize(("open_m", "said"), [(2e-3, " (2 mm expected: what the other gaits leave open)"), (5e-4, "")])
 def test_it_is_told_where_it_is_more_than_noise(open_m: float, said: str) -> None:
-    assert words.left_open(opened(open_m)) == said
+    assert sentences.left_open(opened(open_m)) == said
 
 
 def opened(open_m: float, **by_gait: float) -> dict[str, Any]:
@@ -67,7 +67,7 @@ def opened(open_m: float, **by_gait: float) -> dict[str, Any]:
 
 def test_gaits_that_alone_tell_a_value_are_named(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
     record = opened(2e-3, tail=5e-3, head=4e-4)
-    assert words.left_open(record) == " (2 mm expected: what the other gaits leave open of tail)"
+    assert sentences.left_open(record) == " (2 mm expected: what the other gaits leave open of tail)"
     told = "The others leave 5 mm open of tail: another one like it would tell."
     assert told in cards(diagnosed[1] | record)[2].sentences
     assert not any("leave" in text for text in cards(diagnosed[1] | opened(5e-4, tail=2e-3))[2].sentences)

@@ -12,7 +12,7 @@ from serpenoid.diagnose.diagnose import beside_changes
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.left_open import believed, known
 from serpenoid.diagnose.inference.medium import Fit, predicted_bare
-from serpenoid.diagnose.report.words import ratio_change, undetected
+from serpenoid.diagnose.report.sentences import ratio_change, undetected
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import explained
 from serpenoid.effects.active import ActiveEffect

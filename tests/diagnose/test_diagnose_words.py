@@ -10,21 +10,18 @@ import pytest
 from blind.protocol import usual
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
-from serpenoid.diagnose.report.words import (
+from serpenoid.diagnose.report.sentences import (
     chance,
     drag_ratio,
-    lines,
     meaning,
-    parameter,
     ratio,
     reference,
     rows,
-    shown,
     stage_line,
-    times,
-    title,
     undetected,
 )
+from serpenoid.diagnose.report.summary import lines
+from serpenoid.diagnose.report.words import parameter, shown, times, title
 from serpenoid.diagnose.stages.choose_motion import finding, ratio_interval
 from serpenoid.model import Model
 

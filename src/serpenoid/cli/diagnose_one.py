@@ -40,7 +40,7 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
 
 def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Believed]) -> int:
     from serpenoid.diagnose.reference import reference_of, summary
-    from serpenoid.diagnose.report.words import lines
+    from serpenoid.diagnose.report.summary import lines
     from serpenoid.diagnose.report.write import write
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.measure.consistency.claims import read_believed

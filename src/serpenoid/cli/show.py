@@ -145,7 +145,7 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
 
 
 def _diagnosis_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
-    from serpenoid.diagnose.report.words import lines
+    from serpenoid.diagnose.report.summary import lines
 
     return [f"diagnosis of {record['campaign']}, written {record['provenance']['written']}", *lines(record)]
 

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from serpenoid.diagnose.report.words import (
+from serpenoid.diagnose.report.sentences import (
     SETTLED,
-    Record,
-    advice,
     drag_ratio,
     inadequacy,
-    law,
     meaning,
     open_gaits,
-    parameter,
     ratio_change,
     rival_law,
-    shown,
-    times,
-    title,
     undetected,
-    unseen,
 )
+from serpenoid.diagnose.report.words import Record, advice, law, parameter, shown, times, title, unseen
 from serpenoid.report.pages import Card
 
 GAINS = {

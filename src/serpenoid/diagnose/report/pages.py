@@ -12,19 +12,8 @@ from typing import Any
 
 from serpenoid.diagnose.data.used import in_lengths
 from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
-from serpenoid.diagnose.report.words import (
-    SETTLED,
-    Record,
-    ends,
-    no_experiment,
-    reference,
-    seconds,
-    shown,
-    title,
-    undetected,
-    unseen,
-    untestable,
-)
+from serpenoid.diagnose.report.sentences import SETTLED, no_experiment, reference, seconds, undetected, untestable
+from serpenoid.diagnose.report.words import Record, ends, shown, title, unseen
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
 from serpenoid.report.pages import Picture, Table, prepare, write_page

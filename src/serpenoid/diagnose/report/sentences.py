@@ -1,0 +1,200 @@
+"""What a diagnosis says, a sentence or two on each matter: its verdict, what stands beside it, what is not known."""
+
+from __future__ import annotations
+
+from serpenoid.diagnose.report.words import STAND_IN, Record, law, parameter, shown, times, title, unseen
+from serpenoid.effects.catalogue import find
+
+UNSAID = (
+    "the log has neither commands nor labels: rows that are held and servos that lag look like rows that run and begin "
+    "later, so a lag is known only as far as rows are taken as they were. Log the commands"
+)
+WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
+TRACELESS = 0.05  # times the noise: what would read 0.0
+MEANINGS = {
+    "nothing": "{law} alone explains this recording within its noise",
+    "explained": "what is named accounts for all beyond chance; nothing here speaks for a cause outside the catalogue",
+    "partly explained": "what is named below was found, and more is left than it and chance explain",
+    "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
+}
+SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
+UNREPEATED = {
+    "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
+    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
+}
+UNREPEATED = {
+    "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
+    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
+}
+
+
+def meaning(record: Record) -> str:
+    """The verdict in a sentence. Beside a reference nothing is said of the model's own errors."""
+    if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
+        return UNREPEATED[record["verdict"]]
+    if record["verdict"] == "nothing" and record["reference"]:
+        return "nothing has changed since the reference beyond the noise of either"
+    return MEANINGS[record["verdict"]].format(law=law(record))
+
+
+def inadequacy(record: Record) -> list[str]:
+    """Where names may be stand-ins: by how much the model is inadequate, before all else."""
+    stand_ins = [e for e in record["effects"] if e["stand_in"]]
+    servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
+    said = []
+    if len(stand_ins) > len(servos) and record["discrepancy_m"] == 0:
+        said.append(
+            "the reference followed a law that the catalogue does not hold: names marked as stand-ins may mend it "
+            "where the change moves it"
+        )
+    elif len(stand_ins) > len(servos):
+        size = shown(record["discrepancy_m"], record["length_unit"], 2)
+        said.append(
+            f"the model is inadequate by {size} a window beyond chance: names marked as stand-ins take a "
+            "part of that away, but may be there for a cause that the catalogue does not hold"
+        )
+    return [*said, *(f"{name} is a part of what the servos do: their law is another" for name in servos)]
+
+
+def rival_law(record: Record) -> list[str]:
+    """How another law of the floor does, or another place of the drag, and how to follow it."""
+    other, follow = record["law"], "to follow it, diagnose with a --model whose [medium] has"
+    found = []
+    for said, key in ((other["rival"], 'law = "coulomb"'), (other["drag_at"], 'dissipation = "edge"')):
+        found += [said, f"{follow} {key}"] if said else []
+    return found
+
+
+def undetected(record: Record) -> list[str]:
+    """Effects below detection: they improve the prediction, but chance makes traces as large."""
+    kept = {True: ", but in the extended model", False: ""}
+    return [
+        f"below detection{kept[e['in_extended_model']]}: {title(e)} ({times(e['strength_over_noise'])})"
+        for e in record["below_detection"]
+        if e["strength_over_noise"] >= TRACELESS
+    ]
+
+
+def untestable(record: Record) -> list[str]:
+    """Effects that a recording cannot speak about, reason by reason."""
+    reasons = dict.fromkeys(record["untestable"].values())
+    names = {why: [name for name, own in record["untestable"].items() if own == why] for why in reasons}
+    return [f"{', '.join(names[why])}: {why}" for why in reasons]
+
+
+def reference(record: Record) -> list[str]:
+    """What an earlier campaign, taken as the baseline, had shown."""
+    earlier = record["reference"]
+    if not earlier:
+        return []
+    name = earlier["campaign"]
+    found = "; ".join(f"{title(e)}{STAND_IN if e['stand_in'] else ''}" for e in earlier["effects"])
+    said = [f"the earlier campaign ({name}) was {earlier['verdict']}" + (f": {found}" if found else "")]
+    said += [f"of it: {text}" for text in rival_law(earlier)]
+    said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
+    return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
+
+
+def _key(effect: Record) -> tuple[str, int | None]:
+    return effect["name"], effect.get("place")
+
+
+def _there_already(effect: Record) -> str:
+    """An effect of the reference that is named again: of the motion, its value is all of it, as then."""
+    values = ", ".join(f"{name} {parameter(p)}" for name, p in effect["parameters"].items())
+    now = "; the value named now is all of it, not the change" if find(effect["name"]).moves else ""
+    return f"{title(effect)} was there already: {values}{now}"
+
+
+def ratio(record: Record) -> str:
+    """eps: of the reference, with nothing named, with what is named. A calibration is no diagnosis, but may be news."""
+    eps, earlier = record["anisotropy_ratio"], record["reference"]
+    said = [f"{earlier['anisotropy_ratio']['after']:.4g} in the reference"] if earlier else []
+    said.append(f"{eps['before']:.4g} with nothing named")
+    if record["effects"] or eps["after"] != eps["before"]:
+        said.append(f"{eps['after']:.4g} with what is {'named' if record['effects'] else 'below detection'}")
+    low, high = eps["interval"]
+    warning = " (at its bound: a warning that the law is another)" if eps["at_bound"] else ""
+    how = ", by windows of smoothed points" if record.get("drag_ratio") else ""  # `fit` goes from frame to frame
+    return f"{', '.join(said)} (95 %: {low:.4g} .. {high:.4g}{how}){warning}"
+
+
+def ratio_change(record: Record) -> list[str]:
+    """Where the interval of eps and the reference's are apart: how much larger or smaller it is now."""
+    now, then = record["anisotropy_ratio"], (record["reference"] or {}).get("anisotropy_ratio")
+    if then is None or (now["interval"][0] <= then["interval"][1] and then["interval"][0] <= now["interval"][1]):
+        return []
+    grown = now["after"] / then["after"]
+    factor = f"{grown:.2g} times as large as" if grown > 1 else f"smaller by a factor of {1 / grown:.2g} than"
+    return [
+        f"the anisotropy ratio is {factor} in the reference, beyond both intervals: what all wheels or scales have in "
+        "common has changed, or eps makes up for a change that has no name"
+    ]
+
+
+def seconds(record: Record) -> str:
+    """How much of the recordings the answer is made from."""
+    return f"{record['used_s']:.4g} s used, {record['dropped_s']:.4g} s dropped"
+
+
+def rows(record: Record) -> list[str]:
+    """How the tables' rows were taken, and who said so; nothing of animals, nor of records that do not say."""
+    if not record.get("rows_from"):
+        return []
+    who = {"commands": "the log's commands say so", "readings": "what servos read fits this best"}
+    how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
+    unsaid = [UNSAID] if record.get("lag_untold") else []
+    return [f"{how} ({who[record['rows_from']]})", *unsaid]
+
+
+def drag_ratio(record: Record) -> str:
+    """K of an animal with its interval, if its law of the floor is all there is."""
+    ratio = record["drag_ratio"]
+    low, high = ratio["interval"]
+    alone = f"if {law(record)} is all there is: frame by frame, as in `fit`"
+    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) {alone}"
+
+
+def chance(record: Record) -> list[str]:
+    """How much of what repeats differ by is no noise of the markers: what is smaller than that hides in it."""
+    ratio = record.get("noise_over_markers")
+    if ratio is None:
+        return []
+    return [
+        f"what was played again differs {ratio:.2g} times as much as the markers' noise makes it; what acts on one "
+        "repeat and not on the other counts as chance, and hides what is smaller"
+    ]
+
+
+def no_experiment(record: Record) -> str:
+    """Why none is proposed."""
+    if record["alternatives"]:
+        return "none is proposed: no gait that was tried is expected to exclude one of the explanations"
+    if record["verdict"] in SETTLED:
+        return "none needed: no two explanations are left to tell apart"
+    if record["drag_ratio"]:
+        return "none is proposed: nothing commands an animal"
+    return "none is proposed: there are no two explanations to tell apart, and what is left has none"
+
+
+def left_open(record: Record) -> str:
+    """How far held-out paths are expected to stray for want of other gaits that tell, where that is more than noise."""
+    if record["left_open_m"] <= record["noise_level_m"]:
+        return ""
+    open_m, gaits = shown(record["left_open_m"], record["length_unit"]), open_gaits(record)
+    of = f" of {', '.join(gaits)}" if gaits else ""
+    return f" ({open_m} expected: what the other {unseen(record)} leave open{of})"
+
+
+def open_gaits(record: Record) -> list[str]:
+    """Gaits of which the others leave more open than noise, where that is more than noise in all."""
+    if record["left_open_m"] <= record["noise_level_m"]:
+        return []
+    return [name for name, open_m in record["left_open_by_gait_m"].items() if open_m > record["noise_level_m"]]
+
+
+def stage_line(s: Record) -> str:
+    """A stage of the ladder: its error before and after, beside its noise."""
+    before, after, noise = (shown(s[k], s["unit"]) for k in ("before", "after", "noise_level"))
+    beside = f" ({times(s['after'] / s['noise_level'])})" if s["noise_level"] > 0 else ""
+    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{WHOLE if s['stage'] == 'whole' else ''}"
