@@ -151,13 +151,21 @@ def test_what_trials_laid_otherwise_differ_by_in_every_cycle_is_no_chance() -> N
     assert untold(*by_chance(rng, SHARED, cycles=3, headings=(0.0, 0.1))) is None  # laid alike: chance, by definition
 
 
-def test_one_cycle_a_trial_cannot_tell_pushes_from_the_room_and_what_a_reference_had_is_no_news() -> None:
-    motion, left = by_chance(np.random.default_rng(3), SHARED, cycles=1)
-    found = untold(motion, left)
+def test_in_trials_of_one_cycle_pushes_are_forgotten_at_once_and_the_room_is_not() -> None:
+    rng = np.random.default_rng(3)
+    motion, pushes = by_chance(rng, SHARED, cycles=1)
+    assert untold(motion, pushes) is None
+    pulled = [rng.normal(0, 1e-3, x.shape) + rng.normal(0, SHARED, 3) for x in pushes]
+    noise, _ = window_noise(motion.tracks, pulled)
+    found = untold(cast(Motion, replaced(motion, noise=noise)), pulled)
     assert found is not None
     assert not found.by_cycles
-    assert found.ratio > 2
+    assert found.size == pytest.approx(np.sqrt(2) * SHARED, rel=0.5)  # of six settings: 30 % is one SD
+
+
+def test_what_repeats_of_a_reference_differed_by_is_no_news() -> None:
     motion, left = by_chance(np.random.default_rng(4), SHARED, cycles=3)
+    assert untold(motion, left) is not None
     assert untold(cast(Motion, replaced(motion, unlike=1.0)), left) is None
 
 

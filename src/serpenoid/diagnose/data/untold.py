@@ -2,8 +2,8 @@
 trial to trial. Nobody can tell the two apart.
 
 Cycles of one trial lie alike, or nearly so. In each setting and direction the variance of differences between trials
-is held against that between cycles (where trials have one cycle, against the markers' own noise: then pushes cannot be
-told from the room either). Logarithms of the ratios are averaged, each as often as its numbers make it certain, so a
+is held against that between cycles. Where trials have one cycle it is held against the markers' own noise, if repeats
+exclude that what they differ by is forgotten at once (memory.py), as pushes are and the room is not. Logarithms of the ratios are averaged, each as often as its numbers make it certain, so a
 setting that is noisier than others is compared with itself. The mean exceeds a quantile of its normal distribution with
 a stated probability. What repeats of a reference already differed by is no news.
 
@@ -62,6 +62,8 @@ def untold(motion: Motion, left: Sequence[Floats]) -> Untold | None:
     trials = [_differences(motion, left, [r for r in repeats(motion.tracks) if r.one in own]) for own in settings]
     again = [_differences(motion, left, [r for i in own for r in cycles(motion.tracks, i)]) for own in settings]
     by_cycles = any(len(c) >= FEW for c in again)
+    if not by_cycles and not motion.noise.memory.lasts:
+        return None
     known = [i for i, d in enumerate(trials) if min(len(d), len(again[i]) if by_cycles else len(d)) >= FEW]
     if not known:
         return None
