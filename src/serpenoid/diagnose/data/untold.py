@@ -3,9 +3,10 @@ trial to trial. Nobody can tell the two apart.
 
 Cycles of one trial lie alike, or nearly so. In each setting and direction the variance of differences between trials
 is held against that between cycles. Where trials have one cycle it is held against the markers' own noise, if repeats
-exclude that what they differ by is forgotten at once (memory.py), as pushes are and the room is not. Logarithms of the ratios are averaged, each as often as its numbers make it certain, so a
-setting that is noisier than others is compared with itself. The mean exceeds a quantile of its normal distribution with
-a stated probability. What repeats of a reference already differed by is no news.
+exclude that what they differ by is forgotten at once (memory.py), as pushes are and the room is not. Logarithms of the
+ratios are averaged, each as often as its numbers make it certain, so a setting that is noisier than others is compared
+with itself. The mean exceeds a quantile of its normal distribution with a stated probability. What repeats of a
+reference already differed by is no news.
 
 Legend: K differences of a setting, S settings, W windows of a track.
 """
