@@ -129,7 +129,7 @@ def estimate_about(
     said = Bends.of(servo, servo_sd)
     moved = link_directions(body, poses, joint_angles)
     information, residual = _room(moved, vertices)
-    for b in blocks(len(moved)):
+    for b in blocks(len(moved), _numbers(body)):
         _, own, gradient, _ = _normal(body, vertices[b], _weighted(said, b, marker_sd), moved[b])
         information[b] = own + (marker_sd / VAGUE_SD) ** 2 * np.eye(moved.shape[1])
         moved[b] += np.linalg.solve(information[b], gradient[..., None])[..., 0]
@@ -144,7 +144,7 @@ def _fit(body: Body, vertices: Floats, said: Bends | None, marker_sd: float) -> 
     """
     unknowns = start(body, vertices, None if said is None else said.angles)
     information, residual = _room(unknowns, vertices)
-    for b in blocks(len(vertices)):
+    for b in blocks(len(vertices), _numbers(body)):
         information[b], residual[b] = _descended(body, vertices[b], _weighted(said, b, marker_sd), unknowns[b])
     unknowns[:, 2:] = within_half_a_turn(unknowns[:, 2:])
     return unknowns, information, residual
@@ -205,6 +205,11 @@ def _normal(
     return cost, information, gradient, residual
 
 
+def _numbers(body: Body) -> int:
+    """Of a frame's Jacobian."""
+    return 2 * body.vertices * (body.joint_count + 3)
+
+
 def _bending(body: Body) -> Floats:
     """Joint angles from link directions, (m, L)."""
     links = np.eye(body.joint_count + 1)
@@ -253,7 +258,7 @@ def _assemble(
     to_state[3:, 2:] = _bending(body)
     state = unknowns @ to_state.T
     covariance, points = information, np.empty_like(residual)
-    for b in blocks(len(state)):
+    for b in blocks(len(state), _numbers(body)):
         safe = np.where(determined[b, None, None], information[b], np.eye(3 + m))
         covariance[b] = sd**2 * to_state @ np.linalg.inv(safe) @ to_state.T
         points[b] = vertices_by_links(body, unknowns[b])[0]
