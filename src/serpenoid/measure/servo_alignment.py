@@ -17,7 +17,7 @@ from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate_smoothly
 from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import ServoLog
-from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.schedule import Schedule, start_by_shape
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
 MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion: other joints' have less
@@ -113,11 +113,23 @@ def seen_corners(body: Body, markers: Floats) -> list[int]:
     return sorted({int(k) for own in links if len(own) for k in (own[0], own[-1])})
 
 
+def start_by_corners(body: Body, schedule: Schedule, markers: Floats, time_s: Floats) -> Offset | None:
+    """t0 on the cameras' clock, by the bends of the polygon of markers (F, N, 2) that are seen."""
+    ends = seen_corners(body, markers)
+    if len(ends) < 3:
+        return None
+    return start_by_shape(schedule, time_s, bends(markers[:, ends]), lambda told: _bends_of(body, told, ends))
+
+
 def _offset_by_corners(body: Body, ends: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:
     if len(ends) < 3:
         return None
-    read = chain_vertices(body, np.zeros((len(log.time_s), 3)), log.position)
-    return find_offset(time_s, bends(markers[:, ends]), log.time_s, bends(read[:, ends]))
+    return find_offset(time_s, bends(markers[:, ends]), log.time_s, _bends_of(body, log.position, ends))
+
+
+def _bends_of(body: Body, angles: Floats, corners: list[int]) -> Floats:
+    """Of the polygon through some vertices of joint angles (R, m)."""
+    return bends(chain_vertices(body, np.zeros((len(angles), 3)), angles)[:, corners])
 
 
 def _zeros(difference: Floats) -> tuple[Floats, list[int]]:
