@@ -144,6 +144,16 @@ def test_without_a_log_joints_that_no_frame_shows_are_named_as_assumed(tmp_path:
         assert any("no frame shows joints 4, 5, 6" in text and "assumed" in text for text in r.remarks)
 
 
+@pytest.mark.parametrize("unseen", [(5,), (2, 5, 8), (2, 4, 6, 8, 10)])
+def test_without_a_log_the_motion_begins_where_the_polygon_of_those_seen_says(
+    unseen: tuple[int, ...], tmp_path: Path
+) -> None:
+    """A hidden vertex between two joints has two mirror positions, and angles of the wrong one follow no table."""
+    some = make(SEED, 0, protocol=protocol(log_hertz=0.0, unseen=unseen))
+    for trial, r in zip(some.trials, recorded(some, tmp_path), strict=True):
+        assert r.time[0] == pytest.approx(trial.film.time[0], abs=2e-3)
+
+
 @pytest.mark.parametrize("vertex", [0, 5])
 def test_a_marker_that_is_never_seen_hides_nothing_else(vertex: int, tmp_path: Path) -> None:
     one = make(SEED, 0, protocol=protocol(unseen=(vertex,)))

@@ -109,6 +109,21 @@ def test_all_axes_are_labelled_with_units(diagnosed: tuple[Diagnosis, dict[str, 
     assert [ax.get_xlabel() for ax in grid[4:]] == ["phase [cycles], 1 = pause", "RMS speed of the vertices [mm/s]"]
 
 
+def test_repeats_have_colours_of_their_own_and_measured_ones_those_of_their_predictions(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path],
+) -> None:
+    d = diagnosed[0]
+    setting = d.motion.selection.motion.tracks[0].recording.setting
+    count = sum(t.recording.setting == setting for t in d.motion.selection.motion.tracks)
+    ax = diagnosis.paths(d, setting, figure(4, 3).add_subplot())
+    colours = [line.get_color() for line in ax.get_lines()]
+    assert count > 1
+    assert len(set(colours)) == len(colours) == 3 * count
+    by_repeat = np.reshape(colours, (count, 3, 3)).min(axis=2)  # later ones first: the first lies on top
+    assert (np.diff(by_repeat, axis=0) < 0).all()
+    assert "later repeats (paler)" in [text.get_text() for text in diagnosis.paths_figure(d).legends[0].get_texts()]
+
+
 def test_every_trial_has_a_line_of_its_own_in_time_and_settings_are_not_mixed(
     diagnosed: tuple[Diagnosis, dict[str, Any], Path],
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,8 @@ from serpenoid.measure.clock import find_offset
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
-from serpenoid.measure.servo_alignment import lasting, seen_corners
+from serpenoid.measure.servo_alignment import seen_corners
+from serpenoid.measure.servo_zeros import lasting
 from serpenoid.measure.trial import build_motion
 
 SD = 0.001  # of the markers [body lengths]
@@ -51,8 +53,11 @@ def test_joints_that_cameras_never_show_are_the_servos(never: list[int]) -> None
     miss = (motion.joint_angles - angles)[inside]
     # markers alone are off by sqrt(6) SD over a link of L / 11: 0.027 rad; servos know better
     assert np.sqrt(np.nanmean(miss**2, axis=0)).max() < 0.027
-    shown = "joint " + ", ".join(str(j) for j in range(1, 11) if {j - 1, j, j + 1} & set(never)) + ":"
-    assert any(note.startswith(f"no frame shows {shown}") for note in notes)
+    named = {note.endswith("not known"): re.search(r"no frame shows joint ([\d, ]+):", note)[1] for note in notes}
+    unseen = {j for j in range(1, 11) if {j - 1, j, j + 1} & set(never)}
+    assert {int(j) for words in named.values() for j in words.split(", ")} == unseen
+    alone = [j for j, end in ((1, 0), (10, 11)) if end in never]  # nothing is seen of its link's other end
+    assert named.get(True, "") == ", ".join(map(str, alone))
     assert not motion.jumps  # a start far from the answer ends in another minimum
 
 
@@ -88,6 +93,20 @@ def test_markers_in_the_middles_of_links_show_the_clock_of_a_log_without_any_at_
     miss = (motion.joint_angles - angles)[inside]
     assert np.sqrt(np.nanmean(miss**2, axis=0)).max() < 0.027  # as above
     assert not motion.jumps  # beside the log no marker is astray, though without it links may be bent to either side
+
+
+@pytest.mark.parametrize("shown", [[0, 1, 3, 5, 7, 8], [0, 3, 5, 8], [0, 5, 7]], ids=str)
+def test_zeros_of_joints_between_markers_on_links_are_told_by_all_of_them(shown: list[int]) -> None:
+    body, time, angles, markers, log = _rolling(shown)
+    wrong = np.array([0.0, 0.12, -0.05])
+    motion, servo, notes = build_motion(body, time, markers, replace(log, position=log.position - wrong), ((), ()))
+    assert servo is not None
+    np.testing.assert_allclose(servo.joint_zero, wrong, atol=0.004)  # of 540 frames, 0.03 rad each
+    assert [note for note in notes if "zero" in note] == [
+        "no frame shows joint 1, 2, 3: its angle is the servo log's, its zero what all markers together say"
+    ]
+    inside = (time > 10.0) & (time < 18.0)
+    assert np.nanmean((motion.smooth_angles - angles)[inside], axis=0) == pytest.approx(0, abs=0.004)
 
 
 @pytest.mark.parametrize("shown", ON_LINKS, ids=str)

@@ -5,6 +5,7 @@ Row i of cycle n is commanded at t0 + n (cycle_duration_s + pause_s) + i cycle_d
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -110,11 +111,17 @@ def start_by_log(log: ServoLog, cycle_duration_s: float, pause_s: float, rows: i
     return float(np.percentile(times - due, 5))
 
 
-def start_by_shape(schedule: Schedule, time_s: Floats, joint_angles: Floats) -> Offset | None:
-    """t0 on the cameras' clock, by laying the commanded angles over the measured ones (servo lag goes into it)."""
+def start_by_shape(
+    schedule: Schedule, time_s: Floats, measured: Floats, shown: Callable[[Floats], Floats] | None = None
+) -> Offset | None:
+    """t0 on the cameras' clock, by laying what is commanded over what was measured (servo lag goes into it).
+
+    shown: what would be measured (R, .) of joint angles (R, m); default: themselves.
+    """
     schedule, before = schedule.seen_in(float(np.ptp(time_s))), min(1.0, schedule.pause_s)
     grid = np.arange(-before, schedule.whole_s + before, schedule.cycle_duration_s / 200)
-    return find_offset(time_s, joint_angles, grid, schedule.commanded(grid + schedule.start_s))
+    told = schedule.commanded(grid + schedule.start_s)
+    return find_offset(time_s, measured, grid, told if shown is None else shown(told))
 
 
 def play_record(schedule: Schedule, rate_hz: float) -> tuple[Floats, list[tuple[str, int, int]]]:

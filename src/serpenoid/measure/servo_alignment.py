@@ -17,7 +17,8 @@ from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate_smoothly
 from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import ServoLog
-from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.schedule import Schedule, start_by_shape
+from serpenoid.measure.servo_zeros import BELIEVED, lasting, told_zeros
 
 QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
 MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion: other joints' have less
@@ -33,7 +34,7 @@ class ServoAlignment:
     """
 
     offset: Offset
-    joint_zero: Floats  # (m,); 0 for joints that no frame shows
+    joint_zero: Floats  # (m,); 0 for joints that no marker tells
     sd: float
     frame_sd: float
     angles: Floats  # (F, m) on the frames, zero taken out; NaN outside the log
@@ -45,8 +46,8 @@ def align_servo(
     """Clock offset, joint zeros and scatter of a servo log against what markers (F, N, 2) alone show.
 
     Where they do not show the whole chain, the clock is found by the bends of the polygon of those that are seen, on
-    joints or between them, and a joint that they do not show keeps the log's zero (a vertex guessed from its
-    neighbours has two mirror positions).
+    joints or between them (a vertex guessed from its neighbours has two mirror positions), and so are the zeros of
+    joints that no frame shows, as far as markers tell them.
     """
     if log.position.shape[1] != body.joint_count:
         return None, [f"servo log has {log.position.shape[1]} joints, the body {body.joint_count}: not used"]
@@ -63,10 +64,14 @@ def align_servo(
     angles = interpolate_smoothly(log.time_s + offset.offset_s, log.position, time_s)
     shown = estimate.joint_angles if whole else marker_angles(body, markers)
     zero, unseen = _zeros(shown - angles)
+    told: list[int] = []
+    if unseen:
+        zero[unseen], known = told_zeros(body, ends, markers, angles + zero, unseen)
+        told = [joint for joint, sd in zip(unseen, known.tolist(), strict=True) if sd < BELIEVED / 2]
     variance = np.diagonal(estimate.covariance[:, 3:, 3:], axis1=1, axis2=2) if whole else None
     sd = offset.rms if len(unseen) == body.joint_count else _servo_sd(shown - angles - zero, variance)
     lasts = lasting(shown - angles - zero)
-    return ServoAlignment(offset, zero, sd, float(np.sqrt(sd**2 + lasts)), angles + zero), _remarks(unseen)
+    return ServoAlignment(offset, zero, sd, float(np.sqrt(sd**2 + lasts)), angles + zero), _remarks(unseen, told)
 
 
 def align_commands(
@@ -113,11 +118,23 @@ def seen_corners(body: Body, markers: Floats) -> list[int]:
     return sorted({int(k) for own in links if len(own) for k in (own[0], own[-1])})
 
 
+def start_by_corners(body: Body, schedule: Schedule, markers: Floats, time_s: Floats) -> Offset | None:
+    """t0 on the cameras' clock, by the bends of the polygon of markers (F, N, 2) that are seen."""
+    ends = seen_corners(body, markers)
+    if len(ends) < 3:
+        return None
+    return start_by_shape(schedule, time_s, bends(markers[:, ends]), lambda told: _bends_of(body, told, ends))
+
+
 def _offset_by_corners(body: Body, ends: list[int], markers: Floats, time_s: Floats, log: ServoLog) -> Offset | None:
     if len(ends) < 3:
         return None
-    read = chain_vertices(body, np.zeros((len(log.time_s), 3)), log.position)
-    return find_offset(time_s, bends(markers[:, ends]), log.time_s, bends(read[:, ends]))
+    return find_offset(time_s, bends(markers[:, ends]), log.time_s, _bends_of(body, log.position, ends))
+
+
+def _bends_of(body: Body, angles: Floats, corners: list[int]) -> Floats:
+    """Of the polygon through some vertices of joint angles (R, m)."""
+    return bends(chain_vertices(body, np.zeros((len(angles), 3)), angles)[:, corners])
 
 
 def _zeros(difference: Floats) -> tuple[Floats, list[int]]:
@@ -128,25 +145,13 @@ def _zeros(difference: Floats) -> tuple[Floats, list[int]]:
     return zero, [int(k) for k in np.flatnonzero(~known)]
 
 
-def _remarks(unseen: Sequence[int]) -> list[str]:
-    if not unseen:
-        return []
-    joints = ", ".join(str(k + 1) for k in unseen)
-    return [f"no frame shows joint {joints}: its angle is the servo log's, and whether its zero is right is not known"]
-
-
-def lasting(difference: Floats) -> float:
-    """Twice the sum of autocovariances of columns (F, m), NaN unknown, from lag 1 on [rad^2]: 0 of white noise.
-
-    Pairs of lags while their sum is positive (Geyer, Statistical Science 7, 473, 1992), over a tenth of the record.
-    """
-    values, found = np.where(np.isfinite(difference), difference, 0.0), 0.0
-    count = max(int(np.isfinite(difference).sum()), 1)
-    for lag in range(1, max(len(values) // 10, 2), 2):
-        pair = sum((values[k:] * values[:-k]).sum() / count for k in (lag, lag + 1))
-        if pair <= 0:
-            break
-        found += 2 * float(pair)
+def _remarks(unseen: Sequence[int], told: Sequence[int]) -> list[str]:
+    ends = {True: "its zero what all markers together say", False: "and whether its zero is right is not known"}
+    found = []
+    for known, words in ends.items():
+        joints = ", ".join(str(k + 1) for k in unseen if (k in told) is known)
+        if joints:
+            found.append(f"no frame shows joint {joints}: its angle is the servo log's, {words}")
     return found
 
 

@@ -21,7 +21,7 @@ from serpenoid.plot import diagnosis_ladder, diagnosis_maps, diagnosis_ranking, 
 from serpenoid.plot.both import save
 from serpenoid.plot.joints import joint_angles, joint_bar
 from serpenoid.plot.room import settle
-from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, dress, figure, fill_equal
+from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, Colour, dress, figure, fill_equal, in_turn
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
@@ -86,7 +86,9 @@ def paths_figure(d: Diagnosis) -> Figure:
         ax.set_axis_off()
     shown = [n for n in LABELS if n != "extended" or d.extension.effects]
     handles = [axes.flat[0].plot([], [], color=LABELS[n], lw=1.6, label=n)[0] for n in shown]
-    fig.legend(handles=handles, loc="upper left", ncols=3, frameon=False, fontsize=NORMAL)
+    if len(tracks) > len(settings):
+        handles += axes.flat[0].plot([], [], color=in_turn(INK, 1, 2), lw=1.6, label="later repeats (paler)")
+    fig.legend(handles=handles, loc="upper left", ncols=4, frameon=False, fontsize=NORMAL)
     settle(fig, axes, above=0.3, title=0.27)
     return fig
 
@@ -97,16 +99,18 @@ def columns_of(settings: int) -> int:
 
 
 def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
-    """Centroid of all repeats of one setting: measured, and predicted by fits to the other gaits."""
+    """Centroid of all repeats of one setting: measured, and predicted by fits to the other gaits; later ones paler."""
     drawn = (("baseline", d.held_out[0]), ("extended", d.held_out[1]))
-    scale, unit = diagnosis_ladder.UNITS[length_unit(d.motion.selection.motion.tracks)]
-    for i, track in enumerate(d.motion.selection.motion.tracks):
-        if track.recording.setting != setting:
-            continue
+    tracks = d.motion.selection.motion.tracks
+    scale, unit = diagnosis_ladder.UNITS[length_unit(tracks)]
+    own = [i for i, track in enumerate(tracks) if track.recording.setting == setting]
+    for repeat, i in reversed(list(enumerate(own))):
+        colours = {name: in_turn(colour, repeat, len(own)) for name, colour in LABELS.items()}
         for name, predictions in drawn:
             if name == "baseline" or d.extension.effects:
-                _path(ax, accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3)), scale, LABELS[name], 1.8)
-        _path(ax, relative(track.poses[0], track.poses), scale, INK, 0.8)
+                path = accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3))
+                _path(ax, path, scale, colours[name], 1.8)
+        _path(ax, relative(tracks[i].poses[0], tracks[i].poses), scale, colours["measured"], 0.8)
     dress(ax, "", f"x [{unit}]", f"y [{unit}]")
     ax.set_title(diagnosis_trials.setting_name(setting), fontsize=SMALL, loc="left", color=INK, y=1.0)
     fill_equal(ax)
@@ -114,7 +118,7 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
     return ax
 
 
-def _path(ax: Axes, path: Floats, scale: float, colour: str, width: float) -> None:
+def _path(ax: Axes, path: Floats, scale: float, colour: Colour, width: float) -> None:
     ax.plot(*(scale * path[:, :2]).T, "-o", color=colour, lw=width, ms=3, markevery=[-1])
 
 

@@ -13,7 +13,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 BLUE, ORANGE, GREEN, RED, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"
 INK, GREY, FAINT = "#222222", "#7F7F7F", "#E4E4E4"
 SMALL, NORMAL, LARGE = 8.0, 9.0, 10.5
+Colour = tuple[float, float, float]
 
 
 def _cut(name: str, low: float, high: float) -> Colormap:
@@ -31,6 +32,16 @@ def _cut(name: str, low: float, high: float) -> Colormap:
 PHASE_MAP = _cut("plasma", 0.0, 0.86)  # phase within the cycle
 CHAIN_MAP = _cut("viridis", 0.0, 0.84)  # place along the body, or the coefficient c
 ANGLE_MAP = colormaps["PuOr_r"]  # signed angles
+
+
+PALEST = 0.65  # of the way to white: still seen on it
+
+
+def in_turn(colour: str, index: int, count: int) -> Colour:
+    """The colour of one of `count` alike: the first as it is, the others paler and paler."""
+    share = PALEST * index / max(count - 1, 1)
+    red, green, blue = ((1 - share) * part + share for part in to_rgb(colour))
+    return red, green, blue
 
 
 def figure(width: float, height: float) -> Figure:

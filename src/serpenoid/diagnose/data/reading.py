@@ -18,9 +18,10 @@ from serpenoid.diagnose.data.told import told_by_commands
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
+from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.schedule import Schedule, start_by_shape
-from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed
+from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
 from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial
 
 
@@ -110,7 +111,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     clock = align(file.body, tracks.time_s, markers, log)
     told = told_by_commands(log, schedule, clock.rate)
     start = (told.start_s, told.spread_s) if told else start_on_log(log, schedule, clock.rate)
-    start = start or _start_by_shape(schedule, log.time_s, log.position)
+    start = start or _start(schedule, start_by_shape(schedule, log.time_s, log.position))
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     time, log_time = tracks.time_s - t0, log.time_s - start[0]
     shown = schedule.until(max(time[-1], log_time[-1]))
@@ -124,7 +125,11 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
     """A trial without a servo log: joint angles are the markers', and the cameras' clock is the only one."""
     refuse_still(time, markers)
     known, shapes_known = angles_shown(file.body, markers)
-    t0, spread = _start_by_shape(schedule, time[known], shapes_known)
+    if seen_corners(file.body, markers) == list(file.body.corners):
+        found = start_by_shape(schedule, time[known], shapes_known)
+    else:  # a vertex that is guessed from its neighbours has two mirror positions
+        found = start_by_corners(file.body, schedule, markers, time)
+    t0, spread = _start(schedule, found)
     filmed = schedule.until(time[-1] - t0)
     return Recording(
         entry.name, entry.gait or entry.name, file.body, filmed, time - t0, markers, time - t0,
@@ -133,8 +138,8 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
     )  # fmt: skip
 
 
-def _start_by_shape(schedule: Schedule, time: Floats, angles: Floats) -> tuple[float, float]:
-    found = start_by_shape(schedule, time, angles)
+def _start(schedule: Schedule, found: Offset | None) -> tuple[float, float]:
+    """When the motion began, and how unsure that is."""
     if found is None or found.correlation < MIN_CORRELATION:
         raise InputError(
             "nothing says when the motion began, and the joint table is not found in the recorded shapes. Another "

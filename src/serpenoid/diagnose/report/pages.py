@@ -20,8 +20,9 @@ from serpenoid.report.pages import Picture, Table, prepare, write_page
 
 TEMPLATE = "diagnosis.html"
 CAPTIONS = {
-    "paths": "Centroid from the measured first pose, which heads along x; one curve for each repeat, dots mark the "
-    "ends. Each prediction comes from a fit to the other gaits. Ink: measured, orange: baseline, blue: extended model.",
+    "paths": "Centroid from the measured first pose, which heads along x; one curve for each repeat, later ones paler, "
+    "dots mark the ends. Each prediction comes from a fit to the other gaits. Ink: measured, orange: baseline, blue: "
+    "extended model.",
     "ladder": "Error of each stage before and after the named effects, with its ratio to the noise level (dashed).",
     "joints": "Commanded minus realised angle, joint by joint.",
     "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
