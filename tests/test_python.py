@@ -206,3 +206,16 @@ def test_what_is_printed_is_short() -> None:
         assert len(repr(printed)) < 200
     assert str(PROBLEM) == "<Problem reference-optimum: 5 vertices, ellipse gait, 20 steps>"
     assert repr(PROBLEM.gait).startswith("EllipseGait(family='ellipse', sigma=")
+
+
+def test_a_simulation_that_failed_is_written_with_its_reason_and_no_numbers(tmp_path: Path) -> None:
+    simulated = sp.simulate(sp.load(PROBLEMS / "snake10.toml"))
+    table = simulated.table.copy()
+    table[3, 2] = np.nan
+    failed = sp.simulate_joint_angles(simulated.problem.model, table)
+    record = sp.write_simulation(
+        tmp_path, dataclasses.replace(simulated, table=table, trajectory=failed), figures=False
+    )
+    assert record["status"] == "bad_shape"
+    unknown = ("displacement_body_lengths", "dissipation", "cost_of_transport", "lighthill_efficiency")
+    assert [record[key] for key in unknown] == [None] * 4

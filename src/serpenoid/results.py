@@ -143,8 +143,8 @@ def _record(
         "heading_change_rad": _number(trajectory.heading_change),
         "dissipation": _number(trajectory.dissipation),
         "energy_raw": _number(trajectory.energy_raw),
-        "cost_of_transport": electrical_cost_of_transport(problem, *per_cycle),
-        "lighthill_efficiency": lighthill_efficiency(problem, *per_cycle),
+        "cost_of_transport": _number(electrical_cost_of_transport(problem, *per_cycle)),
+        "lighthill_efficiency": _number(lighthill_efficiency(problem, *per_cycle)),
         "cycles": cycles,
         "gait": gait.document(),
         "body": {
@@ -193,5 +193,5 @@ def _write(folder: Path, record: dict[str, Any], table: Floats, trajectory: Traj
     write_json(folder / "solution.json", record)
 
 
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _number(value: float | None) -> float | None:
+    return float(value) if value is not None and np.isfinite(value) else None

@@ -32,7 +32,7 @@ from emulated import (
     write_gait,
 )
 
-from serpenoid.robot.table import write_table
+from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_radians, to_ticks
 
 pytestmark = pytest.mark.usefixtures("serial_ports")
@@ -70,6 +70,11 @@ def test_a_transient_is_played_to_its_last_row_and_recorded_without_a_trial_sect
     assert goals[-1] == pytest.approx(0.2, abs=np.pi / 4096)  # half a tick
     assert rows[-1]["step"] == "10"
     assert not (tmp_path / "log" / "trial.toml").exists()
+    recorded = json.loads((tmp_path / "log" / "play.json").read_text())
+    again = read_table(tmp_path / "log")  # what was recorded may be played again, as it was
+    assert (again.closed, again.steps) == (False, 10)
+    assert again.stated.cycle_duration_s == recorded["cycle_duration_s"]
+    assert read_table(tmp_path / "log" / "joint_table.csv").closed is False
 
 
 def check_schedule(rows, given_up):

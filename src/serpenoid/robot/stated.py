@@ -1,4 +1,7 @@
-"""What solution.json says of the table beside it: how long a cycle lasts and what its joints may do."""
+"""What is said of a table in the record beside it: how long a cycle lasts, what its joints may do, a transient or not.
+
+Of results that is solution.json; of what `play` recorded play.json, which knows no limits of the body.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +14,13 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
 
 LONGEST_CYCLE_S = 600.0
+RECORDS = "solution.json", "play.json"
 Angle = Annotated[float, Field(gt=0, le=180)]
 Speed = Annotated[float, Field(gt=0)]
 
 
 class _Part(BaseModel):
-    """Other keys of solution.json are not the robot's matter."""
+    """Other keys of a record are not the robot's matter."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False, strict=True)
 
@@ -32,7 +36,7 @@ class _Held(_Part):
 
 
 class Stated(_Part):
-    """The part of solution.json that the robot needs."""
+    """The part of a record that the robot needs."""
 
     cycle_duration_s: Annotated[float, Field(gt=0, le=LONGEST_CYCLE_S)] | None = None
     body: _Body = _Body()
@@ -57,10 +61,11 @@ class Stated(_Part):
         return off + ([] if speed is None or self.limits_held.joint_speed_limits else [f"speed limit of {speed:g} rpm"])
 
 
-def read_stated(file: Path) -> Stated:
-    """Read `file`; nothing is stated where there is none. Raises InputError where it is there and broken."""
+def read_stated(folder: Path) -> Stated:
+    """Read the folder's record; nothing is stated where there is none. InputError where it is there and broken."""
     remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
-    if not file.exists():
+    file = next((folder / name for name in RECORDS if (folder / name).exists()), None)
+    if file is None:
         return Stated()
     try:
         return Stated.model_validate(read_json(file))
