@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from serpenoid.measure.consistency.blame import certain
 from serpenoid.measure.consistency.check import Claim, check
-from serpenoid.measure.consistency.rivals import ODDS, Rival
+from serpenoid.measure.consistency.rivals import ODDS, Rival, _doubts
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.schedule import Schedule
 
@@ -84,3 +86,10 @@ def test_what_is_said_agrees_over_the_gaits(leads, said):
         rival(g, kind, lead) for g, pair in leads.items() for kind, lead in zip(("reversed", "ends"), pair, strict=True)
     ]
     assert {one.trial: one.cure for one in certain(rivals)} == said
+
+
+def test_a_doubt_has_the_cures_of_what_was_compared():
+    sure = rival("g1", "ends", 50.0)
+    cures = {"table": "turn the table", "log": "turn the log", "markers": "turn the markers"}
+    ((_, said),) = _doubts([replace(sure, cures=cures)], [])
+    assert said.endswith("else: turn the table; or turn the log")

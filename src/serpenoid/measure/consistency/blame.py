@@ -82,12 +82,8 @@ def _contradiction(trial: str, found: Sequence[Rival], compared: Iterable[Pair])
     against = {(rival.pair, rival.kind) for rival in found}
     clean = set(compared) - {pair for pair, _ in against}
     words = "; or ".join(dict.fromkeys(rival.words for rival in near))
-    cures = [cure for rival in near for cure in _cures(rival, _blamed(rival, against, clean))]
+    cures = [cure for rival in near for cure in rival.cured(_blamed(rival, against, clean))]
     return Contradiction(trial, near[0].kind, words, "; or ".join(dict.fromkeys(cures)), float(best))
-
-
-def _cures(rival: Rival, blamed: Sequence[str]) -> list[str]:
-    return [rival.cures[source] for source in blamed if source in rival.cures] or [rival.cure]
 
 
 def _blamed(rival: Rival, against: set[tuple[Pair, str]], clean: set[Pair]) -> list[str]:

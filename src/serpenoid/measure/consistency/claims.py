@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -18,10 +18,11 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.exchanged import exchanges, told
+from serpenoid.measure.consistency.films import films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.lengths import Shown, beside_film, other_bodies, wrong_edge
+from serpenoid.measure.consistency.lengths import beside_film, other_bodies
 from serpenoid.measure.consistency.lost_frames import Lost, set_on
 from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
@@ -36,7 +37,6 @@ from serpenoid.measure.trial_files import (
     label_markers,
     neighbour_ratio,
     read_files,
-    stated_between,
 )
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
@@ -76,7 +76,7 @@ def believe(
             remarks[files.entry.name].append(files.zeros)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
-    films = _films(file, body, read)
+    films = films_of(file, body, read)
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
         for trial in films.trials if (words := beside_film(*films.shown)) else ():
             remarks[trial].append(words)
@@ -109,7 +109,7 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
     seen = in_processes([(_seen, (file, body, files)) for files in read])
     markers = [fault for faults, _ in seen for fault in faults]
-    markers += _copies(read) + (_wrong_edge(file, body, read) if file.lengths_given else _lengths(body, read))
+    markers += _copies(read) + (wrong_edges(file, body, read) if file.lengths_given else _lengths(body, read))
     if markers:
         return Verdict(tuple(markers), (), ())
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
@@ -190,41 +190,6 @@ def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
         Contradiction(one.trial, "length", words.format(one.factor, one.other), cure, one.gain)
         for one in other_bodies(vertices, body.edges_m)
     ]
-
-
-def _wrong_edge(file: CampaignFile, body: Body, read: Sequence[Files]) -> list[Contradiction]:
-    """One link that all films together show of another length."""
-    films = _films(file, body, read)
-    found = None if films is None else wrong_edge(*films.shown)
-    if films is None or found is None:
-        return []
-    words, cure, gain = found
-    return [Contradiction(trial, "length", words, cure, gain) for trial in films.trials]
-
-
-@dataclass(frozen=True)
-class Films:
-    """Trials whose films have a scale, and what they show of stated lengths: see `beside_film`."""
-
-    trials: tuple[str, ...]
-    shown: tuple[Shown, Floats, list[str], bool]
-
-
-def _films(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | None:
-    """None where nothing is stated, or nothing seen."""
-    if body.is_animal or not file.lengths_given:
-        return None
-    films = {
-        f.entry.name: f for f in read if f.tracks is not None and f.tracks.scale_known and f.keys.length_unit != "bl"
-    }
-    marked = {name: f.labelled.vertices for name, f in films.items() if f.labelled is not None}
-    if not marked:
-        return None
-    shown = sorted({k for points in marked.values() for k in ever_seen(points).tolist()})
-    stated = stated_between(shown, body.edges_m, body)
-    names, seen = next(iter(films.values())).names(body), [points[:, shown] for points in marked.values()]
-    labels = [names[k] for k in shown]
-    return Films(tuple(marked), (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices))
 
 
 def _copies(read: Sequence[Files]) -> list[Contradiction]:

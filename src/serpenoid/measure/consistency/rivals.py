@@ -44,6 +44,10 @@ class Rival:
     pair: tuple[str, str]
     cures: Mapping[str, str]
 
+    def cured(self, sources: Sequence[str]) -> list[str]:
+        """What to do if one of these sources is wrong."""
+        return [self.cures[source] for source in sources if source in self.cures] or [self.cure]
+
 
 @dataclass(frozen=True)
 class Compared:
@@ -80,7 +84,8 @@ def _doubts(plain: Sequence[Rival], rivals: Sequence[Rival]) -> list[tuple[str, 
     if not certain or any(leads(rival, rival.lead) for rival in rivals):
         return []
     best = max(certain, key=lambda rival: rival.lead + rival.log_share)
-    return [(best.trial, f"{best.words}; servos that are late or slow explain that as well, else: {best.cure}")]
+    cure = "; or ".join(best.cured(best.pair))
+    return [(best.trial, f"{best.words}; servos that are late or slow explain that as well, else: {cure}")]
 
 
 def leads(rival: Rival, lead: float) -> bool:
