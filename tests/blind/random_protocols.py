@@ -25,7 +25,9 @@ FRAMES, NOISE_M, LOG_HERTZ, HOLES = (25, 250), (1e-4, 2e-3), (10, 200), (0.01, 0
 CYCLE_S, ROWS = (1.5, 6.0), (24, 100)
 LEAST_PROGRESS, TRIES = 0.03, 60  # body lengths a cycle; afterwards the best that came up
 # What nothing but the difference between a log and the cameras shows.
-NEEDS_A_LOG = ("zero_offset", "loose_joint", "clock_offset", "marker_offset", "length_scale")
+NEEDS_A_LOG = (
+    "zero_offset", "loose_joint", "clock_offset", "marker_offset", "marker_offset_ahead", "length_scale",
+)  # fmt: skip
 
 
 def _log(rng: np.random.Generator, ends: tuple[float, float]) -> float:

@@ -28,12 +28,14 @@ class Plan:
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes: time (n + 1,) [s], set-points (n + 1, m), phase in cycles (n + 1,), playing (n,)."""
+    """Nodes: time (n + 1,) [s], set-points (n + 1, m), phase in cycles (n + 1,), playing (n,); held: set-points stay
+    until the next node, where they jump, else they are linear between nodes."""
 
     time: Floats
     setpoint: Floats
     phase: Floats
     playing: np.ndarray
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,27 +85,29 @@ def grid(plan: Plan, steps_per_cycle: int = STEPS_PER_CYCLE) -> Grid:
             phase += [np.full(rest, k + 1.0)]
             points += [np.repeat(closed[:1], rest, axis=0)]
             playing += [np.zeros(rest, dtype=bool)]
-    return Grid(np.concatenate(time), np.concatenate(points), np.concatenate(phase), np.concatenate(playing))
+    parts = (np.concatenate(x) for x in (time, points, phase, playing))
+    return Grid(*parts, held=plan.held)
 
 
-def lagged(time: Floats, target: Floats, lag: Floats) -> Floats:
-    """q' = (target - q) / lag, exact for a target that is linear between nodes; lag per step (n,)."""
+def lagged(time: Floats, target: Floats, lag: Floats, held: bool = False) -> Floats:
+    """q' = (target - q) / lag, exact for a target that is linear between nodes, or held until the next; lag per step
+    (n,)."""
     q = np.empty_like(target)
     q[0] = target[0]
     h = np.diff(time)
-    slope = np.diff(target, axis=0) / h[:, None]
+    slope = np.zeros_like(target[1:]) if held else np.diff(target, axis=0) / h[:, None]
     decay = np.exp(-h / lag)
     for i in range(len(h)):
-        behind = lag[i] * slope[i]
-        q[i + 1] = target[i + 1] - behind + (q[i] - target[i] + behind) * decay[i]
+        behind, there = lag[i] * slope[i], target[i if held else i + 1]
+        q[i + 1] = there - behind + (q[i] - target[i] + behind) * decay[i]
     return q
 
 
-def rate_limited(time: Floats, target: Floats, max_speed: float) -> Floats:
+def rate_limited(time: Floats, target: Floats, max_speed: float, held: bool = False) -> Floats:
     q = np.empty_like(target)
     q[0] = target[0]
     for i, reach in enumerate(np.diff(time) * max_speed):
-        q[i + 1] = q[i] + np.clip(target[i + 1] - q[i], -reach, reach)
+        q[i + 1] = q[i] + np.clip(target[i if held else i + 1] - q[i], -reach, reach)
     return q
 
 
@@ -118,19 +122,25 @@ def _play(target: Floats, width: float) -> Floats:
 
 def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
     """True joint angles and what the servos read (before rounding), both (n + 1, m)."""
-    q = g.setpoint.copy()
+    q, jumps = g.setpoint.copy(), np.full(g.setpoint.shape[1], g.held)  # what has followed jumps does not jump
     for joint, lag in servos.lags.items():
-        q[:, [joint - 1]] = lagged(g.time, q[:, [joint - 1]], np.full(len(g.time) - 1, lag))
+        q[:, [joint - 1]] = lagged(g.time, q[:, [joint - 1]], np.full(len(g.time) - 1, lag), g.held)
+        jumps[joint - 1] = False
     if servos.lag > 0:
-        q = lagged(g.time, q, np.full(len(g.time) - 1, servos.lag))
+        for j, own in enumerate(jumps):
+            q[:, [j]] = lagged(g.time, q[:, [j]], np.full(len(g.time) - 1, servos.lag), bool(own))
+        jumps[:] = False
     if servos.varying_lag is not None:
         mean, period, phase = servos.varying_lag
         middle = (g.time[1:] + g.time[:-1]) / 2
-        q = lagged(g.time, q, mean * (1.02 + np.sin(2 * np.pi * middle / period + phase)))
+        q = lagged(g.time, q, mean * (1.02 + np.sin(2 * np.pi * middle / period + phase)), bool(jumps.any()))
+        jumps[:] = False
     for joint, speed in servos.speeds.items():
-        q[:, [joint - 1]] = rate_limited(g.time, q[:, [joint - 1]], speed)
+        q[:, [joint - 1]] = rate_limited(g.time, q[:, [joint - 1]], speed, bool(jumps[joint - 1]))
+        jumps[joint - 1] = False
     if np.isfinite(servos.max_speed):
-        q = rate_limited(g.time, q, servos.max_speed)
+        for j, own in enumerate(jumps):
+            q[:, [j]] = rate_limited(g.time, q[:, [j]], servos.max_speed, bool(own))
     for joint, width in servos.width.items():
         q[:, joint - 1] = _play(q[:, joint - 1], width)
     for joint, loss in servos.loss.items():

@@ -13,6 +13,7 @@ from serpenoid.diagnose.data.paths import total
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
 from serpenoid.diagnose.inference.held_out import held_out
+from serpenoid.diagnose.inference.names import trace
 from serpenoid.diagnose.report.write import PREDICTION, role, write
 from serpenoid.diagnose.residuals.gain import scores
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -22,7 +23,7 @@ from serpenoid.medium import Medium
 from serpenoid.model_file import read_model_file, write_model_file
 
 SLOPE = Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.002})
-SMALL_LOAD = Effect("load", 2, {"share": 0.009})
+SMALL_LOAD = Effect("load", 2, {"share": 0.005})
 
 
 def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:
@@ -64,3 +65,17 @@ def test_where_nothing_is_named_the_extended_model_is_the_baseline(tmp_path: Pat
     assert found.verdict == "nothing"
     assert found.model.effects == ()
     assert [e["in_extended_model"] for e in record(found)["below_detection"]] == [False]
+
+
+def test_what_paths_are_off_by_from_where_they_were_begun_has_a_name(tmp_path: Path) -> None:
+    """An error of heading grows along a path, which start poses fitted anew hide: without it paths stray by more than
+    chance makes, so "nothing" would not be true."""
+    found = diagnosed(tmp_path, Effect("load", 2, {"share": 0.009}))
+    (load,) = found.named
+    selection = found.motion.selection
+    assert trace(selection.motion, selection.best, selection.bases[0], load.effect) < selection.noise_level_m
+    assert load.strength > 1
+    low, high = load.intervals["share"]
+    assert low is not None
+    assert high is not None
+    assert low < 0.009 < high

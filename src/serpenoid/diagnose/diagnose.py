@@ -186,11 +186,13 @@ def _scored(scores: Sequence[tuple[str, int | None, float]]) -> list[tuple[str, 
 
 
 def _rows(recordings: Sequence[Recording]) -> dict[str, Any]:
-    """Whether the tables' rows are held, and who says so: the logs' commands, or what servos follow best."""
+    """Whether the tables' rows are held, and who says so: the logs' commands, or what servos follow best. One player
+    plays all trials: what the commands of one say, those of others that are no clear word do not take back."""
     held = any(r.schedule.held for r in recordings)
-    told = bool(recordings) and all(r.held_as_told is held for r in recordings)
+    told = {r.held_as_told for r in recordings} - {None} == {held}
     source = ("commands" if told else "readings") if recordings else None
-    return {"rows_held": held, "rows_from": source, "lag_untold": any(r.lag_untold for r in recordings)}
+    untold = any(r.lag_untold for r in recordings) and not told
+    return {"rows_held": held, "rows_from": source, "lag_untold": untold}
 
 
 def _ratio_interval(d: Diagnosis) -> tuple[float, float]:

@@ -236,6 +236,9 @@ KEPT = (
 
 
 def summary(d: Diagnosis) -> dict[str, Any]:
-    """What the later diagnosis reports about the earlier campaign."""
+    """What the later diagnosis reports about the earlier campaign; eps is that of the extended model, which the later
+    one begins from, and no better known than that and what is named tell."""
     said = record(d)
-    return {key: said[key] for key in KEPT}
+    eps, (low, high) = d.model.medium.anisotropy_ratio, said["anisotropy_ratio"]["interval"]
+    ratio = {"after": eps, "interval": [min(low, eps), max(high, eps)]}
+    return {key: said[key] for key in KEPT} | {"anisotropy_ratio": said["anisotropy_ratio"] | ratio}

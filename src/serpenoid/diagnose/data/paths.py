@@ -11,8 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import largest_factor
 from serpenoid.diagnose.data.geometry import GYRATION, turn
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import noise_uncertain
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.group import accumulate, relative
 
@@ -46,6 +48,12 @@ def _mean_in_time(track: Track, values: Floats) -> Floats:
     """Of values (..., B) at the boundaries."""
     weight = track.duration
     return np.asarray(((values[..., 1:] + values[..., :-1]) / 2 * weight).sum(axis=-1) / weight.sum())
+
+
+def farthest(motion: Motion, draws: Floats) -> float:
+    """How many noise levels paths stray by chance at most, at the stated error: as draws (DRAWS,) of it scatter, and as
+    well as so many windows tell how large it is."""
+    return largest_factor(float(np.hypot(np.log(draws / total(draws)).std(), noise_uncertain(motion))))
 
 
 def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:

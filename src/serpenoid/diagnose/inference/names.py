@@ -17,7 +17,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.paths import strength
+from serpenoid.diagnose.data.paths import farthest, path_draws, path_error, strength
 from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
@@ -156,12 +156,24 @@ def visible(
     while True:
         effects = best.effects
         bases = bases_of(motion, null, best)
-        traces = in_processes([(trace, (motion, best, b, e)) for e, b in zip(effects, bases, strict=True)])
-        if not effects or min(traces) >= VISIBLE * noise_level_m:
+        level = VISIBLE * noise_level_m
+        traces = in_processes([(seen, (motion, best, b, e, level)) for e, b in zip(effects, bases, strict=True)])
+        if not effects or min(traces) >= level:
             return best, bases, tuple(lost[::-1])
         weakest = int(np.argmin(traces))
         lost.append(Weak(best, effects[weakest], traces[weakest]))
         best = fit_guided(motion, bases[weakest], TO_THE_END)
+
+
+def seen(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect, level: float) -> float:
+    """Its trace; where that is below the noise level, what paths from the measured first poses are off by without it
+    and not with it, if that is more than chance makes: an error of heading grows along them, which poses fitted anew
+    hide."""
+    own = trace(motion, full, base, effect)
+    off = path_error(motion, base.predictions)
+    if own >= level or off <= farthest(motion, path_draws(motion, base.predictions)) * level:
+        return own
+    return max(own, float(np.sqrt(max(off**2 - path_error(motion, full.predictions) ** 2, 0.0))))
 
 
 def trace(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect) -> float:

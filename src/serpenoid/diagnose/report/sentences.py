@@ -6,8 +6,9 @@ from serpenoid.diagnose.report.words import STAND_IN, Record, law, parameter, sh
 from serpenoid.effects.catalogue import find
 
 UNSAID = (
-    "the log has neither commands nor labels: rows that are held and servos that lag look like rows that run and begin "
-    "later, so a lag is known only as far as rows are taken as they were. Log the commands"
+    "neither labels of the log nor commands that are the table's to within a servo's tick say when rows were due: rows "
+    "that are held and servos that lag look like rows that run and begin later, so a lag is known only as far as rows "
+    "are taken as they were. Log the commands as they are sent"
 )
 WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
 TRACELESS = 0.05  # times the noise: what would read 0.0

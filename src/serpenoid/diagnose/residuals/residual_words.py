@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import largest_factor
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import noise_uncertain, residuals
-from serpenoid.diagnose.data.paths import path_draws, total
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.paths import farthest, path_draws, total
 from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.untold import Untold, untold
 from serpenoid.diagnose.data.used import length_unit
@@ -45,8 +44,7 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
         words.append(laid_otherwise(room))
     draws = path_draws(chance, predictions)
     level = total(draws)
-    most = largest_factor(float(np.hypot(np.log(draws / level).std(), noise_uncertain(chance))))
-    if after_m > most * level:
+    if after_m > farthest(chance, draws) * level:
         words.append(f"paths stray from the measured ones by {after_m / level:.1f} times the noise")
     if trace(motion, predictions, pushes) > VISIBLE * level:
         words.append(

@@ -28,7 +28,7 @@ from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.middles import drag_amid_edges
-from serpenoid.diagnose.inference.names import Refused, Weak, trace
+from serpenoid.diagnose.inference.names import Refused, Weak, seen
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.residual_words import pattern
@@ -163,13 +163,13 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
     """Whether a name may be there for a cause that the catalogue does not hold, if what the model misses repeats, or
     what its reference missed did.
 
-    Of the floor that may be all of it. With a reference what that left is no news, and what takes away most is the
+    Of the floor, or of the cameras' frame, that may be all of it. With a reference what that left is no news, and what takes away most is the
     change; what stands beside it may mend the law about it, whose error is in proportion to what the change does. What
     trials that were not laid alike differ by is news, with a reference, too.
     """
     motion = found.motion
     if motion.ratio is None or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
-        return effect.effect.site == "medium"
+        return effect.effect.moves
     gains = {e.key: base.chi2 - found.best.chi2 for e, base in zip(found.best.effects, found.bases, strict=True)}
     return effect.key in gains and gains[effect.key] < max(gains.values())
 
@@ -217,7 +217,7 @@ def named_of(
             wide = NORMAL * doubtful.deviation
             low, high = min(low, doubtful.value - wide), max(high, doubtful.value + wide)
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
-    strength = trace(found.motion, found.best, base, effect) / found.noise_level_m
+    strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
     return Named(fitted, ends, strength, tuple(bound))
 
 
