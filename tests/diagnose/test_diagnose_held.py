@@ -12,12 +12,14 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
+from blind.schedule import lagged
+from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.diagnose.data.meshes import COARSER, mesh_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.tracks import _at_frames, make_tracks
 from serpenoid.diagnose.data.windows import predicted_path, predictions
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
@@ -73,6 +75,24 @@ def test_where_rows_jump_a_trial_begins_where_readings_meet_what_servos_do(
     assert lag == pytest.approx(LAG, abs=0.02 * LAG)
     begun, true = ([r.log_time[0] for r in some] for some in (found, followed))
     np.testing.assert_allclose(begun, true, atol=LATE / 10)
+
+
+@pytest.mark.parametrize("lag", [LAG, LAG / 4], ids=["jumps", "rests for long"])
+def test_the_path_that_guides_averages_rests_after_every_jump(followed: tuple[Recording, ...], lag: float) -> None:
+    """A cubic in time through the few steps of a quick jump swings on, by 17 % of it, while the body rests."""
+    r = followed[0]
+    times = np.linspace(0, r.promised_s, 40000)
+    late = lagged(times, r.schedule.commanded(times), np.full(len(times) - 1, lag))
+    r = replace(r, carrier=Course(times, late), log_time=times, position=late)
+    mesh = mesh_of(r)
+    model = Model(r.body, Medium(anisotropy_ratio=0.2))
+    path = predicted_path(model, shapes(r.body, r.angles_at(mesh.time)), mesh.time, np.zeros(3))
+    times = np.unique(np.concatenate([mesh.time, np.linspace(0, r.end, 20 * len(mesh.time))]))
+    exact = predicted_path(model, shapes(r.body, r.angles_at(times)), times, np.zeros(3))
+    guided = _at_frames(replace(r, time=times), mesh, path)
+    jump = np.abs(np.diff(path[mesh.breaks], axis=0))[:, :2].max()
+    off = np.abs(guided - exact)[:, :2].max() / jump
+    assert off < (0.03 if lag == LAG else 0.08)
 
 
 def test_steps_follow_every_jump_and_windows_stay_where_they_are(followed: tuple[Recording, ...]) -> None:

@@ -30,7 +30,7 @@ BENDING = 64  # parts of such a stretch in which it is measured how joints bend
 @dataclass(frozen=True)
 class Mesh:
     """Rows (R,) [s], boundaries (B,) among them; playing, cycle and phase of each window (B - 1,); breaks: rows (K,)
-    at which the rate may jump, 0 and the last among them."""
+    at which the rate may jump, 0 and the last among them; followed: whether steps follow rows that are held."""
 
     time: Floats
     bounds: np.ndarray
@@ -38,6 +38,7 @@ class Mesh:
     cycle: np.ndarray
     phase: Floats
     breaks: np.ndarray
+    followed: bool = False
 
 
 def mesh_of(r: Recording) -> Mesh:
@@ -92,7 +93,7 @@ def _followed(r: Recording, even: Mesh, jumps: Floats) -> Mesh:
     time = [every[:1], *(_steps(r, even.time, a, b) for a, b in zip(every[:-1], every[1:], strict=True))]
     rows = np.concatenate(time)
     at = [np.searchsorted(rows, np.unique(np.round(t, 9))) for t in (ends, breaks)]
-    return Mesh(rows, at[0], even.playing, even.cycle, even.phase, at[1])
+    return Mesh(rows, at[0], even.playing, even.cycle, even.phase, at[1], followed=True)
 
 
 def _steps(r: Recording, usual: Floats, begin: float, end: float) -> Floats:

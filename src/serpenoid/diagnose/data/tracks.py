@@ -127,11 +127,24 @@ def _start(r: Recording, poses: Floats, known: np.ndarray) -> Floats:
 
 
 def _at_frames(r: Recording, mesh: Mesh, path: Floats) -> Floats:
-    """The path at the frames: cubic wherever its rate does not jump, held outside."""
+    """The path at the frames: cubic wherever its rate does not jump, held outside.
+
+    Where rows are held, a cubic in time would swing on while a body that has jumped rests: there it is one in what runs
+    evenly with time and with what joints bend by, as the mesh's steps do.
+    """
     at = np.clip(r.time, mesh.time[0], mesh.time[-1])
+    along, here = _evenly(r, mesh.time, at) if mesh.followed else (mesh.time, at)
     result = np.empty((len(at), 3))
     part = np.clip(np.searchsorted(mesh.time[mesh.breaks], at - 1e-9) - 1, 0, len(mesh.breaks) - 2)
     for n in np.unique(part):
         rows = slice(mesh.breaks[n], mesh.breaks[n + 1] + 1)
-        result[part == n] = CubicSpline(mesh.time[rows], path[rows])(at[part == n])
+        result[part == n] = CubicSpline(along[rows], path[rows])(here[part == n])
     return result
+
+
+def _evenly(r: Recording, rows: Floats, frames: Floats) -> tuple[Floats, Floats]:
+    """What grows by one as time passes and by one as joints bend, over a trial: at rows, and at frames."""
+    time = np.unique(np.concatenate([rows, frames]))
+    bent = np.concatenate([[0.0], np.linalg.norm(np.diff(r.angles_at(time), axis=0), axis=1).cumsum()])
+    grown = (time - time[0]) / (time[-1] - time[0]) + bent / max(float(bent[-1]), 1e-12)
+    return np.interp(rows, time, grown), np.interp(frames, time, grown)

@@ -163,9 +163,9 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
     """Whether a name may be there for a cause that the catalogue does not hold, if what the model misses repeats, or
     what its reference missed did.
 
-    Of the floor, or of the cameras' frame, that may be all of it. With a reference what that left is no news, and what takes away most is the
-    change; what stands beside it may mend the law about it, whose error is in proportion to what the change does. What
-    trials that were not laid alike differ by is news, with a reference, too.
+    Of the floor, or of the cameras' frame, that may be all of it. With a reference what that left is no news, and what
+    takes away most is the change; what stands beside it may mend the law about it, whose error is in proportion to what
+    the change does. What trials that were not laid alike differ by is news, with a reference, too.
     """
     motion = found.motion
     if motion.ratio is None or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
