@@ -6,6 +6,7 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.diagnose.data.clocks import Clock, align, beside_plan
+from serpenoid.diagnose.data.laid import Plan
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
@@ -44,7 +45,12 @@ def one_cycle(time: np.ndarray, cycle_s: float = CYCLE_S) -> np.ndarray:
 
 
 def told_by_plan(
-    draw: int, hertz: float, beside: tuple[float, float] = (0.0, 0.0), rate: float = 0.0, noise_m: float = 5e-4
+    draw: int,
+    hertz: float,
+    beside: tuple[float, float] = (0.0, 0.0),
+    rate: float = 0.0,
+    noise_m: float = 5e-4,
+    plan: Plan | None = one_cycle,
 ) -> Clock:
     """A film of a healthy robot, or with a marker of vertex 5 beside its place on the link ahead, and its log."""
     body, rng = Body(vertices=7, edge_lengths=(0.08,) * 6), np.random.default_rng(draw)
@@ -57,7 +63,7 @@ def told_by_plan(
     time = np.arange(-1.0, CYCLE_S + 2.0, 1 / hertz) + rng.uniform(0, 1 / hertz)
     read = np.round((one_cycle(time) + rng.normal(0, 0.4 * TICK, (len(time), 5))) / TICK) * TICK
     log = ServoLog(time, read, None, None, None, None, {}, "log.csv")
-    return beside_plan(align(body, film, markers, log), body, film, markers, log, one_cycle)
+    return beside_plan(align(body, film, markers, log), body, film, markers, log, plan)
 
 
 def test_where_motion_begins_between_the_rows_of_a_slow_log_the_plan_says() -> None:
@@ -80,3 +86,13 @@ def test_a_displaced_marker_is_no_rate_and_a_rate_is_one() -> None:
     for deviations in (far, told):
         assert abs(np.mean(deviations)) < 3 / np.sqrt(DRAWS)
         assert np.sqrt(np.mean(np.square(deviations))) < 1.7
+
+
+def test_without_a_plan_a_displaced_marker_is_no_rate_either() -> None:
+    """Rows that jump: what servos do between them is not the plan's, so the clock stays."""
+    far = []
+    for draw in range(DRAWS):
+        apart = told_by_plan(draw, 50.0, (-8e-3, 8e-3), plan=None).apart
+        assert apart is not None
+        far.append(apart[0] / apart[1])
+    assert abs(np.mean(far)) < 3 / np.sqrt(DRAWS)

@@ -68,19 +68,19 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     return clock
 
 
-def beside_plan(clock: Clock, body: Body, camera: Floats, markers: Floats, log: ServoLog, plan: Plan) -> Clock:
+def beside_plan(clock: Clock, body: Body, camera: Floats, markers: Floats, log: ServoLog, plan: Plan | None) -> Clock:
     """The same by what servos do beside a plan of joint angles that their commands keep to: between the rows of a slow
-    log nobody sees where motion begins and ends, and it would seem longer than it was."""
+    log nobody sees where motion begins and ends, and it would seem longer than it was. None: as it is, its rate told
+    apart from what displaced markers make."""
     corners = _corners(body, markers)
     angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
 
-    def planned(time: Floats) -> Floats:
-        return np.asarray(bends(shapes(body, plan(time))[:, corners]))
+    planned = (lambda time: np.asarray(bends(shapes(body, plan(time))[:, corners]))) if plan else None
 
     def laid() -> Laid:
         return Laid.by(camera, clock.servo(camera), angles, log.time_s, read, planned)
 
-    for _ in range(ITERATIONS):
+    for _ in range(ITERATIONS if plan else 0):
         clock = _improved(clock, camera, laid())
     more, sd = laid().rate_apart()
     return replace(clock, apart=(clock.rate + more, sd))
