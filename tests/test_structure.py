@@ -33,7 +33,7 @@ LEFT_OF_MODELS = {
 }  # fmt: skip
 MAY_IMPORT = {
     "files": {"errors"},
-    "body": {"files"},
+    "body": {"errors", "files"},
     "body_curve": {"body"},
     "medium": {"files"},
     "group": {"body"},

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
+from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -65,3 +66,15 @@ def test_drag_in_the_middles_of_edges_says_what_resistance_to_turning_it_leaves_
     wheels = body.changed(kind="wheeled robot")
     assert not [r for r in Model(wheels, Medium(anisotropy_ratio=0.3, dissipation="edge")).remarks if "turning" in r]
     assert not [r for r in Model(body, Medium(anisotropy_ratio=0.3)).remarks if "turning" in r]
+
+
+def test_weights_next_to_nothing_are_halved_and_edges_next_to_nothing_refused() -> None:
+    """What a file may say of a body holds of all bodies that are made of it."""
+    body = Body(vertices=5, edge_lengths=(0.1,) * 4, weights=(0.5, 1e-9, 1e-9, 1e-9, 0.5))
+    middles = body.with_middles()
+    assert middles.has_middles
+    share = middles.vertex_weights[1::2] / middles.vertex_weights[1::2].sum()
+    np.testing.assert_allclose(share, body.edge_weights, atol=1e-8)
+    Body(vertices=4, edge_lengths=(1e-9, 1e-9, 1e3)).uniform()
+    with pytest.raises(InputError, match="1e-09 m is too short to have a middle: give lengths in metres"):
+        Body(vertices=4, edge_lengths=(0.1, 1e-9, 0.1)).with_middles()

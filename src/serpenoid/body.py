@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
-Length = Annotated[float, Field(ge=1e-9, le=1e6)]  # metres, or any unit: sums and ratios stay finite
-Weight = Annotated[float, Field(ge=1e-9, le=1e9)]
+LEAST = 1e-9  # of lengths and weights
+Length = Annotated[float, Field(ge=LEAST, le=1e6)]  # metres, or any unit: sums and ratios stay finite
+Weight = Annotated[float, Field(ge=LEAST, le=1e9)]
 BARE = 1e-6  # of the body's weight: a vertex that meets nothing, as a joint between two wheels
 ANIMALS = ("swimmer", "crawler")
 # metres; sperm and bacteria to blue whales, nematodes to pythons; who is longer or shorter is asked about the unit
@@ -162,7 +164,7 @@ class Body(Record):
     def uniform(self) -> Body:
         """The same body with its weight spread evenly along its length, half an edge's at either end of it."""
         ends = np.concatenate([[0.0], self.edges, [0.0]])
-        return self.changed(weights=tuple(((ends[1:] + ends[:-1]) / 2).tolist()))
+        return self.changed(weights=tuple(np.maximum((ends[1:] + ends[:-1]) / 2, LEAST).tolist()))
 
     def changed(self, **fields: object) -> Body:
         """The same body with other fields; a copy would keep what is cached of the old ones."""
@@ -172,11 +174,16 @@ class Body(Record):
         """The same body with a rigid vertex in the middle of every edge: 2 k is vertex k, 2 k + 1 the middle of edge k.
 
         The middles carry what dissipation at edges weighs, the others next to nothing (`BARE`): drag at these vertices
-        is the drag of this body's edges.
+        is the drag of this body's edges. A weight so small that its half is none any more stays the least there is.
         """
+        if self.edges_m.min() < 2 * LEAST:
+            raise InputError(
+                f"[body] an edge of {self.edges_m.min():g} m is too short to have a middle: give lengths in metres, "
+                f"each {2 * LEAST:g} or more."
+            )
         edges = self.edge_weights if self.weights is not None else self.edges
         weights = np.full(2 * self.vertices - 1, BARE)
-        weights[1::2] = edges / edges.sum()
+        weights[1::2] = np.maximum(edges / edges.sum(), LEAST)
         halves = np.repeat(self.edges_m / 2, 2)
         return self.changed(
             vertices=len(weights),

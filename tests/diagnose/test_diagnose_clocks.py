@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.clocks import align
+from serpenoid.diagnose.data.clocks import Clock, align, beside_plan
+from serpenoid.diagnose.data.laid import Plan
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
@@ -35,3 +36,63 @@ def test_a_slow_log_beside_a_fast_film_has_no_other_rate_than_its_deviation_says
         clock = align(body, film, markers, ServoLog(time, read, None, None, None, None, {}, "log.csv"))
         far.append(clock.rate / clock.rate_sd)
     assert 0.3 < np.sqrt(np.mean(np.square(far))) < 1.7  # chi squared of twelve, beyond 1 in 1000
+
+
+def one_cycle(time: np.ndarray, cycle_s: float = CYCLE_S) -> np.ndarray:
+    """A plan that begins and ends amid its motion, as rows on straight lines do."""
+    phase = 2 * np.pi * np.clip(time, 0, cycle_s)[:, None] / cycle_s + 0.7 * np.arange(5)
+    return 0.5 * np.sin(phase) + 0.15 * np.sin(2 * phase) - 0.1
+
+
+def told_by_plan(
+    draw: int,
+    hertz: float,
+    beside: tuple[float, float] = (0.0, 0.0),
+    rate: float = 0.0,
+    noise_m: float = 5e-4,
+    plan: Plan | None = one_cycle,
+) -> Clock:
+    """A film of a healthy robot, or with a marker of vertex 5 beside its place on the link ahead, and its log."""
+    body, rng = Body(vertices=7, edge_lengths=(0.08,) * 6), np.random.default_rng(draw)
+    film = np.arange(-1.0, CYCLE_S + 2.0, 1 / 60)
+    markers = chain_vertices(body, np.zeros((len(film), 3)), one_cycle((1 + rate) * film))
+    ahead = (markers[:, 6] - markers[:, 5]) / 0.08
+    across = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+    markers[:, 5] += beside[0] * ahead + beside[1] * across
+    markers += rng.normal(0, noise_m, markers.shape)
+    time = np.arange(-1.0, CYCLE_S + 2.0, 1 / hertz) + rng.uniform(0, 1 / hertz)
+    read = np.round((one_cycle(time) + rng.normal(0, 0.4 * TICK, (len(time), 5))) / TICK) * TICK
+    log = ServoLog(time, read, None, None, None, None, {}, "log.csv")
+    return beside_plan(align(body, film, markers, log), body, film, markers, log, plan)
+
+
+def test_where_motion_begins_between_the_rows_of_a_slow_log_the_plan_says() -> None:
+    """Cubics between rows begin to move before they should and end late: another rate in every trial."""
+    clocks = [told_by_plan(draw, 5.0, noise_m=1e-4) for draw in range(DRAWS)]
+    assert np.sqrt(np.mean([(clock.rate / clock.rate_sd) ** 2 for clock in clocks])) < 1.7
+
+
+def test_a_displaced_marker_is_no_rate_and_a_rate_is_one() -> None:
+    """In the rate that shall convict a film's clock; that of all that is seen is known better, but for the marker."""
+    far, told = [], []
+    for draw in range(DRAWS):
+        displaced = told_by_plan(draw, 50.0, (-8e-3, 8e-3))
+        wrong = told_by_plan(draw, 50.0, rate=0.02)
+        assert displaced.apart is not None
+        assert wrong.apart is not None
+        far.append(displaced.apart[0] / displaced.apart[1])
+        told.append((wrong.apart[0] - 0.02) / wrong.apart[1])
+        assert wrong.apart[0] > 5 * wrong.apart[1]
+    for deviations in (far, told):
+        assert abs(np.mean(deviations)) < 3 / np.sqrt(DRAWS)
+        assert np.sqrt(np.mean(np.square(deviations))) < 1.7
+
+
+def test_without_a_plan_a_displaced_marker_is_no_rate_either() -> None:
+    """Rows that jump: what servos do between them is not the plan's, so the clock stays."""
+    far = []
+    for draw in range(DRAWS):
+        apart = told_by_plan(draw, 50.0, (-8e-3, 8e-3), plan=None).apart
+        assert apart is not None
+        far.append(apart[0] / apart[1])
+    assert abs(np.mean(far)) < 3 / np.sqrt(DRAWS)

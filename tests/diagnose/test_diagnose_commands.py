@@ -174,6 +174,15 @@ def test_a_rate_that_noisy_markers_make_is_no_wrong_film(trial: Recording) -> No
     assert found.schedule.cycle_duration_s == pytest.approx(CYCLE_S / 1.002, rel=1e-9)
 
 
+def test_a_rate_that_a_displaced_marker_may_make_is_no_wrong_film(trial: Recording) -> None:
+    """Cycles are moved by what is likeliest; nobody's clock is charged."""
+    film = filmed(trial, FILM, 1e-5)
+    (found,) = by_their_commands([replace(film, clock=replace(film.clock, apart=(FILM, 0.5 * abs(FILM))))])
+    assert found.remarks == trial.remarks
+    (found,) = by_their_commands([replace(film, clock=replace(film.clock, apart=(FILM, 0.1 * abs(FILM))))])
+    assert "so the film's is wrong" in found.remarks[-1]
+
+
 def test_where_commands_of_one_trial_follow_the_film_alone_nothing_is_moved(trial: Recording) -> None:
     one, other = filmed(trial, FILM, 1e-5), filmed(trial, FILM, 1e-5)
     assert other.told is not None

@@ -27,6 +27,7 @@ from serpenoid.measure.cells import (
 )
 from serpenoid.measure.columns import SECONDS, find_column
 from serpenoid.measure.individuals import chosen
+from serpenoid.measure.point_order import along_body
 from serpenoid.measure.tracks import METRES, Tracks, floor_plane
 
 MOST_CELLS = 200_000_000
@@ -43,7 +44,7 @@ def read_long(
     individual: str | None = None,
 ) -> Tracks:
     """One row per frame and point (and individual). `columns` maps time, frame, point, x, y, individual to the file's
-    own names (time or frame). Points are numbers, or names in the order in which they first come."""
+    own names (time or frame). Points are numbers, or names (`point_order`)."""
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
@@ -71,8 +72,13 @@ def read_long(
     floor = np.full((len(stamps), len(points), 2), np.nan)
     floor[frame, slot] = data[:, 2:]
     times = stamps * SECONDS[time_unit] if clock == "time" else stamps / float(frames_per_second or 1)
-    names = [called[int(k)] for k in points] if called else [f"point_{k:g}" for k in points]
-    return _tracks(times, names, floor, length_unit, path)
+    if not called:
+        return _tracks(times, [f"point_{k:g}" for k in points], floor, length_unit, path)
+    names = [called[int(k)] for k in points]
+    order = along_body(names, frame, slot)
+    along = order or list(range(len(names)))
+    tracks = _tracks(times, [names[k] for k in along], floor[:, along], length_unit, path)
+    return replace(tracks, in_order=order is not None)
 
 
 def _numbered(rows: Rows, column: int) -> list[str]:

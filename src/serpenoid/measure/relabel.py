@@ -73,6 +73,11 @@ def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:
             f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: "
             "in [motion], name those of the vertices, tail first, as `markers`, or say as `vertices` which have one."
         )
+    if not tracks.in_order:
+        raise InputError(
+            f"{tracks.source}: no frame has all points, and their names do not say in which order they are along the "
+            f"body: give them as `markers` in [motion], tail first; the file has {', '.join(tracks.names[:8])}."
+        )
     return Labelled(tracks.floor[:, ::-1] if from_head else tracks.floor, (), ())
 
 

@@ -30,6 +30,7 @@ class Tracks:
     scale_known: bool = True
     space: Floats | None = None  # (F, M, 3) in the file's own axes, where it has three
     first_point: End | None = None  # which end of the body the file says its first point is
+    in_order: bool = True  # False: the file does not say in which order its points are along the body
 
     def __post_init__(self) -> None:
         frames, markers = len(self.time_s), len(self.names)

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from serpenoid import group
-from serpenoid.body import Body, Floats
+from serpenoid.body import LEAST, Body, Floats
 from serpenoid.body_curve import SMOOTH, curve, directions_of
 from serpenoid.model import Model
 from serpenoid.simulation.poses import body_poses
@@ -61,7 +61,9 @@ def cut(body: Body, finer: int) -> Body:
     edges = np.repeat(body.edges / finer, finer)
     before, after = (np.concatenate([[0.0], np.cumsum(e)]) for e in (body.edges, edges))
     weights = np.interp(after, before, body.vertex_weights / _around(body.edges)) * _around(edges)
-    return Body(kind=body.kind, vertices=len(after), edge_lengths=tuple(edges), weights=tuple(weights))
+    return Body(
+        kind=body.kind, vertices=len(after), edge_lengths=tuple(edges), weights=tuple(np.maximum(weights, LEAST))
+    )
 
 
 def _around(edges: Floats) -> Floats:

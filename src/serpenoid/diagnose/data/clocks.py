@@ -9,15 +9,16 @@ and later than the last row before.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, shapes
+from serpenoid.diagnose.data.laid import Laid, Plan
 from serpenoid.errors import InputError
-from serpenoid.measure.clock import find_offset, interpolate_smoothly
+from serpenoid.measure.clock import find_offset
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.links import bends
 from serpenoid.measure.logs import ServoLog
@@ -26,8 +27,6 @@ from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN, seen_corne
 
 ITERATIONS = 5
 SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
-SMOOTHED_S = 0.075  # of the readings' speed
-OUTLYING = 5.0  # robust standard deviations
 
 
 @dataclass(frozen=True)
@@ -38,6 +37,7 @@ class Clock:
     rate: float
     zero_sd: float
     rate_sd: float
+    apart: tuple[float, float] | None = None  # the rate, told apart from displaced markers, and its deviation
 
     def servo(self, camera: Floats) -> Floats:
         """Servo time of camera times."""
@@ -62,11 +62,28 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
             f"the servo log and the cameras did not see the same motion (correlation {found.correlation:.2f}). "
             "A log of another trial, joints in another order or with another sign, or markers not tail first?"
         )
-    middle = float(camera.mean())
     clock = Clock(-found.offset_s, 0.0, 0.0, 0.0)
     for _ in range(ITERATIONS):
-        clock = _improved(clock, camera, middle, angles, log.time_s, read)
+        clock = _improved(clock, camera, Laid.by(camera, clock.servo(camera), angles, log.time_s, read, None))
     return clock
+
+
+def beside_plan(clock: Clock, body: Body, camera: Floats, markers: Floats, log: ServoLog, plan: Plan | None) -> Clock:
+    """The same by what servos do beside a plan of joint angles that their commands keep to: between the rows of a slow
+    log nobody sees where motion begins and ends, and it would seem longer than it was. None: as it is, its rate told
+    apart from what displaced markers make."""
+    corners = _corners(body, markers)
+    angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
+
+    planned = (lambda time: np.asarray(bends(shapes(body, plan(time))[:, corners]))) if plan else None
+
+    def laid() -> Laid:
+        return Laid.by(camera, clock.servo(camera), angles, log.time_s, read, planned)
+
+    for _ in range(ITERATIONS if plan else 0):
+        clock = _improved(clock, camera, laid())
+    more, sd = laid().rate_apart()
+    return replace(clock, apart=(clock.rate + more, sd))
 
 
 def _refuse_still(cameras: Signal, servos: Signal) -> None:
@@ -99,38 +116,10 @@ def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
     return np.array(often)
 
 
-def _improved(clock: Clock, camera: Floats, middle: float, angles: Floats, time: Floats, read: Floats) -> Clock:
-    at = clock.servo(camera)
-    inside = (at > time[0]) & (at < time[-1])
-    reading = interpolate_smoothly(time, read, np.clip(at, time[0], time[-1]))
-    speed = np.gradient(reading, axis=0) / np.gradient(at)[:, None]
-    width = 2 * int(SMOOTHED_S / np.median(np.diff(camera)) / 2) + 1
-    speed = np.stack([np.convolve(c, np.ones(width) / width, mode="same") for c in speed.T], axis=1)
-    miss = np.where(inside[:, None], angles - reading, np.nan)
-    miss = miss - np.nanmedian(miss, axis=0)
-    scatter = 1.4826 * np.nanmedian(np.abs(miss), axis=0)
-    use = np.isfinite(miss) & (np.abs(miss) < np.maximum(OUTLYING * scatter, 0.05))
-    weight = use / np.maximum(scatter, 1e-4) ** 2
-    columns = np.stack([speed, speed * (camera - middle)[:, None]])
-    mean = (weight * columns).sum(axis=1) / np.maximum(weight.sum(axis=0), 1e-12)
-    columns = columns - mean[:, None]
-    normal = np.einsum("afj,bfj,fj->ab", columns, columns, weight)
-    step = np.linalg.solve(normal, np.einsum("afj,fj,fj->a", columns, np.where(use, miss, 0.0), weight))
-    left = np.where(use, miss - np.tensordot(step, columns, axes=1), 0.0)
-    covariance = np.linalg.inv(normal)
-    moved = np.einsum("ab,bfj,fj,fj->fa", covariance, columns, left, weight)
-    sd = np.sqrt(np.maximum(np.diag(covariance), _scatter(moved, np.searchsorted(time, at))))
-    rate = clock.rate + step[1]
-    zero = clock.zero + step[0] - step[1] * middle
-    return Clock(float(zero), float(rate), float(sd[0]), float(sd[1]))
-
-
-def _scatter(moved: Floats, interval: NDArray[np.int64]) -> Floats:
-    """Variance (2,) of the sum of what each frame moves the clock by (F, 2): frames between the same two readings, and
-    those next to them, have the error of a reading in common (Liang and Zeger, Biometrika 73, 13, 1986)."""
-    sums = np.zeros((int(interval.max()) + 1, moved.shape[1]))
-    np.add.at(sums, interval, moved)
-    return np.asarray((sums**2).sum(axis=0) + 2 * (sums[1:] * sums[:-1]).sum(axis=0))
+def _improved(clock: Clock, camera: Floats, laid: Laid) -> Clock:
+    step, sd = laid.step()
+    zero = clock.zero + step[0] - step[1] * float(camera.mean())
+    return Clock(float(zero), float(clock.rate + step[1]), float(sd[0]), float(sd[1]))
 
 
 def start_on_log(log: ServoLog, schedule: Schedule, rate: float) -> tuple[float, float] | None:

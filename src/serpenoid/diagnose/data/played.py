@@ -54,14 +54,22 @@ def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     weight = np.array([1 / r.clock.rate_sd**2 for r in told])
     rate = 1 / (1 + float(weight @ [r.clock.rate for r in told] / weight.sum())) - 1
     lasting = sorted({r.schedule.cycle_duration_s for r in told})
-    by_chance = -ndtri(ERROR / 2) / np.sqrt(weight.sum())
-    seen = abs(rate) > by_chance and any(_seen(r, rate) for r in told)
+    seen = _beyond_chance([(r.clock.rate, r.clock.rate_sd) for r in told])
+    seen = seen and _beyond_chance([r.clock.apart or (r.clock.rate, r.clock.rate_sd) for r in told])
+    seen = seen and any(_seen(r, rate) for r in told)
 
     def on_film(r: Recording) -> Recording:
         words = (_words(r, rate, lasting),) if seen else ()
         return replace(_at_rate(r, rate), remarks=(*r.remarks, *words))
 
     return tuple(on_film(r) if r.told is not None and r.clock.rate_sd > 0 else r for r in recordings)
+
+
+def _beyond_chance(rates: Sequence[tuple[float, float]]) -> bool:
+    """Whether the mean of rates, each with its deviation, is more than chance makes, at the stated error."""
+    rate, sd = np.array(rates).T
+    weight = 1 / sd**2
+    return bool(abs(weight @ rate) > -ndtri(ERROR / 2) * np.sqrt(weight.sum()))
 
 
 def lateness(r: Recording) -> Floats | None:

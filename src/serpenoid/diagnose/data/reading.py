@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.clocks import Clock, align, start_on_log
+from serpenoid.diagnose.data.clocks import Clock, align, beside_plan, start_on_log
 from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
@@ -110,6 +110,14 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
     told = told_by_commands(log, schedule, clock.rate)
+    if told:
+        begun, slower = told.start_s, 1.0 if told.by_log else 1 + clock.rate
+
+        def plan(time: Floats) -> Floats:
+            return schedule.commanded((time - begun) / slower)
+
+        followed = None if told.held else plan  # servos are late for rows that jump: corners would be in the difference
+        clock = beside_plan(clock, file.body, tracks.time_s, markers, log, followed)
     start = (told.start_s, told.spread_s) if told else start_on_log(log, schedule, clock.rate)
     start = start or _start(schedule, start_by_shape(schedule, log.time_s, log.position))
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
