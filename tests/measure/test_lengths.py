@@ -166,3 +166,20 @@ def test_noise_lengthens_no_animal_whose_beat_has_frames_enough(noise: float):
     off = [abs(np.median(each, axis=0).sum() - 1) for each in (raw, steady)]
     assert off[1] < off[0] / 3
     assert steady.std(axis=0).max() < raw.std(axis=0).min() / 1.5  # nine frames leave half of the noise
+
+
+def test_a_marker_whose_other_link_is_bent_all_the_time_or_long_is_no_wrong_edge():
+    """By its mean bend a displaced marker may move one of its links by half of what it moves the other, and of a long
+    one that is a small share."""
+    told = np.array([0.06, 0.08, 0.25, 0.05, 0.07, 0.09, 0.06])
+    for moved, bend in (((-0.0035, -0.0065), 0.3), ((-0.003, 0.0), 0.0)):
+        rng = np.random.default_rng(5)
+        turned = np.cumsum(rng.normal(scale=0.3, size=(400, len(told))) + bend * (np.arange(len(told)) == 3), axis=1)
+        steps = told[None, :, None] * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+        points = np.concatenate([np.zeros((400, 1, 2)), np.cumsum(steps, axis=1)], axis=1)
+        along = steps[:, 3] / told[3]
+        points[:, 3] += moved[0] * along + moved[1] * np.stack([-along[:, 1], along[:, 0]], axis=1)
+        points += rng.normal(scale=0.0003, size=points.shape)
+        found = Shown.of([points], told)
+        assert one_longer(found) is not None  # the short link
+        assert wrong_edge(found, told, NAMES, True) is None

@@ -16,7 +16,8 @@ Where it gives them, a film's scale shows in all edges alike, a marker beside it
 Camera and ruler differ by up to `geometry.SCALE_SD`, so that is no contradiction; but it is counted as noise of markers
 and moves every fit: it is said. So is one edge that is off while the others agree: its r lies farther from the others'
 mean than their scatter explains (Student's t, any of E edges). A marker beside its place moves both edges that meet in
-it: where the neighbours of such an edge are as said, its length is wrong for certain, and that is a contradiction.
+it by as many metres: where neighbours of such an edge certainly are as said, its length is wrong, and that is a
+contradiction. Of a much longer neighbour too little is seen to say so.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from serpenoid.measure.consistency.geometry import SCALE_SD
 from serpenoid.measure.consistency.rivals import CERTAIN, ODDS
 
 NORMAL_MAD = float(ndtri(0.75))  # median absolute deviation over standard deviation
+STEADY = 1.5  # times the scatter of any other edge: what noise makes; a marker 7 mm off a joint makes nine times
 PARTS = 4  # of a recording, whose scales show how far postures and noise move one
 
 
@@ -69,7 +71,7 @@ def wrong_edge(found: Shown, stated: Floats, names: Sequence[str], all_marked: b
         return None
     (k, off), (_, _, chance) = one, _worst(found)
     certainty = -float(np.log(max(chance, np.finfo(float).tiny)))
-    if not (0 < k < len(found.known) - 1 and found.known[k - 1] and found.known[k + 1]) or certainty < ODDS:
+    if certainty < ODDS or not (_unmoved(found, stated, k, off, k - 1) and _unmoved(found, stated, k, off, k + 1)):
         return None
     how = f"{100 * abs(off):.2g} % {'farther apart' if off > 0 else 'closer'}"
     words = (
@@ -78,6 +80,23 @@ def wrong_edge(found: Shown, stated: Floats, names: Sequence[str], all_marked: b
     )
     shown = stated[k] * (1 + off)  # by the scale of the others
     return words, f"set what `edge_lengths` has between them to {shown:.4g}{_left_out(all_marked)}", certainty
+
+
+def _unmoved(found: Shown, stated: Floats, k: int, off: float, neighbour: int) -> bool:
+    """Whether a neighbour of edge k is certainly as said beside the others, which it would not be if a marker between
+    the two stood beside its place: on their line it moves this one by as many metres (a share `off` of edge k), of
+    which half would be seen; across it, the distance swings with the joint, and scatters more than others do."""
+    if not 0 <= neighbour < len(found.known) or not found.known[neighbour]:
+        return False
+    at = np.cumsum(found.known) - 1
+    others = np.delete(found.longer, [at[k], at[neighbour]])
+    if len(others) < 2:
+        return False
+    moved = abs(off) * stated[k] / stated[neighbour] / 2 - abs(float(found.longer[at[neighbour]] - others.mean()))
+    scatter = max(float(others.std(ddof=1)), np.finfo(float).tiny) * np.sqrt(1 + 1 / len(others))
+    swing = np.sqrt(found.noise) * stated[found.known]
+    steady = swing[at[neighbour]] < STEADY * np.delete(swing, [at[k], at[neighbour]]).max()
+    return bool(steady and stdtr(len(others) - 1, -moved / scatter) < 1 - CERTAIN)
 
 
 def beside_film(found: Shown, stated: Floats, names: Sequence[str], all_marked: bool) -> str:
