@@ -52,7 +52,8 @@ HIDDEN: dict[str, Hidden] = {
     "stuck-joint": _one("stuck_joint", ("stuck_joint", 6), joint=6, angle_deg=10.0),
     # less voltage is less gain and less torque: every servo is later, or slower
     "battery-sag": _one("battery_sag", ("servo_lag", None), ("speed_saturation", None), voltage_V=6.5),
-    "displaced-marker": _one("displaced_marker", ("marker_offset", 5), vertex=5, along_m=0.01),
+    # its site is on the link ahead of the joint
+    "displaced-marker": _one("displaced_marker", ("marker_offset_ahead", 5), vertex=5, along_m=0.01),
     # outside: one servo that is soft, one wheel set askew, pulls
     "weak-servo": _one("weak_servo", joint=4, factor=0.15),
     "toe": _one("toe", vertex=11, angle_deg=10.0),
