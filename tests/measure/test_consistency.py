@@ -17,6 +17,7 @@ from serpenoid.files.writing import write_csv
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.claims import check_files, contradictions
+from serpenoid.measure.consistency.films import films_of
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.hypotheses import rounded
 from serpenoid.measure.consistency.layout import layout
@@ -211,7 +212,8 @@ def test_the_valid_campaign_agrees_with_itself(valid):
 
 def leads(folder: Path) -> Verdict:
     file, place = load_campaign_file(folder)
-    return check_files(file, place, *read_files(file, place))
+    body, read = read_files(file, place)
+    return check_files(file, place, body, read, films_of(file, body, read))
 
 
 def damaged(angles: np.ndarray, kind: str, rng: np.random.Generator) -> np.ndarray:

@@ -47,7 +47,7 @@ class Clock:
 def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     """The clock of a servo log against markers (F, N, 2), NaN hidden, at camera times (F,)."""
     corners = _corners(body, markers)
-    angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
+    angles, read = bends(markers[:, corners]), _bends_of(body, log.position, corners)
     cameras = Signal(camera, angles)
     _refuse_still(cameras, Signal(log.time_s, log.position))
     some = np.flatnonzero(cameras.known)[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
@@ -73,9 +73,8 @@ def beside_plan(clock: Clock, body: Body, camera: Floats, markers: Floats, log: 
     log nobody sees where motion begins and ends, and it would seem longer than it was. None: as it is, its rate told
     apart from what displaced markers make."""
     corners = _corners(body, markers)
-    angles, read = bends(markers[:, corners]), bends(shapes(body, log.position)[:, corners])
-
-    planned = (lambda time: np.asarray(bends(shapes(body, plan(time))[:, corners]))) if plan else None
+    angles, read = bends(markers[:, corners]), _bends_of(body, log.position, corners)
+    planned = (lambda time: _bends_of(body, plan(time), corners)) if plan else None
 
     def laid() -> Laid:
         return Laid.by(camera, clock.servo(camera), angles, log.time_s, read, planned)
@@ -114,6 +113,11 @@ def _corners(body: Body, markers: Floats) -> NDArray[np.int64]:
             "seen, or fewer than three are: no shape can be known. Leave this trial out?"
         )
     return np.array(often)
+
+
+def _bends_of(body: Body, angles: Floats, corners: NDArray[np.int64]) -> Floats:
+    """Of the polygon through some vertices of joint angles (R, m)."""
+    return bends(shapes(body, angles)[:, corners])
 
 
 def _improved(clock: Clock, camera: Floats, laid: Laid) -> Clock:

@@ -99,10 +99,15 @@ def _followed(r: Recording, even: Mesh, jumps: Floats) -> Mesh:
 def _steps(r: Recording, usual: Floats, begin: float, end: float) -> Floats:
     """Rows from after a time to another [s], no fewer than the usual ones."""
     time = begin + (end - begin) * np.arange(BENDING + 1) / BENDING
-    bent = np.linalg.norm(np.diff(r.angles_at(time), axis=0), axis=1).cumsum()
-    share = np.arange(1, BENDING + 1) / BENDING + bent / max(float(bent[-1]), 1e-12)
+    share = evenly(r, time)
     count = np.searchsorted(usual, [begin, end])
     steps = max(LEAST_PER_ROW, COARSER * int(np.ceil((count[1] - count[0]) / COARSER)))
-    found = np.interp(np.arange(1, steps + 1) / steps * share[-1], np.append(0.0, share), time)
+    found = np.interp(np.arange(1, steps + 1) / steps * share[-1], share, time)
     found[-1] = end
     return found
+
+
+def evenly(r: Recording, time: Floats) -> Floats:
+    """s at times (R,): 0 at the first, 2 at the last, 1 where no joint bends."""
+    bent = np.concatenate([[0.0], np.linalg.norm(np.diff(r.angles_at(time), axis=0), axis=1).cumsum()])
+    return np.asarray((time - time[0]) / (time[-1] - time[0]) + bent / max(float(bent[-1]), 1e-12))

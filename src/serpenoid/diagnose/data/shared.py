@@ -14,14 +14,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import largest_ratio
+from serpenoid.diagnose.data.chance import GAUSSIAN, largest_ratio
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction
-
-GAUSSIAN = 3.0  # fourth moment over the squared second
 
 
 @dataclass(frozen=True)

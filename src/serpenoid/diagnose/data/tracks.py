@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
-from serpenoid.diagnose.data.meshes import COARSER, Mesh, mesh_of
+from serpenoid.diagnose.data.meshes import COARSER, Mesh, evenly, mesh_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
@@ -133,18 +133,14 @@ def _at_frames(r: Recording, mesh: Mesh, path: Floats) -> Floats:
     evenly with time and with what joints bend by, as the mesh's steps do.
     """
     at = np.clip(r.time, mesh.time[0], mesh.time[-1])
-    along, here = _evenly(r, mesh.time, at) if mesh.followed else (mesh.time, at)
+    along, here = mesh.time, at
+    if mesh.followed:
+        every = np.unique(np.concatenate([along, here]))
+        grown = evenly(r, every)
+        along, here = (np.interp(some, every, grown) for some in (along, here))
     result = np.empty((len(at), 3))
     part = np.clip(np.searchsorted(mesh.time[mesh.breaks], at - 1e-9) - 1, 0, len(mesh.breaks) - 2)
     for n in np.unique(part):
         rows = slice(mesh.breaks[n], mesh.breaks[n + 1] + 1)
         result[part == n] = CubicSpline(along[rows], path[rows])(here[part == n])
     return result
-
-
-def _evenly(r: Recording, rows: Floats, frames: Floats) -> tuple[Floats, Floats]:
-    """What grows by one as time passes and by one as joints bend, over a trial: at rows, and at frames."""
-    time = np.unique(np.concatenate([rows, frames]))
-    bent = np.concatenate([[0.0], np.linalg.norm(np.diff(r.angles_at(time), axis=0), axis=1).cumsum()])
-    grown = (time - time[0]) / (time[-1] - time[0]) + bent / max(float(bent[-1]), 1e-12)
-    return np.interp(rows, time, grown), np.interp(frames, time, grown)

@@ -19,12 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import largest_factor
+from serpenoid.diagnose.data.chance import GAUSSIAN, largest_factor
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import FEW
 from serpenoid.diagnose.data.repeats import Repeat, by_setting, cycles, none_alike, repeats
 
-GAUSSIAN = 3.0  # fourth moment over the squared second
 TINY = 1e-30  # [m^2, rad^2]: of markers without noise
 
 
@@ -59,8 +58,8 @@ def untold(motion: Motion, left: Sequence[Floats]) -> Untold | None:
     """By residuals (W, 3) of each track; None where repeats were laid alike, or differ by no more than chance makes."""
     if any(t.noise is not None for t in motion.tracks) or not none_alike(motion.tracks):
         return None
-    settings = list(by_setting(motion.tracks).values())
-    trials = [_differences(motion, left, [r for r in repeats(motion.tracks) if r.one in own]) for own in settings]
+    settings, played_again = list(by_setting(motion.tracks).values()), repeats(motion.tracks)
+    trials = [_differences(motion, left, [r for r in played_again if r.one in own]) for own in settings]
     again = [_differences(motion, left, [r for i in own for r in cycles(motion.tracks, i)]) for own in settings]
     by_cycles = any(len(c) >= FEW for c in again)
     if not by_cycles and not motion.noise.memory.lasts:

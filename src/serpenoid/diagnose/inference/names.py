@@ -153,10 +153,10 @@ def visible(
 ) -> tuple[Fit, tuple[Fit, ...], tuple[Weak, ...]]:
     """Without effects whose trace the later ones took over, the weakest first; the fits without each of the others."""
     lost: list[Weak] = []
+    level = VISIBLE * noise_level_m
     while True:
         effects = best.effects
         bases = bases_of(motion, null, best)
-        level = VISIBLE * noise_level_m
         traces = in_processes([(seen, (motion, best, b, e, level)) for e, b in zip(effects, bases, strict=True)])
         if not effects or min(traces) >= level:
             return best, bases, tuple(lost[::-1])
@@ -170,8 +170,10 @@ def seen(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect, level: floa
     and not with it, if that is more than chance makes: an error of heading grows along them, which poses fitted anew
     hide."""
     own = trace(motion, full, base, effect)
+    if own >= level:
+        return own
     off = path_error(motion, base.predictions)
-    if own >= level or off <= farthest(motion, path_draws(motion, base.predictions)) * level:
+    if off <= farthest(motion, path_draws(motion, base.predictions)) * level:
         return own
     return max(own, float(np.sqrt(max(off**2 - path_error(motion, full.predictions) ** 2, 0.0))))
 

@@ -135,7 +135,7 @@ def finding(
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
     if wrong:
-        named = [replace(n, stand_in=may_stand_in(found, n.effect)) for n in named]
+        named = with_stand_ins(found, named)
     after = strayed(found, jumps is not None and jumps in named)
     rivals = tuple(s.rival for s in swaps)
     stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
@@ -159,9 +159,9 @@ def explained(
     return ((motion, settled, 1.0), *alone, *beside)
 
 
-def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
-    """Whether a name may be there for a cause that the catalogue does not hold, if what the model misses repeats, or
-    what its reference missed did.
+def with_stand_ins(found: Selection, named: Sequence[Named]) -> list[Named]:
+    """Names, and whether each may be there for a cause that the catalogue does not hold, if what the model misses
+    repeats, or what its reference missed did.
 
     Of the floor, or of the cameras' frame, that may be all of it. With a reference what that left is no news, and what
     takes away most is the change; what stands beside it may mend the law about it, whose error is in proportion to what
@@ -169,9 +169,10 @@ def may_stand_in(found: Selection, effect: ActiveEffect) -> bool:
     """
     motion = found.motion
     if motion.ratio is None or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
-        return effect.effect.moves
+        return [replace(n, stand_in=n.effect.effect.moves) for n in named]
     gains = {e.key: base.chi2 - found.best.chi2 for e, base in zip(found.best.effects, found.bases, strict=True)}
-    return effect.key in gains and gains[effect.key] < max(gains.values())
+    most = max(gains.values())
+    return [replace(n, stand_in=gains.get(n.effect.key, most) < most) for n in named]
 
 
 def _refusal(refused: Refused) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from serpenoid.body import Body
-from serpenoid.effects.base import ObservationEffect, Parameter, Values
+from serpenoid.effects.base import ObservationEffect, Values
+from serpenoid.effects.observation import marker_offset
 from serpenoid.effects.view import View
 
 
@@ -23,13 +24,10 @@ class MarkerOffsetAhead(ObservationEffect):
 EFFECT = MarkerOffsetAhead(
     name="marker_offset_ahead",
     place="vertex",
-    parameters=(
-        Parameter("along", "m", -0.2, 0.2, 0.0, 5e-3, "> 0: towards the head", resolution=2e-5),
-        Parameter("left", "m", -0.2, 0.2, 0.0, 3e-3, "> 0: to the left", resolution=2e-5),
-    ),
+    parameters=marker_offset.EFFECT.parameters,
     looks_like="as `marker_offset`, but what is wrong turns with the link on the head side of the joint",
     what_to_do="glue the marker over its axis: it sits on the link ahead",
-    reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
-    rank=0,
+    reasons=marker_offset.EFFECT.reasons,
+    rank=marker_offset.EFFECT.rank,
     marks="ahead",
 )

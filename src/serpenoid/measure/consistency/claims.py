@@ -18,7 +18,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Claim, Verdict, check
 from serpenoid.measure.consistency.exchanged import exchanges, told
-from serpenoid.measure.consistency.films import films_of, wrong_edges
+from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
@@ -57,7 +57,8 @@ def believe(
     A trial with `believe = true` is computed all the same, its clock as it is, and the contradiction is among its
     remarks.
     """
-    verdict = check_files(file, folder, body, read)
+    films = films_of(file, body, read)
+    verdict = check_files(file, folder, body, read, films)
     believed = {files.entry.name for files in read if files.entry.believe}
     refused = [c for c in verdict.contradictions if c.trial not in believed]
     if refused:
@@ -76,7 +77,6 @@ def believe(
             remarks[files.entry.name].append(files.zeros)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
-    films = films_of(file, body, read)
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
         for trial in films.trials if (words := beside_film(*films.shown)) else ():
             remarks[trial].append(words)
@@ -102,14 +102,15 @@ def read_believed(file: CampaignFile, folder: Path) -> Believed:
 def contradictions(path: str | Path) -> tuple[Contradiction, ...]:
     """All contradictions of a campaign folder, whatever `believe` says."""
     file, folder = load_campaign_file(path)
-    return check_files(file, folder, *read_files(file, folder)).contradictions
+    body, read = read_files(file, folder)
+    return check_files(file, folder, body, read, films_of(file, body, read)).contradictions
 
 
-def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]) -> Verdict:
+def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Files], films: Films | None) -> Verdict:
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
     seen = in_processes([(_seen, (file, body, files)) for files in read])
     markers = [fault for faults, _ in seen for fault in faults]
-    markers += _copies(read) + (wrong_edges(file, body, read) if file.lengths_given else _lengths(body, read))
+    markers += _copies(read) + (wrong_edges(films) if file.lengths_given else _lengths(body, read))
     if markers:
         return Verdict(tuple(markers), (), ())
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))

@@ -38,9 +38,8 @@ def films_of(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | N
     return Films(tuple(marked), (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices))
 
 
-def wrong_edges(file: CampaignFile, body: Body, read: Sequence[Files]) -> list[Contradiction]:
+def wrong_edges(films: Films | None) -> list[Contradiction]:
     """One link that all films together show of another length."""
-    films = films_of(file, body, read)
     found = None if films is None else wrong_edge(*films.shown)
     if films is None or found is None:
         return []
