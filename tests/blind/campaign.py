@@ -71,7 +71,8 @@ def _perform(
     for number, _, s in planned:
         rng = np.random.default_rng([seed, 2, number, *chance])
         g = grid(s.plan, steps_of(s.plan))
-        phi, reading = realise(g, world.servos)
+        gaps = np.random.default_rng([seed, 5, number, *chance]).uniform(-0.5, 0.5, protocol.robot.joints)
+        phi, reading = realise(g, world.servos, gaps)
         if world.fault is not None:
             phi, reading = world.fault(number, g.time, phi, reading)
         start = s.start + np.append(size * rng.uniform(-0.06, 0.06, 2), rng.normal(0, 0.05))

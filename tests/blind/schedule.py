@@ -111,17 +111,20 @@ def rate_limited(time: Floats, target: Floats, max_speed: float, held: bool = Fa
     return q
 
 
-def _play(target: Floats, width: float) -> Floats:
-    """The play operator for one joint: stays until the target has crossed the gap, then follows at its edge."""
+def _play(target: Floats, width: float, begun: float) -> Floats:
+    """The play operator for one joint: stays until the target has crossed the gap, then follows at its edge. begun:
+    where in the gap it lies at first, between -1/2 and 1/2 of it."""
     q = np.empty_like(target)
-    q[0] = target[0]
+    q[0] = target[0] + begun * width
     for i in range(1, len(target)):
         q[i] = min(max(q[i - 1], target[i] - width / 2), target[i] + width / 2)
     return q
 
 
-def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
-    """True joint angles and what the servos read (before rounding), both (n + 1, m)."""
+def realise(g: Grid, servos: Servos, begun: Floats | None = None) -> tuple[Floats, Floats]:
+    """True joint angles and what the servos read (before rounding), both (n + 1, m). begun: where every joint (m,) lies
+    in its gap at first, as a share of it; in the middle."""
+    begun = np.zeros(g.setpoint.shape[1]) if begun is None else begun
     q, jumps = g.setpoint.copy(), np.full(g.setpoint.shape[1], g.held)  # what has followed jumps does not jump
     for joint, lag in servos.lags.items():
         q[:, [joint - 1]] = lagged(g.time, q[:, [joint - 1]], np.full(len(g.time) - 1, lag), g.held)
@@ -142,7 +145,7 @@ def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
         for j, own in enumerate(jumps):
             q[:, [j]] = rate_limited(g.time, q[:, [j]], servos.max_speed, bool(own))
     for joint, width in servos.width.items():
-        q[:, joint - 1] = _play(q[:, joint - 1], width)
+        q[:, joint - 1] = _play(q[:, joint - 1], width, begun[joint - 1])
     for joint, loss in servos.loss.items():
         q[:, joint - 1] *= 1 - loss
     for joint, angle in servos.stuck.items():
@@ -152,5 +155,5 @@ def realise(g: Grid, servos: Servos) -> tuple[Floats, Floats]:
     for joint, offset in servos.offset.items():
         q[:, joint - 1] += offset
     for joint, width in servos.loose.items():
-        q[:, joint - 1] = _play(q[:, joint - 1], width)
+        q[:, joint - 1] = _play(q[:, joint - 1], width, begun[joint - 1])
     return q, reading

@@ -14,9 +14,11 @@ from blind.folder import write
 from serpenoid.body import Body
 from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.geometry import register, shapes, turn
-from serpenoid.diagnose.data.observation import Observation, across
+from serpenoid.diagnose.data.observation import Observation, across, lying
 from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.ladder import observation_step
 from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, misfit_beside, sample
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
@@ -156,3 +158,41 @@ def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, pla
         assert low is not None
         assert high is not None
         assert low < true < high
+
+
+@pytest.mark.parametrize("begun", [-0.065, -0.02, 0.03, 0.065])
+def test_where_a_link_lies_in_its_gap_at_the_start_is_read_off_the_markers(readings: np.ndarray, begun: float) -> None:
+    gap, noise = 0.13, 0.004
+    still = np.concatenate([np.repeat(readings[:1, 1], 40), readings[:, 1]])
+    link, _ = across(still, gap, begun)
+    shown = link + np.random.default_rng(8).normal(0, noise, len(link))
+    shown[3:20] = np.nan
+    # the mean of some twenty angles, and a fortieth of the gap
+    assert lying(still, shown, gap) == pytest.approx(begun, abs=3 * noise / np.sqrt(23) + gap / 40)
+    assert lying(still, np.full(len(still), np.nan), gap) == 0.0
+    assert abs(lying(still, shown, 1e-4)) < 1e-4 / 2  # a gap that noise does not tell about
+
+
+def test_a_loose_joint_that_lay_against_its_stop_is_named_with_its_width(tmp_path: Path) -> None:
+    loose = ActiveEffect.of("loose_joint", 5, width=0.12)
+    write(make(66, [], combinations=COMBINATIONS[:3]), tmp_path)
+    recordings, off = read_recordings(tmp_path)[1], np.random.default_rng(2).choice([-0.06, 0.06], 3)
+    at = 4
+
+    def loosened(r: Recording, begun: float) -> Recording:
+        bent = r.angles.copy()
+        bent[:, at] = across(bent[:, at], 0.12, begun)[0]
+        pose, _ = register(shapes(r.body, r.angles), r.markers)
+        return replace(r, markers=r.markers + turn(pose[:, None, 2], shapes(r.body, bent) - shapes(r.body, r.angles)))
+
+    known = [loosened(r, begun) for r, begun in zip(recordings, off, strict=False)]
+    stage, seen = choose_observation(known, Observation.neutral(known[0].body))
+    assert [n.effect.key for n in stage.named] == [loose.key]
+    assert stage.settled
+    low, high = stage.named[0].intervals["width"]
+    assert low is not None
+    assert high is not None
+    assert low < 0.12 < high
+    step = observation_step(known, seen).error  # beside the noise, not beside another history of the gap
+    assert step.before > 3 * step.noise_level
+    assert step.after == pytest.approx(step.noise_level, rel=0.1)

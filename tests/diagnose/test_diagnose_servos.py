@@ -18,6 +18,7 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
 from blind.schedule import lagged
+from serpenoid.body import Body
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.reading import read_recordings
@@ -34,6 +35,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import chain_vertices
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.simulation.servos import realise_all
 
 SEED, SETTINGS = 71, 2
 
@@ -334,3 +336,37 @@ def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings(
     white, slow = Plays.structure(data, left)
     assert white == 0.0
     assert slow == pytest.approx(4, rel=0.15)  # of chance 1 / sqrt(400) of their product with noise
+
+
+def test_a_joint_with_play_that_rested_anywhere_in_its_gap_is_named_and_followed(tmp_path: Path) -> None:
+    """Trials begin where the joint came to rest, not in the middle of its gap; to the markers that is no news."""
+    width = 0.1
+    write(make(104, [Effect("backlash", 4, {"width": width})], combinations=COMBINATIONS[:3]), tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    rests = [float(r.position[r.read_at < 0][:, 3].mean() - r.schedule.table[0, 3]) for r in recordings]
+    assert max(map(abs, rests)) > width / 4  # the generator lets it rest anywhere
+    data = plays(recordings)
+    stage = choose_actuation(data)
+    (named,) = stage.named
+    assert named.effect.key == ("backlash", 4)
+    assert not named.stand_in
+    assert stage.settled
+    low, high = named.intervals["width"]
+    assert low is not None
+    assert high is not None
+    assert low < width < high
+    assert data.channels(data.realised([named.effect])).max() < 1.1
+
+
+def test_a_gap_remembers_where_a_trial_came_to_rest_from_and_what_follows_does_not() -> None:
+    model = Model(Body(vertices=5, edge_lengths=(0.1,) * 4), Medium(anisotropy_ratio=0.2), (
+        ActiveEffect.of("servo_lag", lag=0.3), ActiveEffect.of("backlash", 2, width=0.1)
+    ))  # fmt: skip
+    times = np.linspace(0, 2, 50)
+    told = np.tile(0.03 * np.sin(3 * times)[:, None], 3)  # within the gap
+    (plain,) = realise_all(model, [told], [times])
+    (rested,) = realise_all(model, [told], [times], came_from=[np.array([0.2, 0.04, -0.3])])
+    np.testing.assert_allclose(rested.angles[:, [0, 2]], plain.angles[:, [0, 2]], atol=1e-9)
+    np.testing.assert_allclose(rested.angles[:, 1], 0.04, atol=0.02)
+    assert rested.angles[0, 1] == pytest.approx(0.04)
+    np.testing.assert_allclose(plain.angles[:, 1], 0.0, atol=1e-12)

@@ -22,6 +22,7 @@ from serpenoid.model import Model
 CHUNK = 1000  # steps evaluated in one call
 CYCLES = 2000  # a memory that has not faded by then is reported
 FADED = 1e-14
+RESTED_S = 1e9  # on the first row before a trial: whatever follows is there
 
 
 @dataclass(frozen=True)
@@ -38,19 +39,22 @@ def realise(model: Model, setpoints: Floats, times: Floats) -> Realised:
 
 
 def realise_all(
-    model: Model, setpoints: Sequence[Floats], times: Sequence[Floats], some: slice = slice(None)
-) -> list[Realised]:
-    """Several trials side by side; of all joints, or of some."""
+    model: Model, setpoints: Sequence[Floats], times: Sequence[Floats], some: slice = slice(None),
+    came_from: Sequence[Floats] | None = None,
+) -> list[Realised]:  # fmt: skip
+    """Several trials side by side; of all joints, or of some. came_from: angles (m,) [rad] from which each trial came
+    to rest on its first row, which gaps that were not crossed then remember; else that row."""
     setpoints = [s[:, some] for s in setpoints]
     if not model.actuation_effects:
         return [Realised(s, s) for s in setpoints]
     most, theta = max(map(len, setpoints)), coordinates(model)[:, some]
+    begun = [s[0] for s in setpoints] if came_from is None else [c[some] for c in came_from]
     # a first step on the spot gives the first row's angles; shorter trials stay on their last row
     rows = [np.concatenate([s[:1], s, np.repeat(s[-1:], most - len(s), axis=0)]) for s in setpoints]
-    clocks = [np.concatenate([[1.0], np.diff(t), np.ones(most - len(t))]) for t in times]
+    clocks = [np.concatenate([[RESTED_S], np.diff(t), np.ones(most - len(t))]) for t in times]
     joints = setpoints[0].shape[1]
     angles, readings, _ = play(
-        np.tile(np.hstack([s[:1] for s in setpoints]), (memories(), 1)),
+        np.tile(np.hstack(begun), (memories(), 1)),
         np.hstack(rows),
         np.repeat(np.column_stack(clocks), joints, axis=1),
         np.tile(theta, (1, len(rows))),

@@ -17,6 +17,9 @@ from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import link_of_edge
 
+PLACES = 41  # in a gap, at which a link is tried; nearer than one of them to an end it lies against it
+TINY = 1e-6  # rad: of angles without noise
+
 
 @dataclass(frozen=True)
 class Observation:
@@ -67,12 +70,21 @@ class Observation:
         markers[::2] = self.markers
         return replace(self, markers=markers)
 
-    def angles(self, readings: Floats) -> Floats:
-        """True joint angles of one trial's servo readings (F, m), in order of time."""
+    def angles(self, readings: Floats, begun: Floats | None = None) -> Floats:
+        """True joint angles of one trial's servo readings (F, m), in order of time; begun (m,): see `begun`."""
         true = readings + self.zeros
         for joint in np.flatnonzero(self.gaps):
-            true[:, joint] = across(true[:, joint], self.gaps[joint])[0]
+            true[:, joint] = across(true[:, joint], self.gaps[joint], 0.0 if begun is None else begun[joint])[0]
         return true
+
+    def begun(self, readings: Floats, shown: Floats) -> Floats:
+        """Where links lie in their joints' gaps when a trial begins (m,) [rad], from the middle: readings (F, m) do not
+        say it, markers show joints bent (F, m), NaN hidden."""
+        found = np.zeros(len(self.zeros))
+        for joint in np.flatnonzero(self.gaps):
+            true = readings[:, joint] + self.zeros[joint]
+            found[joint] = lying(true, shown[:, joint], self.gaps[joint])
+        return found
 
     def seen(self, body: Body, angles: Floats) -> Floats:
         """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
@@ -157,13 +169,15 @@ def directions(points: Floats) -> tuple[Floats, Floats]:
     return edge, np.stack([-edge[..., 1], edge[..., 0]], axis=2)
 
 
-def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
+def across(reading: Floats, gap: float, begun: float = 0.0) -> tuple[Floats, Floats]:
     """A link (F,) that follows a reading (F,) across a gap [rad], and its derivative by the gap.
 
-    It stays until the reading has crossed the gap, from the middle at the beginning. `simulation.servos.realise` plays
-    the same law (tested to be equal), and takes ten times as long, which every diagnosis would pay.
+    It stays until the reading has crossed the gap, from where it lies at the beginning: `begun` from the middle, and
+    where it touches an end, at that end of a wider one. `simulation.servos.realise` plays the same law (tested to be
+    equal), and takes ten times as long, which every diagnosis would pay.
     """
-    half, link, slope = gap / 2, float(reading[0]), 0.0
+    half, link = gap / 2, float(reading[0]) + begun
+    slope = float(np.sign(begun)) / 2 if abs(begun) > half - gap / (PLACES - 1) else 0.0
     links, slopes = [], []
     for angle in reading.tolist():
         if link < angle - half:
@@ -173,6 +187,25 @@ def across(reading: Floats, gap: float) -> tuple[Floats, Floats]:
         links.append(link)
         slopes.append(slope)
     return np.array(links), np.array(slopes)
+
+
+def lying(reading: Floats, shown: Floats, gap: float) -> float:
+    """Where a link is expected in its gap at a trial's beginning [rad], from the middle, if anywhere is as likely: by
+    angles that markers show (F,), NaN hidden, until the reading (F,) has crossed the gap and nothing tells of it."""
+    crossed = np.maximum.accumulate(reading) - np.minimum.accumulate(reading) >= gap
+    rows = int(crossed.argmax()) if crossed.any() else len(reading)
+    begun = np.linspace(-gap / 2, gap / 2, PLACES)
+    link, links = reading[0] + begun, []
+    for angle in reading[:rows].tolist():
+        link = np.clip(link, angle - gap / 2, angle + gap / 2)
+        links.append(link)
+    known = np.flatnonzero(np.isfinite(shown[:rows]))
+    if len(known) < 2:
+        return 0.0
+    squares = ((shown[known, None] - np.array(links)[known]) ** 2).sum(axis=0)
+    noise = max(float(squares.min()) / (len(known) - 1), TINY**2)
+    likely = np.exp((squares.min() - squares) / (2 * noise))
+    return float(likely @ begun / likely.sum())
 
 
 def values_of(body: Body, now: Observation, name: str, place: int | None) -> list[float]:

@@ -19,6 +19,7 @@ from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
 from serpenoid.group import relative
 from serpenoid.measure.clock import bridged
+from serpenoid.measure.links import marker_angles
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
@@ -43,8 +44,9 @@ def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model
 def _track(r: Recording, seen: Observation, model: Model) -> Track:
     mesh = mesh_of(r)
     time, bounds = mesh.time, mesh.bounds
-    vertices = shapes(r.body, seen.angles(r.angles_at(time)))
-    frame_angles = seen.angles(r.angles)
+    begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
+    vertices = shapes(r.body, seen.angles(r.angles_at(time), begun))
+    frame_angles = seen.angles(r.angles, begun)
     frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
     plan = _mapped_poses(r, seen, frame_angles, frame_poses)
     known = np.flatnonzero(np.isfinite(plan[:, 0]))
@@ -59,10 +61,10 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     gaps = np.array([_crossed(hidden, most, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
     path = guess + bridged(time[bounds], around, time)
     some = slice(None, None, COARSER)
-    run, begun = _mesh_error(model, vertices, time, guess, path, bounds)
+    run, anew = _mesh_error(model, vertices, time, guess, path, bounds)
     return Track(
         r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
-        path[some], r.time, plan, gaps, begun, least=_least(r, counts), strayed=run - begun,
+        path[some], r.time, plan, gaps, anew, least=_least(r, counts), strayed=run - anew,
     )  # fmt: skip
 
 

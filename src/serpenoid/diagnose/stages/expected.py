@@ -10,7 +10,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, played_for_sure, unsure_start
+from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, came_from, played_for_sure, unsure_start
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.servos import realise_all
@@ -37,7 +37,8 @@ def _met(
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
     meshes = [np.unique(np.concatenate([corners(r.schedule), _between(r) if effects else [0.0]])) for r in recordings]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
-    played = realise_all(found.model(effects), told, meshes)
+    rested = [came_from(r, t) for r, t in zip(recordings, told, strict=True)]
+    played = realise_all(found.model(effects), told, meshes, came_from=rested)
     courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
     return [(r, 0.0 if begins_known(r) else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
 

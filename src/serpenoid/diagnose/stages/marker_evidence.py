@@ -21,7 +21,7 @@ from serpenoid.diagnose.data import chance
 from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.columns import column_count
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
-from serpenoid.diagnose.data.observation import Observation, across
+from serpenoid.diagnose.data.observation import Observation, across, lying
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.measure.links import link_of_edge, marker_angles
@@ -35,7 +35,8 @@ LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narr
 class Sample:
     """Frames of all trials, thinned: markers (F, N, 2), readings (F, m), labels (F,) of gaits, noise [m].
 
-    trials: all readings of each trial (frames, m), and which of them were taken; names: of the trials.
+    trials: of each trial all readings and the joint angles that markers show (frames, m), and which frames were taken;
+    names: of the trials.
     """
 
     body: Body
@@ -44,7 +45,7 @@ class Sample:
     labels: np.ndarray
     noise: float
     frame_s: float
-    trials: tuple[tuple[Floats, np.ndarray], ...]
+    trials: tuple[tuple[Floats, Floats, np.ndarray], ...]
     names: tuple[str, ...]
 
     @cached_property
@@ -55,7 +56,7 @@ class Sample:
     @cached_property
     def following(self) -> np.ndarray:
         """Whether each frame but the first follows one of its own trial (F - 1,)."""
-        first = np.cumsum([len(taken) for _, taken in self.trials])[:-1]
+        first = np.cumsum([len(taken) for *_, taken in self.trials])[:-1]
         return ~np.isin(np.arange(1, len(self.markers)), first)
 
     @cached_property
@@ -88,19 +89,23 @@ class Sample:
         """True joint angles (F, m)."""
         if not now.gaps.any():
             return self.readings + now.zeros
-        return np.concatenate([now.angles(readings)[taken] for readings, taken in self.trials])
+        return np.concatenate([now.angles(read, now.begun(read, shown))[taken] for read, shown, taken in self.trials])
 
     def by_gap(self, now: Observation, joint: int) -> Floats:
         """What a joint's angle (F,) changes by with its gap."""
-        gap = float(now.gaps[joint])
-        return self._narrow[:, joint] if gap <= LEAST_PLAY else self._following(joint, gap)
+        gap, zero = float(now.gaps[joint]), float(now.zeros[joint])
+        return self._narrow[:, joint] if gap <= LEAST_PLAY else self._following(joint, gap, zero)
 
     @cached_property
     def _narrow(self) -> Floats:
         return np.stack([self._following(j, LEAST_PLAY) for j in range(self.body.joint_count)], axis=1)
 
-    def _following(self, joint: int, gap: float) -> Floats:
-        return np.concatenate([across(readings[:, joint], gap)[1][taken] for readings, taken in self.trials])
+    def _following(self, joint: int, gap: float, zero: float = 0.0) -> Floats:
+        slopes = []
+        for readings, shown, taken in self.trials:
+            true = readings[:, joint] + zero
+            slopes.append(across(true, gap, lying(true, shown[:, joint], gap))[1][taken])
+        return np.concatenate(slopes)
 
 
 def sample(recordings: Sequence[Recording]) -> Sample:
@@ -114,7 +119,7 @@ def sample(recordings: Sequence[Recording]) -> Sample:
         some = inside[:: max(len(inside) // FRAMES_PER_TRIAL, 1)]
         markers.append(r.markers[some])
         readings.append(r.angles[some])
-        trials.append((r.angles, some))
+        trials.append((r.angles, marker_angles(body, r.markers), some))
         labels.append(np.full(len(some), gaits[r.gait]))
     noise = float(np.median([r.marker_noise for r in recordings]))
     return Sample(
@@ -169,7 +174,7 @@ def by_trial(data: Sample, now: Observation, joint: int) -> tuple[Floats, float]
     """What a joint is bent beyond what an observation model says, on average in each trial (T,) [rad], and what is left
     about these averages: its mean square without white noise, as a share."""
     left = _channels(data, now)[:, joint]
-    trial = np.repeat(np.arange(len(data.trials)), [len(taken) for _, taken in data.trials])
+    trial = np.repeat(np.arange(len(data.trials)), [len(taken) for *_, taken in data.trials])
     seen = np.isfinite(left)
     means = np.array([np.median(left[seen & (trial == t)]) if (seen & (trial == t)).any() else np.nan
                       for t in range(len(data.trials))])  # fmt: skip

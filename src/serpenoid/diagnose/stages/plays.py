@@ -81,6 +81,11 @@ class Plays:
         rows = [len(s.table) / s.cycle_duration_s for s in self._schedules]
         return np.max([step * often for step, often in zip(steps, rows, strict=True)], axis=0)
 
+    @cached_property
+    def _came_from(self) -> list[Floats]:
+        """What servos read before each trial (m,)."""
+        return [came_from(r, s) for r, s in zip(self.recordings, self.setpoints, strict=True)]
+
     @property
     def _schedules(self) -> list[Schedule]:
         return [r.schedule for r in self.recordings]
@@ -149,7 +154,7 @@ class Plays:
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
-        played = realise_all(self.model(effects), self.setpoints, self.meshes)
+        played = realise_all(self.model(effects), self.setpoints, self.meshes, came_from=self._came_from)
         sampled = (self._sampled(number, p.readings) for number, p in enumerate(played))
         return np.concatenate(list(sampled)) + self.habit
 
@@ -168,7 +173,7 @@ class Plays:
         if not all(self.begun(r) for r in self.recordings):  # when a trial began depends on all joints
             return self.realised(effects)
         found, columns = others.copy(), slice(joint - 1, joint)
-        played = realise_all(self.model(effects), self.setpoints, self.meshes, columns)
+        played = realise_all(self.model(effects), self.setpoints, self.meshes, columns, self._came_from)
         parts = [p.readings[where] for p, where in zip(played, self.where, strict=True)]
         habit = np.broadcast_to(self.habit, found.shape)
         found[:, columns] = np.concatenate(parts) + habit[:, columns]
@@ -229,6 +234,16 @@ def played_for_sure(r: Recording, begun: bool) -> NDArray[np.bool_]:
     """Which readings (R,) are of the promised motion; not `begun` (nothing says when it began): however late that was.
     What servos do after it, nobody has promised."""
     return (r.read_at > 0) & (r.read_at < r.schedule.whole_s - (0.0 if begun else unsure_start(r)))
+
+
+def came_from(r: Recording, told: Floats) -> Floats:
+    """What servos read (m,) [rad] at rest before they are told to move (R, m), averaged as poses are; what they are
+    told first where nothing was read before. A joint may rest anywhere in its gap."""
+    before = r.position[r.read_at < -unsure_start(r)]
+    last = before[-max(round(AVERAGED_S / float(np.median(np.diff(r.read_at)))), 1) :]
+    known = np.isfinite(last)
+    mean = np.where(known, last, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.where(known.any(axis=0), mean, told[0])
 
 
 def begins_known(r: Recording) -> bool:
