@@ -48,7 +48,8 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
         words.append(f"paths stray from the measured ones by {after_m / level:.1f} times the noise")
     if trace(motion, predictions, pushes) > VISIBLE * level:
         words.append(
-            f"repeats differ by pushes in single trials that no law of the floor explains{where_pushed(motion, pushes)}"
+            "repeats differ by pushes in single trials that no law of the floor explains (a stone, a groove, a cable)"
+            f"{where_pushed(motion, pushes)}"
         )
     return tuple(words)
 

@@ -23,7 +23,8 @@ EFFECT = MarkerOffset(
         Parameter("left", "m", -0.2, 0.2, 0.0, 3e-3, "> 0: to the left", resolution=2e-5),
     ),
     looks_like="two neighbouring links seem to have wrong lengths, or their joints constant wrong angles",
-    what_to_do="glue the marker over its axis, or enter where it sits",
+    what_to_do="glue the marker over its axis, or enter where it sits; at an end of the body measure the edge first: "
+    "a wrong length looks the same",
     reasons={"nlp": "cameras do not change how the body moves: the optimal gait is the same with and without it"},
     rank=0,
     marks="markers",
