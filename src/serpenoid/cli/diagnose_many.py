@@ -10,6 +10,7 @@ import argparse
 import hashlib
 import json
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +37,11 @@ def run_many(args: argparse.Namespace) -> int:
     folder = options.output_folder(args, Path("results") / "diagnoses", names, model, earlier, sorted(args.without))
     if len(set(names)) < len(names):
         raise InputError("two of the campaigns have the same name and would write to the same folder: name each once.")
+    asked = {key: value for key, value in vars(args).items() if key not in ("run", "held", "requests")}
     tasks = [
-        (vars(args) | {"campaign": [str(Path(c).resolve())], "out": str((folder / name).resolve())},)
+        (asked | {"campaign": [str(Path(c).resolve())], "out": str((folder / name).resolve())},)
         for c, name in zip(args.campaign, names, strict=True)
     ]
-    for task in tasks:
-        task[0].pop("run")
     sign(args)
     rows: dict[int, dict[str, Any]] = {}
     with options.progress_bar(args, "campaigns", len(tasks)) as advance:
@@ -77,7 +77,8 @@ def diagnose_one(settings: dict[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = dict.fromkeys(HEADER) | {"campaign": campaigns.name_of(campaign), "folder": str(out)}
     try:
         if not _same(out / RECEIPT, receipt):
-            run_one(args, campaign)
+            with ExitStack() as args.held:
+                run_one(args, campaign)
             write_json(out / RECEIPT, receipt | {"seconds": time.perf_counter() - begun})
     except (InputError, OSError) as error:
         return row | {"fault": str(error)}

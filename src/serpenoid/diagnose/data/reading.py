@@ -109,7 +109,8 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
-    told = told_by_commands(log, schedule, clock.rate)
+    labelled = start_on_log(log, schedule, clock.rate)
+    told = told_by_commands(log, schedule, clock.rate, labelled[0] if labelled else None)
     if told:
         begun, slower = told.start_s, 1.0 if told.by_log else 1 + clock.rate
 
@@ -118,7 +119,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
 
         followed = None if told.held else plan  # servos are late for rows that jump: corners would be in the difference
         clock = beside_plan(clock, file.body, tracks.time_s, markers, log, followed)
-    start = (told.start_s, told.spread_s) if told else start_on_log(log, schedule, clock.rate)
+    start = (told.start_s, told.spread_s) if told else labelled
     start = start or _start(schedule, start_by_shape(schedule, log.time_s, log.position))
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     time, log_time = tracks.time_s - t0, log.time_s - start[0]

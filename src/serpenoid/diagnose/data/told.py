@@ -31,9 +31,10 @@ class Told:
     by_log: bool
 
 
-def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | None:
+def told_by_commands(log: ServoLog, schedule: Schedule, rate: float, labelled: float | None = None) -> Told | None:
     """What the commands say; None where they are not the table to within a tick of a servo, or are so in both ways.
 
+    labelled: servo time [s] of t0 by the log's labels, which say which cycle is which; commands of each are alike.
     rate: of the servos' clock beside the cameras'; the commands may follow either, and where they exclude neither, the
     start is as open as both leave it: a rate that noisy markers tell badly moves it by more than a slow log's rows do.
     """
@@ -44,6 +45,9 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float) -> Told | N
     roughly = start_by_shape(schedule, time, command)
     if roughly is None:
         return None
+    if labelled is not None:
+        cycles = round((labelled - roughly.offset_s) / schedule.period_s)
+        roughly = replace(roughly, offset_s=roughly.offset_s + cycles * schedule.period_s)
     row = schedule.cycle_duration_s / len(schedule.table)
     inside = (time > roughly.offset_s + row) & (time < roughly.offset_s + schedule.moving_s - row)
     if inside.sum() < LEAST_ROWS:
