@@ -126,6 +126,13 @@ def _improved(clock: Clock, camera: Floats, laid: Laid) -> Clock:
     return Clock(float(zero), float(clock.rate + step[1]), float(sd[0]), float(sd[1]))
 
 
+def as_played(log: ServoLog, schedule: Schedule) -> Schedule:
+    """With no more cycles than the log's labels say were begun; as it is where there are none."""
+    if log.phase is None or log.cycle is None or not (playing := np.array(log.phase) == "play").any():
+        return schedule
+    return replace(schedule, cycles=min(schedule.cycles, int(log.cycle[playing].max()) + 1))
+
+
 def start_on_log(log: ServoLog, schedule: Schedule, rate: float) -> tuple[float, float] | None:
     """Servo time of t0 and half the interval that the log's labels leave for it; None where it has no labels."""
     if log.phase is None or log.cycle is None or log.step is None:

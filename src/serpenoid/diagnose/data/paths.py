@@ -38,8 +38,9 @@ def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
         steps = np.nan_to_num(p.displacement)
         true = accumulate(steps, np.zeros(3))[:, :2]
         drawn = motion.noise.memory.draws(track, chance, rng, DRAWS)
-        doubted = rng.normal(size=(DRAWS, len(window), 3))[:, phase] * track.doubt  # the same in every cycle
-        paths = accumulate(steps + drawn + doubted, np.zeros(3))[..., :2]
+        drawn += rng.normal(size=(DRAWS, len(window), 3))[:, phase] * track.doubt  # the same in every cycle
+        drawn[:, : track.first_seen] = 0.0
+        paths = accumulate(steps + drawn, np.zeros(3))[..., :2]
         squares[i] = _mean_in_time(track, ((paths - true) ** 2).sum(axis=-1))
     return np.asarray(np.sqrt(squares.mean(axis=0)))
 
@@ -57,11 +58,13 @@ def farthest(motion: Motion, draws: Floats) -> float:
 
 
 def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:
-    """RMS distance [m] of the measured path from the predicted one, started at the measured first pose.
+    """RMS distance [m] of the measured path from the predicted one, started at the first pose that was seen.
 
     mend: what the model does not account for across gaps of all markers is taken out first.
     """
-    path = accumulate(np.nan_to_num(predicted.displacement), track.poses[0])[:, :2]
+    first, at_bounds = track.first_seen, track.poses[track.boundaries]
+    path = at_bounds[:, :2].copy()
+    path[first:] = accumulate(np.nan_to_num(predicted.displacement[first:]), at_bounds[first])[:, :2]
     measured = track.measured[:, :2].copy()
     if mend:
         for first, last, step in gap_steps(track, predicted):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.clocks import Clock, align, beside_plan, start_on_log
+from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan, start_on_log
 from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
@@ -61,9 +61,12 @@ def _aligned(
 
 
 def _missing(r: Recording) -> list[str]:
-    """Cycles that were promised and not even begun while anything was recorded."""
+    """Cycles that were promised and not even begun while anything was recorded, or never."""
     first, last = r.schedule.cycles, r.schedule.cycles + r.missing_cycles
-    return [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
+    said = [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
+    if r.unplayed_cycles:
+        said.append(f"{last} of {last + r.unplayed_cycles} promised cycles were played, say the log's labels")
+    return said
 
 
 def _assumed(r: Recording) -> list[str]:
@@ -109,6 +112,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
+    promised, schedule = schedule.cycles, as_played(log, schedule)
     labelled = start_on_log(log, schedule, clock.rate)
     told = told_by_commands(log, schedule, clock.rate, labelled[0] if labelled else None)
     if told:
@@ -126,7 +130,8 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     shown = schedule.until(max(time[-1], log_time[-1]))
     return Recording(
         entry.name, entry.gait or entry.name, file.body, shown, time, markers, log_time, log.position, clock, start[1],
-        commands=log.command, missing_cycles=schedule.cycles - shown.cycles, told=told,
+        commands=log.command, missing_cycles=schedule.cycles - shown.cycles, unplayed_cycles=promised - schedule.cycles,
+        told=told,
     )  # fmt: skip
 
 

@@ -38,7 +38,8 @@ class Recording:
     carrier: what the servos are expected to do, once that is known; commands (R, m) [rad]: what they were told
     as each reading was taken, where the log says it; told: what these say of the trial, None: nothing.
     schedule: no more cycles than the recording may show, as they ran on the film's clock; missing_cycles: how many more
-    the campaign promises; asked_cycle_s: what it promises of a cycle's duration, where that is another.
+    the campaign promises, but for unplayed_cycles, of which the log says that they were not begun; asked_cycle_s: what
+    the campaign promises of a cycle's duration, where that is another.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Recording:
     carrier: Course | None = None
     commands: Floats | None = None
     missing_cycles: int = 0
+    unplayed_cycles: int = 0
     told: Told | None = None
     asked_cycle_s: float | None = None
 

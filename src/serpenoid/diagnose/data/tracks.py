@@ -17,7 +17,7 @@ from serpenoid.diagnose.data.meshes import COARSER, Mesh, evenly, mesh_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
-from serpenoid.group import relative
+from serpenoid.group import compose, inverse, relative
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.links import marker_angles
 from serpenoid.model import Model
@@ -26,6 +26,7 @@ from serpenoid.parallel import in_processes
 HALF_AVERAGE_S, HALF_AVERAGE_FRAMES = 0.045, 2.5  # poses at a boundary: frames within this distance, or so many,
 MOST_OF_WINDOW = 0.4  # but neighbouring boundaries share none
 LEAST_SHARE = 1 / 3  # of these frames that must be seen
+FIRST = 5  # frames that say where a path begins
 GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
 
 
@@ -51,9 +52,15 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     plan = _mapped_poses(r, seen, frame_angles, frame_poses)
     known = np.flatnonzero(np.isfinite(plan[:, 0]))
     guess = predicted_path(model, vertices, time, _start(r, plan, known))
+    at_frames = _at_frames(r, mesh, guess)
+    if (
+        np.isfinite(guess).all() and r.time[known[0]] > 0
+    ):  # a film that begins late: the first pose seen is that of then
+        ran = relative(guess[0], at_frames[known[:FIRST]]).mean(axis=0)
+        guess = predicted_path(model, vertices, time, compose(_start(r, plan, known), inverse(ran)))
+        at_frames = _at_frames(r, mesh, guess)
     if not np.isfinite(guess).all():
         raise NoPath(f"trial `{r.name}`: steps of this model have no root")
-    at_frames = _at_frames(r, mesh, guess)
     miss = plan - at_frames
     around, counts = _averaged(r, time[bounds], miss)
     hidden = r.time[~np.isfinite(plan[:, 0])]
@@ -124,7 +131,7 @@ def _mapped_poses(r: Recording, seen: Observation, angles: Floats, poses: Floats
 
 def _start(r: Recording, poses: Floats, known: np.ndarray) -> Floats:
     before = known[r.time[known] < 0]
-    some = before if len(before) > 3 else known[:5]
+    some = before if len(before) > 3 else known[:FIRST]
     return np.asarray(poses[some].mean(axis=0))
 
 

@@ -73,6 +73,11 @@ class Track:
         return np.asarray(self.poses - self.shifted)
 
     @property
+    def first_seen(self) -> int:
+        """First boundary at which the pose was; the first where it never was."""
+        return int(np.isfinite(self.measured[:, 0]).argmax())
+
+    @property
     def duration(self) -> Floats:
         """Of each window [s]."""
         return np.diff(self.time[self.boundaries])
