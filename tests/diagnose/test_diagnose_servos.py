@@ -370,3 +370,17 @@ def test_a_gap_remembers_where_a_trial_came_to_rest_from_and_what_follows_does_n
     np.testing.assert_allclose(rested.angles[:, 1], 0.04, atol=0.02)
     assert rested.angles[0, 1] == pytest.approx(0.04)
     np.testing.assert_allclose(plain.angles[:, 1], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("loss", [0.15, 0.2])
+def test_rows_that_run_do_so_for_servos_that_are_all_weak(loss: float, tmp_path: Path) -> None:
+    """Rows that are held beside a lag come nearer to a smaller swing than rows that run."""
+    weak = [Effect("gain_loss", joint, {"loss": loss}) for joint in range(1, 11)]
+    write(make(SEED, weak, combinations=COMBINATIONS[:3]), tmp_path)
+    recordings = [replace(r, commands=None, told=None, t0_spread=0.05) for r in read_recordings(tmp_path)[1]]
+    data = plays(recordings)
+    assert not data.held
+    stage = choose_actuation(data)
+    assert {n.effect.name for n in stage.named} == {"gain_loss"}
+    for named in stage.named:
+        assert named.effect.parameters["loss"] == pytest.approx(loss, abs=0.002)

@@ -207,14 +207,16 @@ class Plays:
         return np.asarray(np.hypot(self.noise / np.sqrt(max(AVERAGED_S / apart, 1.0)), self.unsure))
 
     def alone(self, played: Floats) -> Floats:
-        """What is played (R, m), every joint's clock moved as far as is worth it to that joint: what most joints follow
-        is not hidden by one that does not."""
+        """What is played (R, m), every joint's clock moved as far as is worth it to that joint, and a share of it: what
+        most joints follow is not hidden by one that does not, and servos that are weak follow, too."""
         found, speed, moved = self._missed(played), self.speed(played), played.copy()
         for r, mine in zip(self.recordings, self._rows, strict=True):
             pull, power = (found[mine] * speed[mine]).sum(axis=0), (speed[mine] ** 2).sum(axis=0)
             near = self.unsure_start(r)
             moved[mine] += np.clip(pull / np.maximum(power, 1e-12), -near, near) * speed[mine]
-        return moved
+        seen = np.where(self.read, moved, 0.0)
+        share = (seen * np.where(self.read, self.readings, 0.0)).sum(axis=0) / np.maximum((seen**2).sum(axis=0), 1e-12)
+        return np.asarray(share * moved)
 
     def missed(self, played: Floats) -> Floats:
         """Mean square (m,) of what is left beyond noise, in units of the level's."""
