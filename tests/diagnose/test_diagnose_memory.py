@@ -60,7 +60,7 @@ def campaign(seed: int, time: float, cycles: int = 6, settings: int = 6, gust: f
                 playing=np.ones(count, dtype=bool), usable=np.ones(count, dtype=bool), noise=None, doubt=0.0,
                 gap_windows=np.zeros(count, dtype=bool), time=WINDOW_S * np.arange(count + 1), poses=seen,
                 boundaries=np.arange(count + 1), duration=np.full(count, WINDOW_S), measured=seen, displacement=moved,
-                least=np.full((count, 3), LEAST), on_floor=seen,
+                least=np.full((count, 3), LEAST), on_floor=seen, first_seen=0,
             )
         )  # fmt: skip
     left = [t.displacement - true for t in tracks]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from serpenoid.measure.trial import Motion, Passage, Trial
 
 SHORTEST = 4  # rows of a piece
+ROUNDED = 1e-9  # of sums of seconds
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,8 @@ class Usage:
     @property
     def dropped_s(self) -> float:
         """Hidden for too long, cut by a jump, or not wholly recorded."""
-        return max(self.promised_s - self.used_s, 0.0)
+        dropped = self.promised_s - self.used_s
+        return dropped if dropped > ROUNDED * self.promised_s else 0.0
 
     def __str__(self) -> str:
         """`11.2 s used in 3 pieces, 0.8 s dropped`."""

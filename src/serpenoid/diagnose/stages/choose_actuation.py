@@ -19,7 +19,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
 
-AT_MOST = 7  # effects of few joints; of many, one a joint: all servos may be weak
+AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 
@@ -51,7 +51,7 @@ def choose_actuation(data: Plays) -> Stage:
     """Forward selection; what does not earn its name is dropped, what is too weak is listed."""
     bare = best = Played(data)
     singles: list[Attempt] = []
-    for _ in range(max(AT_MOST, data.readings.shape[1])):
+    for _ in range(max(AT_MOST, data.readings.shape[1] + 2)):
         if followed(data, best.angles):
             break
         tries = attempts(data, best.effects)
