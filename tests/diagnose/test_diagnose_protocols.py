@@ -188,6 +188,10 @@ def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path
     assert whole.remarks == ()
     file = tmp_path / "campaign.toml"
     file.write_text(re.sub("^cycles = .*", "cycles = 100000", file.read_text(), flags=re.MULTILINE))
+    said = read_recordings(tmp_path)[1][0].remarks
+    assert said == ("2 of 100000 promised cycles were played, say the log's labels",)
+    for log in tmp_path.glob("*/servo.csv"):  # a log that does not say it
+        log.write_text(log.read_text().replace(",phase,", ",said,", 1))
     recordings = read_recordings(tmp_path)[1]
     r = recordings[0]
     assert r.promised_s == 100_000 * r.schedule.period_s

@@ -127,8 +127,12 @@ def _improved(clock: Clock, camera: Floats, laid: Laid) -> Clock:
 
 
 def as_played(log: ServoLog, schedule: Schedule) -> Schedule:
-    """With no more cycles than the log's labels say were begun; as it is where there are none."""
+    """With no more cycles than the log's labels say were begun, if the log goes on when the next one was due; as it is
+    where there are no labels, or the log ends."""
     if log.phase is None or log.cycle is None or not (playing := np.array(log.phase) == "play").any():
+        return schedule
+    row = schedule.cycle_duration_s / len(schedule.table)
+    if log.time_s[-1] - log.time_s[playing][-1] <= schedule.pause_s + row:
         return schedule
     return replace(schedule, cycles=min(schedule.cycles, int(log.cycle[playing].max()) + 1))
 
