@@ -17,7 +17,8 @@ from serpenoid.diagnose.data import tracked
 from serpenoid.diagnose.data.geometry import placed, shapes
 from serpenoid.diagnose.data.shapes_from_points import from_points
 from serpenoid.diagnose.data.tracked import tracked_recordings
-from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.data.windows import Track, predictions
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.load import load_campaign
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -64,6 +65,29 @@ def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_pa
     low, high = found["effects"][0]["parameters"]["relaxation_time"]["interval"]
     assert low < tau < high
     assert found["gain"]["path_rms_m"]["after"] < 0.2 * found["gain"]["path_rms_m"]["before"]
+
+
+@pytest.mark.parametrize("kind", ["", "swimmer"])
+def test_windows_of_a_body_that_coasts_do_not_depend_on_the_mesh(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    eps, tau = 0.6, 0.25
+    folder = write(Swimmer(Ground(eps, added_mass=tau), 44, SHORT_S), tmp_path / "swim")
+    file = folder / "campaign.toml"
+    if kind:
+        file.write_text(file.read_text().replace("[body]", f'[body]\nkind = "{kind}"'))
+    recordings = tracked_recordings(load_campaign(folder))
+    water = Medium(anisotropy_ratio=eps)
+    model = Model(recordings[0].body, water, (ActiveEffect.of("added_mass", relaxation_time=tau),))
+
+    def moved(finer: int, about: Model) -> np.ndarray:
+        monkeypatch.setattr(tracked, "STEPS_PER_WINDOW", 12 * finer)
+        monkeypatch.setattr(tracked, "LEAD", 2 * finer)
+        return np.concatenate([p.displacement for p in predictions(model, tracked.tracker(recordings)(about))])
+
+    limit = moved(4, model)
+    error, massless = (np.abs(moved(1, m) - limit).mean(axis=0) for m in (model, Model(model.body, water)))
+    assert (error < massless / 10).all()  # of the fourth order, where what a massless mesh puts back leaves the second
 
 
 @pytest.mark.parametrize(

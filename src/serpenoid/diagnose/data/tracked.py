@@ -40,6 +40,7 @@ MOST_WINDOWS = 160  # of all recordings together: 20 periods, more where frames 
 STEPS_PER_WINDOW = 12
 LEAST_FRAMES = 2  # in a window
 LEAD = 2  # rows: what the momentum's rate looks back on
+FINER = 2  # steps in one, from which a mesh without error is extrapolated
 DRAWS = 24
 LEAST_NOISE = 1e-6  # body lengths, rad: rounding
 
@@ -197,6 +198,8 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
         drawn = recording.smoothed.draw(rng)
         again = _cut(recording, drawn, _run(drawn, first, step, count), pieces)
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
+    finer = _cut(recording, states, _run(states, first, step, count, FINER), pieces, FINER)
+    tracks = [replace(t, offset=e) for t, e in zip(tracks, _mesh_error(model, tracks, finer), strict=True)]
     least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
     squares = _filled([np.mean([np.square(d[i]) for d in draws], axis=0) for i in range(pieces)])
     return [
@@ -212,6 +215,23 @@ def _filled(squares: Sequence[Floats]) -> list[Floats]:
     return [np.where(np.isfinite(q), q, known.mean(axis=0) if len(known) else 0.0) for q in squares]
 
 
+def _mesh_error(model: Model, tracks: Sequence[Track], finer: Sequence[Track]) -> list[Floats]:
+    """What the mesh misses of each window (B - 1, 3), by the same on a finer one; of an animal, whose curve is without
+    error by drag alone, what it misses beyond that."""
+    found = _missed_by(model, tracks, finer)
+    if not model.body.is_animal:
+        return found
+    plain = Model(model.body, model.medium)
+    return [e - p for e, p in zip(found, _missed_by(plain, tracks, finer), strict=True)]
+
+
+def _missed_by(model: Model, tracks: Sequence[Track], finer: Sequence[Track]) -> list[Floats]:
+    """By a model; nothing where it has no root on one of the meshes."""
+    more = FINER**2 / (FINER**2 - 1)  # second order: extrapolated to a mesh without error
+    pairs = zip(predictions(model, finer), predictions(model, tracks), strict=True)
+    return [np.nan_to_num(more * (fine.displacement - rough.displacement)) for fine, rough in pairs]
+
+
 def _along_curve(model: Model, track: Track) -> Track:
     """The track with what drag along the smooth curve through an animal's points adds, and what is not known of it."""
     if not model.body.is_animal:
@@ -221,23 +241,24 @@ def _along_curve(model: Model, track: Track) -> Track:
     curve, other = (simulate_curve(plain, chains, degree=degree).poses for degree in (SMOOTH, PLAIN))
     paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
     moved = [relative(p[:-1], p[1:]) for p in paths]
-    return replace(track, offset=moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
+    return replace(track, offset=track.offset + moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
 
 
-def _run(states: States, first: float, step: float, windows: int) -> Run:
-    """The recording on an even mesh, from LEAD rows before its first window on."""
-    rows: Floats = first + step * np.arange(-LEAD, windows * STEPS_PER_WINDOW + 1, dtype=float)
-    return Run(rows, states.vertices_at(rows), states.poses_at(rows), LEAD)
+def _run(states: States, first: float, step: float, windows: int, finer: int = 1) -> Run:
+    """The recording on an even mesh, from LEAD steps before its first window on; finer: into how many each is cut."""
+    rows: Floats = first + step / finer * np.arange(-LEAD * finer, windows * STEPS_PER_WINDOW * finer + 1, dtype=float)
+    return Run(rows, states.vertices_at(rows), states.poses_at(rows), LEAD * finer)
 
 
-def _cut(recording: TrackedRecording, states: States, run: Run, pieces: int) -> list[Track]:
+def _cut(recording: TrackedRecording, states: States, run: Run, pieces: int, finer: int = 1) -> list[Track]:
     """Parts of equal length; what has momentum runs free from the beginning of the run."""
-    windows = (len(run.time) - 1 - LEAD) // STEPS_PER_WINDOW // pieces
-    bounds, nothing = STEPS_PER_WINDOW * np.arange(windows + 1), np.zeros(windows, bool)
+    steps = STEPS_PER_WINDOW * finer
+    windows = (len(run.time) - 1 - run.given) // steps // pieces
+    bounds, nothing = steps * np.arange(windows + 1), np.zeros(windows, bool)
     found = []
     for i in range(pieces):
-        lead = LEAD + i * windows * STEPS_PER_WINDOW
-        part = slice(lead, lead + windows * STEPS_PER_WINDOW + 1)
+        lead = run.given + i * windows * steps
+        part = slice(lead, lead + windows * steps + 1)
         time, poses = run.time[part], run.poses[part]
         phase = np.mod((time[bounds[:-1]] + time[bounds[1:]]) / 2 / states.period, 1.0)
         inside = (states.time >= time[0]) & (states.time <= time[-1])

@@ -63,6 +63,13 @@ class Fit:
         least = self.evidence.chi2(range(self.evidence.matrix.shape[1]))
         return bool(self.chi2 - least < CONVERGED * max(1.0, 1e-5 * self.chi2))
 
+    def away_from(self, model: Model) -> float:
+        """How many standard deviations its parameters are from those of a model; what that lacks is neutral there."""
+        there = {e.key: e for e in model.effects}
+        others = [there.get(e.key, ActiveEffect.neutral(e.name, e.place)) for e in self.effects]
+        apart = self.coordinates - _coordinates(model, others)
+        return float(np.sqrt(apart @ self.evidence.matrix.sum(axis=0) @ apart))
+
     def shrinking(self, evidence: Evidence) -> Evidence:
         """Evidence about this fit, whose first columns are its own, for fits without a gait."""
         rest = np.array([np.nan, *(_resting(p) for e in self.effects for p in e.effect.parameters)])

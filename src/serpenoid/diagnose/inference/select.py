@@ -82,7 +82,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
     again = placed(motion, null)
     if again is not motion:
         motion, null = calibrated(again, fit_guided(again, null))
-    best = null
+    best, about = null, model
     hidden: tuple[Key, ...] = ()  # whose traces are below detection
     rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
@@ -108,10 +108,10 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         others = [t for t in tries if t.added.name != added.name and not best.effects]
         rival = min(others, key=lambda t: t.fit.chi2, default=None)
         with meanwhile(needed, motion, first) as least:
-            motion = placed(retracked(motion, retrack, first.model), first)
+            again = placed(retracked(motion, retrack, first.model), first)
             idle = 0 if best.chi2 - first.chi2 > least() else idle + 1
-        motion, first = calibrated(motion, fit_guided(motion, first))
-        null = fit_guided(motion, null, STEPS)
+        motion, first = settled(again, first, about, retrack)
+        null, about = fit_guided(motion, null, STEPS), first.model
         best = pruned(motion, first, len(ranked))
         if all(e.key != added.key for e in best.effects):
             break
@@ -166,6 +166,22 @@ def retracked(motion: Motion, retrack: Retrack, model: Model) -> Motion:
     moved = np.nanmax([np.nanmax(np.abs(t.displacement), axis=0) for t in tracks], axis=0)
     apart = np.max([np.abs(t.offset).max(axis=0) for t in tracks], axis=0)
     return replace(motion, tracks=tracks) if (apart <= moved).all() else motion
+
+
+def settled(motion: Motion, found: Fit, about: Model, retrack: Retrack) -> tuple[Motion, Fit]:
+    """A fit on tracks made about itself, until another time would not move it by a standard deviation: the mesh's
+    error, and how poses are averaged, are those of a model; one with half of the inertia puts back half of its error.
+
+    found: a fit to tracks made about the model `about`; motion: with tracks about the fit. Where a fit moves by x when
+    the model that tracks are about moved by y, x^2 / y + x^3 / y^2 + .. = x^2 / (y - x) lies ahead.
+    """
+    before = found.away_from(about)
+    while True:
+        motion, again = calibrated(motion, fit_guided(motion, found))
+        moved = again.away_from(found.model)
+        if not moved < before or moved**2 <= before - moved:  # nothing is gained by going on, or no deviation
+            return motion, again
+        motion, found, before = placed(retracked(motion, retrack, again.model), again), again, moved
 
 
 def off_by(motion: Motion, found: Fit) -> float:
