@@ -104,6 +104,7 @@ def diagnose(
         observation, seen = choose_observation(recordings, baseline.observation(), baseline.without)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say, searched)
+    baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)

@@ -4,7 +4,9 @@ Of the earlier campaign its own diagnosis is made first. What it names becomes p
 the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
 window by window from the motion, moment by moment from the servos' readings. What a change changes of this error is in
 proportion to what the change does (inference/discrepancy.py); where a gait is new, all of the error is in doubt. What
-explains the error is a guess where names are stand-ins: the change is fitted beside other guesses, too (`otherwise`).
+explains the error is a guess where names are stand-ins: the change is fitted beside other guesses, too (`otherwise`):
+eps alone, what was found and refused, and every law of the body's own that explains alone what eps does not. It is
+named beside the guess that makes both campaigns likeliest (inference/explanations.py).
 
 Legend: W windows of a trial, R log rows, m joints.
 """
@@ -25,6 +27,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.repeats import by_setting
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.diagnose.inference.explanations import laws
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
@@ -133,6 +136,11 @@ class Reference(Baseline):
             )
         return tuple(found)
 
+    def beside(self, model: Model) -> Reference:
+        """With another explanation as the baseline, the others beside it."""
+        explained = sorted(self.explained, key=lambda e: e.model != model)
+        return replace(self, model=model, explained=tuple(explained))
+
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """Readings with the earlier ones' error taken out: that of a gait played then is in both, and is no noise. A
         change of something else may change it by as much as it is, beyond noise; of a new gait all of it is there."""
@@ -172,10 +180,12 @@ def reference_of(d: Diagnosis) -> Reference:
     servos = replace(plays(read), known=read_by_servos(others))
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
-    rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused))]
+    wrong = d.motion.stage.discrepancy_m
+    guesses = laws(found) if wrong else []
+    rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused), *guesses)]
     explained = [_explanation(motion, m) for m in dict.fromkeys([model, *rivals])]
     return Reference(
-        model, d.seen, tuple(explained), usual, largest, servos, d.motion.stage.discrepancy_m,
+        model, d.seen, tuple(explained), usual, largest, servos, wrong,
         others=others, without=d.baseline.without,
     )  # fmt: skip
 

@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.repeats import by_setting
 from serpenoid.diagnose.data.white import White
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, predicted_bare
 from serpenoid.diagnose.inference.prices import gained_by_chance
+from serpenoid.effects.active import ActiveEffect
 
 STARTS = ((-16.0, -4.0), (-4.0, -16.0), (0.0, 0.0))  # ln a^2, ln b^2: one error alone, the other, both
 SMALLEST, LARGEST = -20.0, 16.0
@@ -41,14 +42,22 @@ def outdone(motion: Motion, full: Fit, bases: Sequence[Fit]) -> list[bool]:
     return [deviance(motion, base)[0] - after <= price(base) for base in bases]
 
 
-def deviance(motion: Motion, found: Fit) -> tuple[float, int]:
-    """-2 ln of an explanation's marginal likelihood, but for a constant of the campaign, and the number of means."""
+def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[float, int]:
+    """-2 ln of an explanation's marginal likelihood, but for a constant of the campaign, and the number of means.
+
+    exact: effects that have no error in proportion.
+    """
     left = residuals(motion.tracks, found.predictions)
-    bare = predicted_bare(motion, found) if found.effects else found.predictions
-    moved = [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
+    moved = done(motion, found, exact)
     parts = [_means(motion, left, moved, trials) for trials in by_setting(motion.tracks).values()]
     mean, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
     return least_deviance(mean, effect), len(mean)
+
+
+def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> list[Floats]:
+    """What a fit's effects do in the windows (W, 3) of each track, besides some of them."""
+    bare = predicted_bare(motion, found, besides) if len(found.effects) > len(besides) else found.predictions
+    return [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
 
 
 def least_deviance(mean: Floats, effect: Floats) -> float:
@@ -66,12 +75,12 @@ def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list
     """Mean residuals of repeats where one is known and what effects do (K,) each, by chance and doubt."""
     first = motion.tracks[trials[0]]
     count, shape = min(len(left[i]) for i in trials), first.displacement.shape
-    own, done = (np.stack([x[i][:count] for i in trials]) for x in (left, moved))
+    own, effect = (np.stack([x[i][:count] for i in trials]) for x in (left, moved))
     known = np.isfinite(own)
     times = np.zeros(shape)
     times[:count] = known.sum(axis=0)
     means = np.zeros((*shape, 2))
-    means[:count] = np.where(known[..., None], np.stack([own, done], axis=-1), 0.0).sum(axis=0)
+    means[:count] = np.where(known[..., None], np.stack([own, effect], axis=-1), 0.0).sum(axis=0)
     good = np.asarray(times.all(axis=1))
     means[good] /= times[good][..., None]
     white = White(first, motion.noise.chance(first), motion.noise.memory, np.maximum(times, 1)).of(means, good)

@@ -201,10 +201,10 @@ def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple
     return linearised(motion, model, kept, near=found.predictions)[1]
 
 
-def predicted_bare(motion: Motion, found: Fit) -> tuple[Prediction, ...]:
-    """What a fit predicts with all its effects taken out and nothing fitted again."""
-    model = with_values(found.model, [], found.coordinates[:1], motion.held)
-    return linearised(motion, model, [], near=found.predictions)[1]
+def predicted_bare(motion: Motion, found: Fit, kept: Sequence[ActiveEffect] = ()) -> tuple[Prediction, ...]:
+    """What a fit predicts with its effects, but for those kept, taken out and nothing fitted again."""
+    model = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
+    return linearised(motion, model, kept, near=found.predictions)[1]
 
 
 def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:

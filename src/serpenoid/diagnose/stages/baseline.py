@@ -58,6 +58,10 @@ class Baseline:
         weights beside this one's."""
         return ()
 
+    def beside(self, model: Model) -> Baseline:
+        """With another of these explanations as the baseline."""
+        raise NotImplementedError
+
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""
         mine = self.model.body

@@ -20,6 +20,7 @@ from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_o
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
+from serpenoid.diagnose.inference.explanations import another, likely
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
@@ -45,13 +46,14 @@ Searched = Callable[[Selection], None]  # hears what is named and why, before it
 
 @dataclass(frozen=True)
 class MotionFinding:
-    """The stage's finding and everything it rests on."""
+    """The stage's finding and everything it rests on; baseline: beside which of several it was found."""
 
     stage: Stage
     selection: Selection
     swaps: tuple[Swap, ...]
     before_m: float
     after_m: float
+    baseline: Baseline | None = None
 
 
 def choose_motion(
@@ -64,7 +66,7 @@ def choose_motion(
     """Calibrate eps, select effects, say what is left."""
 
     def track(about: Model) -> tuple[Track, ...]:
-        return baseline.corrected(make_tracks(recordings, seen, about))
+        return make_tracks(recordings, seen, about)
 
     def amid(about: Model) -> tuple[Track, ...]:
         return make_tracks([r.with_middles() for r in recordings], seen.with_middles(), about)
@@ -81,24 +83,65 @@ def choose_on_tracks(
     amid: Callable[[Model], tuple[Track, ...]] | None = None,
     searched: Searched = lambda found: None,
 ) -> MotionFinding:
-    """The same on what `track` makes about a model; labels: what is held out together.
+    """The same on what `track` makes about a model, as it was seen; labels: what is held out together.
 
     untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
     """
-    model = baseline.model
-    barred = {**left_out(baseline.without), **beyond_bounds(model), **(untestable or {})}
-    absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
-    for _ in range(2):
-        motion = Motion(track(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
-        model = fit_eps(motion, model).model
-    chosen = select(motion, model, track, say)
+    chosen = search(track, labels, baseline, say, untestable)
+    chosen, baseline = beside_others(chosen, baseline, lambda other: search(track, labels, other, say, untestable))
     asked = baseline.ratio is None  # with a reference it is known
     law = dry_friction(chosen) if asked else ""
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
     searched(chosen)  # what this alone shows can be drawn while rivals are fitted
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
-    return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at))
+    barred = not_looked_for(baseline, untestable)
+    return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at), baseline=baseline)
+
+
+def not_looked_for(baseline: Baseline, untestable: Mapping[str, str] | None) -> dict[str, str]:
+    """Effects that are no candidates, and why."""
+    return {**left_out(baseline.without), **beyond_bounds(baseline.model), **(untestable or {})}
+
+
+def search(
+    track: Callable[[Model], tuple[Track, ...]],
+    labels: tuple[int, ...],
+    baseline: Baseline,
+    say: Callable[[str], None],
+    untestable: Mapping[str, str] | None,
+) -> Selection:
+    """Effects beside a baseline."""
+    model = baseline.model
+    barred = not_looked_for(baseline, untestable)
+    absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
+
+    def corrected(about: Model) -> tuple[Track, ...]:
+        return baseline.corrected(track(about))
+
+    for _ in range(2):
+        motion = Motion(corrected(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
+        model = fit_eps(motion, model).model
+    return select(motion, model, corrected, say)
+
+
+def beside_others(
+    found: Selection, baseline: Baseline, again: Callable[[Baseline], Selection]
+) -> tuple[Selection, Baseline]:
+    """Where what is left is news, the change beside the explanation of what the baseline's law misses that makes both
+    likeliest, and that explanation as the baseline."""
+    motion = found.motion
+    if not found.best.effects or not discrepancy(motion, found.settled.predictions):
+        return found, baseline
+    several = [(motion, baseline.model, 1.0), *baseline.otherwise(motion)]
+    index = another(found, several)
+    if index is None:
+        return found, baseline
+    _, model, weight = several[index]
+    other = baseline.beside(model)
+    anew = again(other)
+    both = likely(anew.motion, anew.best, weight), likely(motion, found.best, 1.0)
+    return (anew, other) if anew.best.effects and both[0].over(both[1]) > 1 else (found, baseline)
 
 
 def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit, float], ...]:
