@@ -30,7 +30,7 @@ from serpenoid.measure.consistency.hypotheses import (
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
 from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
-from serpenoid.measure.consistency.signals import Signal, moving_s
+from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
@@ -38,7 +38,10 @@ MOST_ROWS = 100_000  # of a recording in a promised cycle: closer ones count in 
 MOST_CYCLES = 1000  # of a promise are laid over a recording
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
 SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` fills in what lies between
-WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
+WEAK = 0.2  # joints of which most move by so much less or more than commanded are mentioned
+SCALED = 0.05  # commands of a log that differ so much from the table's are another's
+ALIKE = 0.1  # of a gain: those of one cause differ by less
+PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
 @dataclass(frozen=True)
@@ -227,7 +230,21 @@ def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:
 
 
 def _weakness(claim: Claim, contract: Match, witness: str) -> list[tuple[str, str]]:
-    gain = float(np.median(contract.gain))
-    if contract.explained < 0.5 or abs(gain - 1) < WEAK:
+    """Where joints move less or more than promised, which: of those that were promised to move. Servos may be weak;
+    commands are another table."""
+    course = contract.course
+    moved = np.ptp(course.angles(np.linspace(0.0, course.total_s, PROMISED)), axis=0)
+    told = np.flatnonzero(moved > AWAY * moved.max())
+    gains = contract.gain[told]
+    middle = round(float(np.median(gains)), 2)
+    exact = witness == "the servo log's commands"
+    if contract.explained < 0.5 or abs(middle - 1) < (SCALED if exact else WEAK) - 1e-9:
         return []
-    return [(claim.trial, f"{witness}: joints move {gain:.2f} times as far as promised, all alike (weak servos?)")]
+    which = np.abs(gains - middle) < np.abs(gains - 1)
+    least, most = gains[which].min(), gains[which].max()
+    size = f"{middle:.2f}" if most - least < ALIKE * middle else f"{least:.2f} to {most:.2f}"
+    who = "joints" if which.all() else ", ".join(f"`joint_{j + 1}`" for j in told[which])
+    alike = ", all alike" if which.all() and most - least < ALIKE * middle else ""
+    why = "another table, or this one scaled? Name in `joint_table` what was played" if exact else "weak servos?"
+    move = "are told to move" if exact else "move"
+    return [(claim.trial, f"{witness}: {who} {move} {size} times as far as promised{alike} ({why})")]
