@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.hypotheses import (
     KINDS,
     SAME_TABLE,
     Fault,
+    in_one_film,
     in_other_unit,
     other_unit,
     rounded,
@@ -142,6 +143,8 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
             slower = schedule.period_s / min([schedule.period_s, *periods])
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
             faults = schedule_faults(shown, claim.label, tables, periods)
+            if signal is claim.cameras:
+                faults += in_one_film(course_of(shown), claim.label)
             return compared(claim.trial, signal, course_of(shown), own, faults, witness, prior)
     return None
 
@@ -169,7 +172,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
     logs = [(c.trial, c.servos) for c in claims if c.servos is not None and not _repeats(c, claim)]
     others = [(name, log) for name, log in logs if log.values.shape[1] == joints and log.enough]
     share = -float(np.log(KINDS * max(len(others), 1)))
-    faults = turned(course, "the servo log")
+    faults = [*turned(course, "the servo log"), *in_one_film(course, "the servo log")]
     for name, log in others:
         words = f"follow the servo log of trial `{name}`, not their own"
         faults.append(Fault("log", words, "name that file in `servo_log`", _logged(log, promised), share))

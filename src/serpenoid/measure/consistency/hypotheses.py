@@ -34,6 +34,7 @@ UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, only a unit or other times make so much
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
+IN_ONE_FILM = ", in one film"  # what of a kind that is wrong everywhere may be so in a single trial
 KINDS = 8  # of faults, alike in prior odds
 
 
@@ -115,6 +116,19 @@ def turned(course: Course, label: str) -> list[Fault]:
               cures=cures_of(columns) | {"markers": of_markers})
         for kind, words, columns, of_markers, change in made
     ]  # fmt: skip
+
+
+def in_one_film(course: Course, label: str) -> list[Fault]:
+    """The same of markers in one trial, whatever the others show."""
+    of_film = {
+        "signs": "is this film `mirrored`? Set `mirrored = true` in the trial",
+        "order": "do `markers` run from head to tail in this film, and is it `mirrored`? Set both in the trial",
+        "ends": "do `markers` run from head to tail in this film? Reverse them (or set `first_point`) in the trial",
+    }
+    return [
+        replace(fault, kind=fault.kind + IN_ONE_FILM, cure=of_film[fault.kind], everywhere=False, cures={})
+        for fault in turned(course, label)
+    ]
 
 
 def cures_of(columns: str) -> dict[str, str]:

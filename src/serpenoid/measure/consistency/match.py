@@ -3,11 +3,11 @@
     measured_j(t) = gain_j commanded_j(t - start) + zero_j + discrepancy_j(t) + noise
     log evidence = max over start, gain, zero of  sum_j [ log t(residual_j) + log p(gain_j) + log p(zero_j) ]
 
-Gain (0 .. 1.5: a joint may be weak or stuck, never turn backwards; 1 where it is told to stand still) and zero are what physics may do to a joint; both
-have priors with a narrow part (a healthy servo) and a wide one (a damaged one), and all joints may be weak alike. The
-discrepancy's size is unknown: its Student t has one observation's worth of belief in a tenth of the joint's own motion,
-and as many degrees of freedom as that motion has, whatever the number of frames: amplitudes and phases of two
-harmonics. Repeated cycles repeat their discrepancy, so they do not count again.
+Gain (0 .. 1.5: a joint may be weak or stuck, never turn backwards; 1 of one that is told to stand still) and zero are
+what physics may do to a joint; both have priors with a narrow part (a healthy servo) and a wide one (a damaged one),
+and all joints may be weak alike. The discrepancy's size is unknown: its Student t has one observation's worth of belief
+in a tenth of the joint's own motion, and as many degrees of freedom as that motion has, whatever the number of frames:
+amplitudes and phases of two harmonics. Repeated cycles repeat their discrepancy, so they do not count again.
 
 Legend: n grid points, Q rates, K starts, m joints.
 """
