@@ -14,7 +14,8 @@ from rehearsal import serpenoid_table
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
-from serpenoid.measure.consistency.check import Claim, check
+from serpenoid.measure.consistency.check import check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.reach import Reach

@@ -16,7 +16,8 @@ from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
-from serpenoid.measure.consistency.check import Claim, Verdict, check
+from serpenoid.measure.consistency.check import Verdict, check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said

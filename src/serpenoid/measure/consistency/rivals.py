@@ -64,7 +64,7 @@ def compared(
 ) -> Compared:
     """The contract and all rivals laid over one witness; rivals ahead of it, and it, as servos' laws play them, too."""
     pair = ("table" if course.told else "log", SOURCES[witness])
-    grid = _window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
+    grid = window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
     contract = match(grid, course, prior)
     laid = [(fault, _laid(grid, fault, contract, prior)) for fault in faults]
     plain = rivals = _rivals(trial, grid, contract, laid, witness, pair, prior)
@@ -128,7 +128,7 @@ def _rivals(
     return rivals
 
 
-def _window(signal: Signal, shortest: float, longest: float) -> Sampled:
+def window(signal: Signal, shortest: float, longest: float) -> Sampled:
     """On a grid fine enough for the shorter period, from a period before the motion begins and as long as needed."""
     whole = sample(signal, shortest / POINTS)
     if whole.span_s <= PERIODS * longest:
