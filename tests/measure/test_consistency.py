@@ -15,7 +15,8 @@ from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.consistency.check import Claim, Verdict, check
+from serpenoid.measure.consistency.check import Verdict, check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.claims import check_files, contradictions
 from serpenoid.measure.consistency.films import films_of
 from serpenoid.measure.consistency.geometry import marker_faults

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from serpenoid.measure.consistency.blame import certain
-from serpenoid.measure.consistency.check import Claim, check
+from serpenoid.measure.consistency.check import check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.rivals import ODDS, Rival, _doubts
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.schedule import Schedule

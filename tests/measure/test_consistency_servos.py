@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.measure.consistency.check import Claim, Verdict, check
+from serpenoid.measure.consistency.check import Verdict, check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.schedule import Schedule
 

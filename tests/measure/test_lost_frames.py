@@ -10,7 +10,8 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.consistency.check import Claim, check
+from serpenoid.measure.consistency.check import check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.consistency.lost_frames import lost_frames
 from serpenoid.measure.consistency.signals import Signal

@@ -14,7 +14,8 @@ from rehearsal import serpenoid_table
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
-from serpenoid.measure.consistency.check import Claim, check
+from serpenoid.measure.consistency.check import check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.reach import Reach
@@ -138,3 +139,26 @@ def test_a_cycle_that_the_log_says_was_not_played_to_its_end_is_told(each, last,
     paused = replace(log, phase=("play",) * rows + ("pause", "end"))
     assert paused.stopped_in(50) is None
     assert replace(log, phase=None).stopped_in(50) is None
+
+
+def test_rows_of_a_log_that_stand_there_twice_are_read_once(tmp_path):
+    """To the last character; the same time with other readings is two recordings in one file."""
+    path = tmp_path / "servo.csv"
+    rows = [
+        "t_s,position_1,position_2",
+        "0,0.1,0.2",
+        "1,0.1,0.3",
+        "1,0.1,0.3",
+        "1,0.1,0.3",
+        "2,0.2,",
+        "2,0.2,",
+        "3,0,1",
+    ]
+    path.write_text("\n".join(rows) + "\n")
+    log = read_servo_log(path)
+    assert log.repeated == 3
+    assert log.time_s.tolist() == [0, 1, 3]
+    assert log.position[:, 1].tolist() == [0.2, 0.3, 1.0]
+    path.write_text("\n".join([*rows, "3,0,1.1"]) + "\n")
+    with pytest.raises(InputError, match=r"row 9, column A \(`t_s`\): times must increase, got 3 after 3"):
+        read_servo_log(path)

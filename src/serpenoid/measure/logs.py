@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
@@ -25,7 +26,7 @@ OWN_NAMES = (
 
 @dataclass(frozen=True)
 class ServoLog:
-    """R rows of m joints, on the servo bus's own clock."""
+    """R rows of m joints, on the servo bus's own clock; repeated: rows that stood there once more, and are left out."""
 
     time_s: Floats  # (R,)
     position: Floats  # (R, m) [rad]
@@ -35,6 +36,7 @@ class ServoLog:
     step: Floats | None
     extra: dict[str, Floats]  # voltage_V, load, temperature_degC, error: (R, m)
     source: str
+    repeated: int = 0
 
     @property
     def play_start_s(self) -> float | None:
@@ -69,7 +71,8 @@ class PowerLog:
 
 
 def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> ServoLog:
-    """Read a servo log; only time and positions are required; it may end in the middle of a row."""
+    """Read a servo log; only time and positions are required; it may end in the middle of a row. A row that is the one
+    before to the last character is that row."""
     path, own = Path(path), keys.columns
     rows = read_rows(path, live=True)
     header = [cell.strip() for cell in rows[0]]
@@ -89,7 +92,9 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
     called = list(dict.fromkeys([own.time, *single, *(name for names in groups.values() for name in names)]))
     data = block(rows, 1, [find_column(header, name, name, path) for name in called], called, path)
     column = dict(zip(called, data.T, strict=True))
-    times = increasing_times(column[own.time], 1, header.index(own.time), path, own.time) * SECONDS[keys.time_unit]
+    once = np.array([0, *(i for i in range(1, len(data)) if rows[i + 1] != rows[i])])
+    increasing_times(column[own.time][once], 1 + once, header.index(own.time), path, own.time)
+    times = column[own.time] * SECONDS[keys.time_unit]
     read = {role: np.stack([column[name] for name in names], axis=1) for role, names in groups.items() if names}
     angles = {role: read[role] * RADIANS[keys.angle_unit] for role in ("position", "command") if role in read}
     for role, values in angles.items():
@@ -107,8 +112,10 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
             column.get(own.step),
             {name: read[name] for name in EXTRA if name in read},
             str(path),
+            len(data) - len(once),
         ),
         position,
+        once,
     )
 
 
@@ -125,8 +132,8 @@ def _check_labels(
                 raise InputError(f"{where}: rows that are played count from 0, got {values[row]:g}.")
 
 
-def _read_whole(log: ServoLog, called: list[str]) -> ServoLog:
-    """Without rows in which a reading is missing: a gap in the log, as a row that was never written is."""
+def _read_whole(log: ServoLog, called: list[str], once: NDArray[np.int64]) -> ServoLog:
+    """Of the rows `once`, those in which no reading is missing: what is left out is a gap, as if never written."""
     there = np.isfinite(log.position)
     never = np.flatnonzero(~there.any(axis=0))
     if never.size:
@@ -134,7 +141,7 @@ def _read_whole(log: ServoLog, called: list[str]) -> ServoLog:
             f"{log.source}: column `{called[never[0]]}` is empty throughout. A servo that does not answer? "
             "Leave `servo_log` out, and joint angles are taken from the markers."
         )
-    kept = np.flatnonzero(there.all(axis=1))
+    kept = once[there[once].all(axis=1)]
     if len(kept) == len(there):
         return log
     if not kept.size:

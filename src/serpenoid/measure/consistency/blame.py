@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from serpenoid.measure.consistency.hypotheses import IN_ONE_FILM
 from serpenoid.measure.consistency.rivals import Rival, leads
 
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
@@ -40,6 +41,8 @@ def certain(rivals: Sequence[Rival]) -> list[Contradiction]:
     for rival in rivals:
         together[_kind(rival)] += rival.lead
     sure = [r for r in rivals if leads(r, together[_kind(r)] if r.everywhere else r.lead)]
+    in_all = {(r.trial, r.pair, r.kind + IN_ONE_FILM) for r in sure if r.everywhere}
+    sure = [r for r in sure if (r.trial, r.pair, r.kind) not in in_all]
     compared = {(rival.trial, rival.pair) for rival in rivals}
     by_trial: dict[str, list[Rival]] = defaultdict(list)
     for rival in _agreed(sure, together):

@@ -15,12 +15,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import find_offset, held
-from serpenoid.measure.consistency.blame import Contradiction, certain
+from serpenoid.measure.clock import find_offset
+from serpenoid.measure.consistency.blame import TIED, Contradiction, certain
+from serpenoid.measure.consistency.claim import Claim, logged, same_joints
+from serpenoid.measure.consistency.clock_steps import without_step
 from serpenoid.measure.consistency.hypotheses import (
     KINDS,
     SAME_TABLE,
     Fault,
+    in_one_film,
     in_other_unit,
     other_unit,
     rounded,
@@ -28,9 +31,9 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
-from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Match, course_of
+from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of
 from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
-from serpenoid.measure.consistency.signals import Signal, moving_s
+from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
@@ -38,19 +41,10 @@ MOST_ROWS = 100_000  # of a recording in a promised cycle: closer ones count in 
 MOST_CYCLES = 1000  # of a promise are laid over a recording
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
 SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` fills in what lies between
-WEAK = 0.2  # joints that all move by so much less or more than commanded are mentioned
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A trial's promise and its witnesses, each on its own clock; any witness may be missing."""
-
-    trial: str
-    label: str  # of its joint table
-    schedule: Schedule | None
-    cameras: Signal | None = None
-    servos: Signal | None = None
-    commands: Signal | None = None
+WEAK = 0.2  # joints of which most move by so much less or more than commanded are mentioned
+SCALED = 0.05  # commands of a log that differ so much from the table's are another's
+ALIKE = 0.1  # of a gain: those of one cause differ by less
+PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
 @dataclass(frozen=True)
@@ -107,38 +101,44 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     lost: list[Contradiction] = []
     remarks: list[tuple[str, str]] = []
     torn: tuple[Lost, ...] = ()
-    if claim.cameras is not None and claim.servos is not None and _same_joints(claim.cameras, claim.servos):
+    while (found := _step_of_the_log(claim, tables)) is not None:
+        claim, said = found
+        rivals += said
+    if claim.cameras is not None and claim.servos is not None and same_joints(claim.cameras, claim.servos):
         torn = lost_frames(claim.cameras, claim.servos)
     if claim.cameras is not None and torn:
         claim = replace(claim, cameras=Signal(set_on(claim.cameras.time_s, torn), claim.cameras.values))
-    for found in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
-        if found is not None:
-            rivals += found.rivals
-            lost += _unexplained(claim, found)
-            remarks += [*_weakness(claim, found.contract, found.witness), *found.doubts]
+    for one in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
+        if one is not None:
+            rivals += one.rivals
+            lost += _unexplained(claim, one)
+            remarks += [*_weakness(claim, one.contract, one.witness), *one.doubts]
     remarks += [(claim.trial, place.said) for place in torn]
     return Verdict(tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {})
 
 
-def _same_joints(cameras: Signal, servos: Signal) -> bool:
-    """Whether the two can be laid over each other."""
-    return cameras.enough and servos.enough and cameras.values.shape[1] == servos.values.shape[1]
+def _step_of_the_log(claim: Claim, tables: Mapping[str, Floats]) -> tuple[Claim, list[Rival]] | None:
+    """The trial with a step taken off its log's clock, and that rival beside the trial's others, unless one of these is
+    likelier by far."""
+    stepped = without_step(claim)
+    beside = None if stepped is None else _schedule_against_witness(claim, tables)
+    others = [] if beside is None else [r for r in beside.rivals if not r.everywhere and leads(r, r.lead)]
+    if stepped is None or any(r.lead + r.log_share > stepped[1].lead + stepped[1].log_share + TIED for r in others):
+        return None
+    return stepped[0], [stepped[1], *others]
 
 
 def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Compared | None:
     schedule = claim.schedule
-    seen = [
-        (claim.commands, "the servo log's commands", EXACT),
-        (claim.servos, "the servo log's positions", PHYSICAL),
-        (claim.cameras, "the recorded shapes", PHYSICAL),
-    ]
-    for signal, witness, prior in seen:
+    for signal, witness, prior in claim.witnesses:
         if schedule is not None and signal is not None and signal.enough:
             own = signal.period_s
             periods = _periods(signal, own, schedule)
             slower = schedule.period_s / min([schedule.period_s, *periods])
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
             faults = schedule_faults(shown, claim.label, tables, periods)
+            if signal is claim.cameras:
+                faults += in_one_film(course_of(shown), claim.label)
             return compared(claim.trial, signal, course_of(shown), own, faults, witness, prior)
     return None
 
@@ -157,19 +157,19 @@ def _periods(signal: Signal, own: float | None, schedule: Schedule) -> list[floa
 
 def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared | None:
     cameras, servos = claim.cameras, claim.servos
-    if cameras is None or servos is None or not _same_joints(cameras, servos):
+    if cameras is None or servos is None or not same_joints(cameras, servos):
         return None
     cameras = _covered(cameras, servos)
     own, promised = cameras.period_s, servos.period_s
-    course = _logged(servos, promised)
+    course = logged(servos, promised)
     joints = cameras.values.shape[1]
     logs = [(c.trial, c.servos) for c in claims if c.servos is not None and not _repeats(c, claim)]
     others = [(name, log) for name, log in logs if log.values.shape[1] == joints and log.enough]
     share = -float(np.log(KINDS * max(len(others), 1)))
-    faults = turned(course, "the servo log")
+    faults = [*turned(course, "the servo log"), *in_one_film(course, "the servo log")]
     for name, log in others:
         words = f"follow the servo log of trial `{name}`, not their own"
-        faults.append(Fault("log", words, "name that file in `servo_log`", _logged(log, promised), share))
+        faults.append(Fault("log", words, "name that file in `servo_log`", logged(log, promised), share))
     if own is not None and promised is not None and abs(np.log(own / promised)) > 0.05:
         words = f"last {rounded(own / promised)} times as long as in the servo log"
         cure = in_other_unit(own / promised) or "check the frame rate of the recording"
@@ -201,17 +201,6 @@ def _repeats(one: Claim, other: Claim) -> bool:
     return alike and bool(np.abs(a.table - b.table).max() < SAME_TABLE)
 
 
-def _logged(servos: Signal, period: float | None) -> Course:
-    """What a servo log says, held beyond its ends."""
-    time, values = servos.time_s[servos.known] - servos.time_s[servos.known][0], servos.values[servos.known]
-    total = float(time[-1])
-
-    def angles(at: Floats) -> Floats:
-        return held(time, values, at)
-
-    return Course(angles, total, period or total, told=False)
-
-
 def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:
     """A motion that neither the contract nor any rival explains."""
     witness = found.witness
@@ -227,7 +216,21 @@ def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:
 
 
 def _weakness(claim: Claim, contract: Match, witness: str) -> list[tuple[str, str]]:
-    gain = float(np.median(contract.gain))
-    if contract.explained < 0.5 or abs(gain - 1) < WEAK:
+    """Where joints move less or more than promised, which: of those that were promised to move. Servos may be weak;
+    commands are another table."""
+    course = contract.course
+    moved = np.ptp(course.angles(np.linspace(0.0, course.total_s, PROMISED)), axis=0)
+    told = np.flatnonzero(moved > AWAY * moved.max())
+    gains = contract.gain[told]
+    middle = round(float(np.median(gains)), 2)
+    exact = witness == "the servo log's commands"
+    if contract.explained < 0.5 or abs(middle - 1) < (SCALED if exact else WEAK) - 1e-9:
         return []
-    return [(claim.trial, f"{witness}: joints move {gain:.2f} times as far as promised, all alike (weak servos?)")]
+    which = np.abs(gains - middle) < np.abs(gains - 1)
+    least, most = gains[which].min(), gains[which].max()
+    size = f"{middle:.2f}" if most - least < ALIKE * middle else f"{least:.2f} to {most:.2f}"
+    who = "joints" if which.all() else ", ".join(f"`joint_{j + 1}`" for j in told[which])
+    alike = ", all alike" if which.all() and most - least < ALIKE * middle else ""
+    why = "another table, or this one scaled? Name in `joint_table` what was played" if exact else "weak servos?"
+    move = "are told to move" if exact else "move"
+    return [(claim.trial, f"{witness}: {who} {move} {size} times as far as promised{alike} ({why})")]

@@ -16,7 +16,8 @@ from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
-from serpenoid.measure.consistency.check import Claim, Verdict, check
+from serpenoid.measure.consistency.check import Verdict, check
+from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
@@ -75,6 +76,9 @@ def believe(
             remarks[files.entry.name].append(f"names put back as in most of the recording: {files.exchanged_back}")
         if files.zeros:
             remarks[files.entry.name].append(files.zeros)
+        if files.servo_log is not None and (count := files.servo_log.repeated):
+            words = f"{count} rows of the servo log are the row before them to the last character: each is read once"
+            remarks[files.entry.name].append(words)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):

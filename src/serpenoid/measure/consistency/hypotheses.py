@@ -7,6 +7,7 @@ schedule) and have them scored beside these.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -14,7 +15,16 @@ from functools import partial
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.match import Course, Match, course_of, explained_by, match_columns
+from serpenoid.measure.consistency.match import (
+    TICK,
+    Course,
+    Match,
+    Prior,
+    commanded_at,
+    course_of,
+    explained_by,
+    match_columns,
+)
 from serpenoid.measure.consistency.signals import Sampled
 from serpenoid.measure.schedule import Schedule
 
@@ -24,6 +34,7 @@ UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, only a unit or other times make so much
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
+IN_ONE_FILM = ", in one film"  # what of a kind that is wrong everywhere may be so in a single trial
 KINDS = 8  # of faults, alike in prior odds
 
 
@@ -105,6 +116,19 @@ def turned(course: Course, label: str) -> list[Fault]:
               cures=cures_of(columns) | {"markers": of_markers})
         for kind, words, columns, of_markers, change in made
     ]  # fmt: skip
+
+
+def in_one_film(course: Course, label: str) -> list[Fault]:
+    """The same of markers in one trial, whatever the others show."""
+    of_film = {
+        "signs": "is this film `mirrored`? Set `mirrored = true` in the trial",
+        "order": "do `markers` run from head to tail in this film, and is it `mirrored`? Set both in the trial",
+        "ends": "do `markers` run from head to tail in this film? Reverse them (or set `first_point`) in the trial",
+    }
+    return [
+        replace(fault, kind=fault.kind + IN_ONE_FILM, cure=of_film[fault.kind], everywhere=False, cures={})
+        for fault in turned(course, label)
+    ]
 
 
 def cures_of(columns: str) -> dict[str, str]:
@@ -195,11 +219,13 @@ def _same(one: Floats, other: Floats) -> bool:
     return one.shape == other.shape and bool(np.allclose(one, other, atol=SAME_TABLE))
 
 
-def wiring_faults(signal: Sampled, contract: Match) -> list[Wiring]:
-    """Every joint turned round, every pair exchanged, at the contract's own start."""
-    evidence, residual = match_columns(signal, contract)
+def wiring_faults(signal: Sampled, contract: Match, prior: Prior) -> list[Wiring]:
+    """Every joint turned round, every pair exchanged, at the contract's own start, but for those that change nothing:
+    joints that stand at zero, pairs that are told the same."""
+    evidence, residual = match_columns(signal, contract, prior)
     own, joints = contract.by_joint, len(contract.by_joint)
     kept = np.diagonal(residual[0])
+    told = commanded_at(signal, contract)
 
     def explained(changed: dict[int, float]) -> float:
         return explained_by(np.array([changed.get(j, kept[j]) for j in range(joints)]), signal)
@@ -209,18 +235,14 @@ def wiring_faults(signal: Sampled, contract: Match) -> list[Wiring]:
         Wiring(f"turn `joint_{j + 1}` the other way", f"flip the sign of `joint_{j + 1}`",
                cures_of(f"flip the sign of `joint_{j + 1}` in {{}}"), share, float(evidence[1, j, j] - own[j]),
                explained({j: residual[1, j, j]}))
-        for j in range(joints)
+        for j in range(joints) if np.abs(2 * told[:, j]).max() > TICK
     ]  # fmt: skip
     pairs = -np.log(KINDS * max(joints * (joints - 1) / 2, 1))
-    for i in range(joints):
-        for j in range(i):
+    for j, i in itertools.combinations(range(joints), 2):
+        if np.abs(told[:, i] - told[:, j]).max() > TICK:
             gain = float(evidence[0, i, j] + evidence[0, j, i] - own[i] - own[j])
-            words, cure = (
-                f"have `joint_{j + 1}` and `joint_{i + 1}` exchanged",
-                f"exchange `joint_{j + 1}` and `joint_{i + 1}`",
-            )
-            cures = cures_of(f"{cure} in {{}}")
-            found.append(
-                Wiring(words, cure, cures, pairs, gain, explained({i: residual[0, i, j], j: residual[0, j, i]}))
-            )
+            words = f"have `joint_{j + 1}` and `joint_{i + 1}` exchanged"
+            cure = f"exchange `joint_{j + 1}` and `joint_{i + 1}`"
+            now = explained({i: residual[0, i, j], j: residual[0, j, i]})
+            found.append(Wiring(words, cure, cures_of(f"{cure} in {{}}"), pairs, gain, now))
     return found

@@ -3,11 +3,11 @@
     measured_j(t) = gain_j commanded_j(t - start) + zero_j + discrepancy_j(t) + noise
     log evidence = max over start, gain, zero of  sum_j [ log t(residual_j) + log p(gain_j) + log p(zero_j) ]
 
-Gain (0 .. 1.5: a joint may be weak or stuck, never turn backwards) and zero are what physics may do to a joint; both
-have priors with a narrow part (a healthy servo) and a wide one (a damaged one), and all joints may be weak alike. The
-discrepancy's size is unknown: its Student t has one observation's worth of belief in a tenth of the joint's own motion,
-and as many degrees of freedom as that motion has, whatever the number of frames: amplitudes and phases of two
-harmonics. Repeated cycles repeat their discrepancy, so they do not count again.
+Gain (0 .. 1.5: a joint may be weak or stuck, never turn backwards; 1 of one that is told to stand still) and zero are
+what physics may do to a joint; both have priors with a narrow part (a healthy servo) and a wide one (a damaged one),
+and all joints may be weak alike. The discrepancy's size is unknown: its Student t has one observation's worth of belief
+in a tenth of the joint's own motion, and as many degrees of freedom as that motion has, whatever the number of frames:
+amplitudes and phases of two harmonics. Repeated cycles repeat their discrepancy, so they do not count again.
 
 Legend: n grid points, Q rates, K starts, m joints.
 """
@@ -32,6 +32,7 @@ HIGHEST_GAIN = 1.5
 COARSE = 0.1  # of a cycle that the ends of a signal may be off in a first look at a clock's rate
 FINER = 9  # rates on either side of the best in the second look: its ends are within a hundredth of a cycle
 AT_ONCE = 8_000  # numbers of a signal, once for each rate, that are laid together: more leave the cache of a core
+TICK = 2 * np.pi / 4096  # rad, of a servo: who is told to move by less is told to stand, and has no gain
 RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
 
 
@@ -124,7 +125,7 @@ def _at_rates(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> l
 def _laid(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[Match]:
     begin, starts, commanded = _commanded(signal, course, rates)
     cov, variance, mean = _sliding(signal, commanded)
-    gain = np.clip(cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
+    gain = _gains(cov, variance, np.asarray(np.ptp(commanded, axis=1).max(axis=0) < TICK))
     left = np.maximum(signal.spread - 2 * gain * cov + gain**2 * variance, 0.0)  # (Q, K, m)
     zero = signal.mean - gain * mean
     fits = log_student(left, signal, prior) + log_prior(zero, 0.0, prior.zero_sd, np.pi, prior.damage)
@@ -139,6 +140,11 @@ def _laid(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[
         laid = course.slowed(rate)
         found.append(Match(evidence, fits[q, k] + by_gain, start, gain[q, k], zero[q, k], explained, laid, rate))
     return found
+
+
+def _gains(cov: Floats, variance: Floats, still: NDArray[np.bool_]) -> Floats:
+    """The likeliest gains; 1 of joints (m,) that are told to stand still: nothing says that they are weak."""
+    return np.where(still, 1.0, np.clip(cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN))
 
 
 def explained_by(left: Floats, signal: Sampled) -> float:
@@ -199,24 +205,30 @@ def log_gains(gain: Floats, prior: Prior) -> Floats:
     return alone if alone.sum() >= together.sum() else together
 
 
-def match_columns(signal: Sampled, contract: Match) -> tuple[Floats, Floats]:
+def commanded_at(signal: Sampled, contract: Match) -> Floats:
+    """What the contract commands (n, m) on the signal's grid, where it was laid."""
+    at = signal.start_s - contract.start_s + signal.step_s * np.arange(len(signal.values))
+    return contract.course.angles(at.astype(np.float64))
+
+
+def match_columns(signal: Sampled, contract: Match, prior: Prior) -> tuple[Floats, Floats]:
     """Measured joint i under commanded joint j, laid as the contract is, gains about 1: log evidence and mean square
     residual [rad^2], each (2, m, m).
 
     [0, i, j]: joint j as it is; [1, i, j]: its sign flipped. Such a fault is not also a weak servo, so no damage.
     """
-    at = signal.start_s - contract.start_s + signal.step_s * np.arange(len(signal.values))
-    commanded = contract.course.angles(at.astype(np.float64))
-    count = signal.weight.sum()
+    commanded = commanded_at(signal, contract)
+    count, still = signal.weight.sum(), np.asarray(np.ptp(commanded, axis=0) < TICK)
     mean, own = (signal.weight @ commanded) / count, signal.mean
     there, here = (commanded - mean) * signal.weight[:, None], signal.values - own * signal.weight[:, None]
     cov, variance = here.T @ there / count, np.asarray((there**2).sum(axis=0) / count)
+    healthy = np.log(1 - DAMAGED) if prior.damage else 0.0
     found, residuals = [], []
     for sign in (1.0, -1.0):
-        gain = np.clip(sign * cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN)
+        gain = _gains(sign * cov, variance, still)
         left = np.maximum(signal.spread[:, None] - 2 * gain * sign * cov + gain**2 * variance, 0.0)
         zero = own[:, None] - sign * gain * mean
-        fit = log_student(left.T, signal, PHYSICAL).T + log_prior(zero, 0.0, PHYSICAL.zero_sd, np.pi)
-        found.append(fit + np.log(1 - DAMAGED) + log_prior(gain, 1.0, PHYSICAL.gain_sd, 1.0, damage=False))
+        fit = log_student(left.T, signal, prior).T + log_prior(zero, 0.0, prior.zero_sd, np.pi, prior.damage)
+        found.append(fit + healthy + log_prior(gain, 1.0, prior.gain_sd, 1.0, damage=False))
         residuals.append(left)
     return np.stack(found), np.stack(residuals)

@@ -64,17 +64,17 @@ def compared(
 ) -> Compared:
     """The contract and all rivals laid over one witness; rivals ahead of it, and it, as servos' laws play them, too."""
     pair = ("table" if course.told else "log", SOURCES[witness])
-    grid = _window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
+    grid = window(signal, min(course.period_s, own or np.inf), max(course.period_s, own or 0.0))
     contract = match(grid, course, prior)
     laid = [(fault, _laid(grid, fault, contract, prior)) for fault in faults]
-    plain = rivals = _rivals(trial, grid, contract, laid, witness, pair)
+    plain = rivals = _rivals(trial, grid, contract, laid, witness, pair, prior)
     if any(rival.lead + rival.log_share > 0 for rival in plain):
         from serpenoid.measure.consistency.servos import with_servos  # CasADi, long to import and seldom asked
 
         ahead = [found.evidence + fault.log_share > contract.evidence for fault, found in laid]
         contract = with_servos(grid, contract, prior)
         laid = [(f, with_servos(grid, m, prior) if first else m) for (f, m), first in zip(laid, ahead, strict=True)]
-        rivals = _rivals(trial, grid, contract, laid, witness, pair)
+        rivals = _rivals(trial, grid, contract, laid, witness, pair, prior)
     return Compared(contract, rivals, witness, _doubts(plain, rivals))
 
 
@@ -108,6 +108,7 @@ def _rivals(
     laid: Sequence[tuple[Fault, Match]],
     witness: str,
     pair: tuple[str, str],
+    prior: Prior,
 ) -> list[Rival]:
     """How far all are ahead of the contract, those with words."""
     rivals = []
@@ -119,7 +120,7 @@ def _rivals(
                       found.evidence - contract.evidence, fault.log_share, fault.everywhere, found.explained,
                       pair, fault.cures)
             )  # fmt: skip
-    for wiring in wiring_faults(grid, contract):
+    for wiring in wiring_faults(grid, contract, prior):
         rivals.append(
             Rival(trial, witness, "wiring", f"{witness} {wiring.words}", wiring.cure,
                   wiring.gain, wiring.log_share, True, wiring.explained, pair, wiring.cures)
@@ -127,7 +128,7 @@ def _rivals(
     return rivals
 
 
-def _window(signal: Signal, shortest: float, longest: float) -> Sampled:
+def window(signal: Signal, shortest: float, longest: float) -> Sampled:
     """On a grid fine enough for the shorter period, from a period before the motion begins and as long as needed."""
     whole = sample(signal, shortest / POINTS)
     if whole.span_s <= PERIODS * longest:

@@ -1,0 +1,64 @@
+"""What is promised to stand still speaks for no other wiring, and who is weak is said of those who are to move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from serpenoid.measure.consistency.check import check
+from serpenoid.measure.consistency.claim import Claim
+from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.schedule import Schedule
+
+TICK = 2 * np.pi / 4096
+
+
+def gait(moving: list[int], joints: int = 5) -> np.ndarray:
+    """Some joints of a wave move, the others stand at 0."""
+    phase = 2 * np.pi * np.arange(40)[:, None] / 40 + 1.1 * np.arange(joints)
+    rows = 0.5 * np.cos(phase) + 0.1 * np.cos(2 * phase)
+    return np.where(np.isin(np.arange(joints), moving), rows, 0.0)
+
+
+def witnesses(rows: np.ndarray, gains: np.ndarray, witness: str, read: np.ndarray | None = None) -> Claim:
+    """A trial of a table `rows`, of which `gains` are seen by a witness, or another table `read`."""
+    schedule = Schedule(rows, 3.0, 2, 0.5)
+    time = np.arange(-0.5, schedule.end_s + 0.5, 1 / 50)
+    seen = gains * Schedule(rows if read is None else read, 3.0, 2, 0.5).commanded(time)
+    noise = np.random.default_rng(1).normal(0, 0.002, seen.shape)
+    signals = {
+        "commands": Signal(time + 3, seen),
+        "servos": Signal(time + 3, TICK * np.round((seen + noise) / TICK)),
+        "cameras": Signal(time + 8, seen + noise),
+    }
+    return Claim("t", "gait", schedule, **{witness: signals[witness]})
+
+
+@pytest.mark.parametrize("witness", ["commands", "servos", "cameras"])
+@pytest.mark.parametrize("moving", [[0], [3], [0, 2, 4], [0, 1, 2, 4]])
+def test_joints_that_stand_still_contradict_nothing(witness, moving):
+    verdict = check([witnesses(gait(moving), np.ones(5), witness)], {"gait": gait(moving)})
+    assert verdict.contradictions == ()
+    assert verdict.remarks == ()
+
+
+@pytest.mark.parametrize("witness", ["commands", "servos", "cameras"])
+def test_a_joint_that_stands_still_and_was_exchanged_for_one_that_moves_is_found(witness):
+    rows, told = gait([0, 1, 2, 4]), gait([0, 1, 2, 4])[:, [0, 1, 2, 4, 3]]
+    found = check([witnesses(told, np.ones(5), witness, rows)], {"gait": told}).contradictions
+    assert ["`joint_4` and `joint_5` exchanged" in one.words for one in found] == [True]
+
+
+@pytest.mark.parametrize(
+    ("witness", "gains", "said"),
+    [
+        ("cameras", [0.7] * 5, "joints move 0.70 times as far as promised, all alike (weak servos?)"),
+        ("cameras", [0.7, 1, 0.7, 1, 0.7], "`joint_1`, `joint_3`, `joint_5` move 0.70 times as far as promised (weak"),
+        ("cameras", [0.5, 1, 0.7, 1, 0.6], "`joint_1`, `joint_3`, `joint_5` move 0.50 to 0.70 times as far"),
+        ("commands", [0.9] * 5, "joints are told to move 0.90 times as far as promised, all alike (another table"),
+    ],
+)
+def test_who_moves_less_than_promised_is_named_with_what_that_may_be(witness, gains, said):
+    moving = [0, 1, 2, 3, 4]
+    (remark,) = check([witnesses(gait(moving), np.array(gains), witness)], {"gait": gait(moving)}).remarks
+    assert said in remark[1]
