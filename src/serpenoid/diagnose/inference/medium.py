@@ -64,11 +64,15 @@ class Fit:
         return bool(self.chi2 - least < CONVERGED * max(1.0, 1e-5 * self.chi2))
 
     def away_from(self, model: Model) -> float:
-        """How many standard deviations its parameters are from those of a model; what that lacks is neutral there."""
+        """How many standard deviations its parameters are from those of a model; what that lacks is neutral there.
+
+        By curvature, and wider where more than chance is left.
+        """
         there = {e.key: e for e in model.effects}
         others = [there.get(e.key, ActiveEffect.neutral(e.name, e.place)) for e in self.effects]
         apart = self.coordinates - _coordinates(model, others)
-        return float(np.sqrt(apart @ self.evidence.matrix.sum(axis=0) @ apart))
+        spread = max(1.0, self.chi2 / float(self.evidence.count.sum()))
+        return float(np.sqrt(apart @ self.evidence.matrix.sum(axis=0) @ apart / spread))
 
     def shrinking(self, evidence: Evidence) -> Evidence:
         """Evidence about this fit, whose first columns are its own, for fits without a gait."""
