@@ -74,7 +74,7 @@ def long(path, time, both):
             lines += [f"{who},{t!r},{k},{x!r},{y!r}" for k, (x, y) in enumerate(points[f].tolist())]
     path.write_text("\n".join(lines) + "\n")
     columns = {"time": "t", "point": "id", "x": "x", "y": "y", "individual": "who"}
-    return lambda who: read_long(path, columns, "px", individual=who)
+    return lambda who: read_long(path, columns, "bl", individual=who)
 
 
 @pytest.mark.parametrize("write", [deeplabcut, sleap_csv, sleap_hdf5, tierpsy, wcon, long])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
+from serpenoid.measure.consistency.films import Films
 from serpenoid.measure.consistency.lengths import Shown, all_longer, one_longer, wrong_edge
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
@@ -183,3 +185,35 @@ def test_a_marker_whose_other_link_is_bent_all_the_time_or_long_is_no_wrong_edge
         found = Shown.of([points], told)
         assert one_longer(found) is not None  # the short link
         assert wrong_edge(found, told, NAMES, True) is None
+
+
+def films(scales: list[float], noise: float, beside: float = 0.001) -> Films:
+    """Of one robot with markers beside their places, each film with a scale of its own."""
+    rng = np.random.default_rng(11)
+    points = [film(np.random.default_rng(3), scale, 0.0, beside) for scale in scales]
+    seen = [one + rng.normal(scale=noise, size=one.shape) for one in points]
+    names = [f"p{k}" for k in range(len(EDGES) + 1)]
+    return Films(tuple(f"t{k}" for k in range(len(seen))), (Shown.of(seen, EDGES), EDGES, names, True), tuple(seen))
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.003])
+def test_films_of_another_scale_than_others_are_told_one_by_one(noise):
+    said = films([1.0, 1.03, 1.0, 1.03], noise, beside=0.0).said
+    assert list(said) == ["t1", "t3"]
+    shown = [float(re.findall(r"all links are ([0-9.]+) % longer in this film", words)[0]) for words in said.values()]
+    assert shown == pytest.approx([3.0, 3.0], abs=0.5)  # three standard errors of seven medians over 400 noisy frames
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.003])
+def test_films_of_one_scale_are_told_together_or_not_at_all(noise):
+    assert films([1.0] * 4, noise).said == {}
+    said = films([1.03] * 4, noise, beside=0.0).said
+    assert len(said) == 4
+    assert all("in the film than `edge_lengths`" in words for words in said.values())
+
+
+def test_scales_that_change_within_films_as_much_are_the_cameras():
+    """Perspective: links look longer the farther the robot has gone."""
+    made = films([1.0, 1.02, 0.98], 0.0002)
+    grown = tuple(points * np.linspace(0.98, 1.02, len(points))[:, None, None] for points in made.points)
+    assert all("perspective" in words for words in replace(made, points=grown).said.values())

@@ -12,10 +12,13 @@ import pytest
 
 from serpenoid.compare.records import trial_record
 from serpenoid.errors import InputError
+from serpenoid.files.writing import write_csv
 from serpenoid.measure import readers
 from serpenoid.measure.animal import beat, bends_run, edges_per_wave, leading, remarks
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.points import read_long
+from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
     read_array,
@@ -281,6 +284,23 @@ def test_pixels_with_a_scale_are_metres_and_a_length_takes_no_scale(tmp_path):
     assert trial.metres == pytest.approx(5 * 2e-5, rel=0.015)  # five chords of 1 px; arcs are longer
     with pytest.raises(InputError, match=r"`metres_per_pixel` is given, and these points are in a length already"):
         load_campaign(campaign(tmp_path, keys.replace("px", "mm")))
+
+
+@pytest.mark.parametrize("unit", ["px", "mm"])
+def test_pixels_count_downwards_in_every_format_and_lengths_upwards(tmp_path, unit):
+    points = np.arange(12.0).reshape(2, 3, 2)
+    np.savez(tmp_path / "a.npz", points=points, t_s=np.arange(2.0))
+    rows = [[t, *frame.ravel()] for t, frame in enumerate(points)]
+    write_csv(tmp_path / "t.csv", ["t_s", *(f"{axis}_{k}" for k in range(3) for axis in "xy")], rows)
+    each = [[t, k, *point] for t, frame in enumerate(points) for k, point in enumerate(frame)]
+    write_csv(tmp_path / "l.csv", ["t", "k", "u", "v"], each)
+    found = [
+        read_array(tmp_path / "a.npz", Timing(length_unit=unit)),
+        read_tidy(tmp_path / "t.csv", unit),
+        read_long(tmp_path / "l.csv", {"time": "t", "point": "k", "x": "u", "y": "v"}, unit),
+    ]
+    for tracks in found:
+        np.testing.assert_allclose(tracks.floor, points * ((1, -1) if unit == "px" else (1e-3, 1e-3)))
 
 
 def test_a_mirrored_film_bends_the_other_way(tmp_path):

@@ -28,7 +28,7 @@ from serpenoid.measure.cells import (
 from serpenoid.measure.columns import SECONDS, find_column
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.point_order import along_body
-from serpenoid.measure.tracks import METRES, Tracks, floor_plane
+from serpenoid.measure.tracks import METRES, Tracks, floor_plane, upright
 
 MOST_CELLS = 200_000_000
 C3D_TIMEOUT_S = 120
@@ -70,7 +70,7 @@ def read_long(
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
     floor = np.full((len(stamps), len(points), 2), np.nan)
-    floor[frame, slot] = data[:, 2:]
+    floor[frame, slot] = upright(data[:, 2:], length_unit)
     times = stamps * SECONDS[time_unit] if clock == "time" else stamps / float(frames_per_second or 1)
     if not called:
         return _tracks(times, [f"point_{k:g}" for k in points], floor, length_unit, path)

@@ -8,7 +8,7 @@ from pathlib import Path
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
 from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, shown
-from serpenoid.measure.tracks import METRES, Tracks
+from serpenoid.measure.tracks import METRES, Tracks, upright
 
 OWN_NAMES = (
     'Own names: `columns = { time = "Time (s)", x = "M*_x", y = "M*_y" }` in [motion], `*` where the numbers of the '
@@ -40,7 +40,8 @@ def read_tidy(
     times = increasing_times(data[:, 0], 1, places[0], path, called[0]) * unit
     floor = whole_points(data[:, 1:].reshape(len(data), -1, 2), 1, places[1::2], called[1::2], path)
     names = tuple(f"vertex_{k}" for k in range(floor.shape[1]))
-    return Tracks(times, names, floor * METRES[length_unit], str(path), (False,) * len(names), length_unit != "px")
+    floor = upright(floor, length_unit) * METRES[length_unit]
+    return Tracks(times, names, floor, str(path), (False,) * len(names), length_unit != "px")
 
 
 def _tidy_places(header: list[str], path: Path) -> list[int]:

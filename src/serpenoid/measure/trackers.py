@@ -20,9 +20,8 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.individuals import chosen
-from serpenoid.measure.tracks import METRES, End, Tracks
+from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, upright
 
-DOWN = np.array([1.0, -1.0])  # image rows count downwards
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
 
 
@@ -160,7 +159,8 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
         times = arrays.get("frame", np.arange(len(points), dtype=float)) / timing.frames_per_second
     else:
         raise InputError(f"{path}: has no `t_s`: give `frames_per_second` in [motion].")
-    return as_tracks(path, times, points, timing.length_unit or "m")
+    unit = timing.length_unit or "m"
+    return as_tracks(path, times, upright(points, unit), unit)
 
 
 def read_npz(path: Path) -> dict[str, Floats]:

@@ -15,7 +15,13 @@ Floats = NDArray[np.float64]
 End = Literal["tail", "head"]
 LengthUnit = Literal["m", "cm", "mm", "um", "px", "bl"]
 
+DOWN = np.array([1.0, -1.0])  # image rows count downwards
 METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "px": 1.0, "bl": 1.0}
+
+
+def upright(floor: Floats, unit: str) -> Floats:
+    """Points (..., 2) of a file that does not say which way its y axis points: of pixels down, else up."""
+    return floor * DOWN if unit == "px" else floor
 
 
 @dataclass(frozen=True)

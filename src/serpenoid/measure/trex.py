@@ -16,8 +16,8 @@ import numpy as np
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, read_rows
-from serpenoid.measure.trackers import DOWN, Timing, as_tracks, read_npz
-from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.trackers import Timing, as_tracks, read_npz
+from serpenoid.measure.tracks import DOWN, Tracks
 
 POSE = re.compile(r"poseX(\d+)$")
 NOT_POINTS = (

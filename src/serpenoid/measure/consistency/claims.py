@@ -14,16 +14,17 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Verdict, check
 from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.exchanged import exchanges, told
+from serpenoid.measure.consistency.fallen import fallen
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.lengths import beside_film, other_bodies
+from serpenoid.measure.consistency.lengths import other_bodies
 from serpenoid.measure.consistency.lost_frames import Lost, set_on
 from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
@@ -82,7 +83,7 @@ def believe(
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
-        for trial in films.trials if (words := beside_film(*films.shown)) else ():
+        for trial, words in films.said.items():
             remarks[trial].append(words)
     for one in verdict.contradictions:
         remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
@@ -134,7 +135,7 @@ def _likeliest(file: CampaignFile, body: Body, files: Files, lost: Contradiction
 
 def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradiction], Claim | None]:
     """What is wrong with a trial's markers; else what it claims, its witnesses' periods known."""
-    faults = _exchanged(body, files) or _markers(file, body, files)
+    faults = _exchanged(body, files) or _fallen(body, files) or _markers(file, body, files)
     if faults:
         return faults, None
     claim = _claim(body, files)
@@ -158,6 +159,20 @@ def _exchanged(body: Body, files: Files, odds: float = ODDS) -> list[Contradicti
         "file, or leave that part out by `from_s` and `to_s`"
     )
     return [Contradiction(files.entry.name, "markers", words, cure, max(one.gain for one in found))]
+
+
+def _fallen(body: Body, files: Files) -> list[Contradiction]:
+    """A marker that lies on the floor from some moment on."""
+    if files.tracks is None or files.labelled is None or body.is_animal:
+        return []
+    shown = ever_seen(files.labelled.vertices).tolist()
+    names, time = files.names(body), files.tracks.time_s
+    cure = "did it fall off? Leave its cells empty from there on, or end the trial there: `to_s = {}`"
+    return [
+        Contradiction(files.entry.name, "fallen", f"its marker {one.words(names[shown[one.marker]], time)}",
+                      cure.format(clock(time[one.frame])), np.inf)
+        for one in fallen(files.labelled.vertices[:, shown])[:1]
+    ]  # fmt: skip
 
 
 def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -> list[Contradiction]:

@@ -1,24 +1,91 @@
-"""What all films of a campaign show of the lengths that it states."""
+"""What all films of a campaign show of the lengths that it states, together, or one by one where their scales differ.
+
+    r_ie = log(shown / said) of edge e in film i = scale_i + edge_e + rest_ie
+
+Scales differ where F = var(scale) / var(rest) is no chance, and they are `APART`. Legend: n films, E edges.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from scipy.special import fdtrc
+
 from serpenoid.body import Body
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
-from serpenoid.measure.consistency.lengths import Shown, wrong_edge
+from serpenoid.measure.consistency.lengths import PARTS, Shown, beside_film, wrong_edge
+from serpenoid.measure.consistency.rivals import CERTAIN
 from serpenoid.measure.trial_files import Files, ever_seen, stated_between
+
+APART = 0.005  # of a length: a lens and where on its floor a body is make less of a whole film
+WITHIN = 0.25  # of how much films differ: what differs as much within them is no camera that was moved, nor is less
 
 
 @dataclass(frozen=True)
 class Films:
-    """Trials whose films have a scale, and what they show of stated lengths: see `beside_film`."""
+    """Trials whose films have a scale, what they show together of stated lengths (see `beside_film`), and the points
+    (F, N, 2) of each."""
 
     trials: tuple[str, ...]
     shown: tuple[Shown, Floats, list[str], bool]
+    points: tuple[Floats, ...]
+
+    @property
+    def said(self) -> dict[str, str]:
+        """What is said of every trial by name: the same of all, or of each whose film has another scale."""
+        longer = self._longer(self.points)
+        if not _differ(longer):
+            words = beside_film(*self.shown)
+            return dict.fromkeys(self.trials, words) if words else {}
+        scales = longer.mean(axis=1)
+        within = [np.ptp(self._longer(np.array_split(one, PARTS)).mean(axis=1)) for one in self.points]
+        little = WITHIN * np.ptp(scales)
+        if np.median(within) > little:
+            return dict.fromkeys(self.trials, _by_place(scales))
+        return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
+
+    def _longer(self, recordings: Sequence[Floats]) -> Floats:
+        """r of the edges (n, E) that all of n recordings show."""
+        each = [Shown.of([points], self.shown[1]) for points in recordings]
+        known = np.all([one.known for one in each], axis=0)
+        return np.array([one.longer[known[one.known]] for one in each])
+
+
+def _differ(longer: Floats) -> bool:
+    """Whether films differ in scale by r (n, E): beyond chance, and by enough."""
+    count, edges = longer.shape
+    if count < 2 or edges < 2:
+        return False
+    scale = longer.mean(axis=1)
+    rest = longer - scale[:, None] - longer.mean(axis=0) + longer.mean()
+    left = max(float((rest**2).sum()) / (edges - 1), np.finfo(float).tiny)
+    chance = fdtrc(count - 1, (count - 1) * (edges - 1), edges * (count - 1) * float(scale.var(ddof=1)) / left)
+    return bool(chance < 1 - CERTAIN and np.ptp(scale) > APART)
+
+
+def _another(scale: float, scales: Floats) -> str:
+    """Of a film whose log scale is another than that of others."""
+    own, apart = 100 * abs(np.expm1(scale)), 100 * np.expm1(np.ptp(scales))
+    return (
+        f"all links are {own:.2g} % {'longer' if scale > 0 else 'shorter'} in this film than `edge_lengths`, and films "
+        f"of this campaign differ by {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
+        "as chance of repeats, and hides what is smaller. Give the positions of this film times "
+        f"{np.exp(-scale):.4g} (of pixels: so many times its `metres_per_pixel`)"
+    )
+
+
+def _by_place(scales: Floats) -> str:
+    """Of films within which it changes as much."""
+    least, most = 100 * np.expm1(scales.min()), 100 * np.expm1(scales.max())
+    return (
+        f"films show all links {least:+.2g} to {most:+.2g} % longer than `edge_lengths`, and as different within a "
+        "film: perspective, or a lens that distorts? Left so it counts as marker noise and moves what is fitted. "
+        "Calibrate the camera over the whole floor"
+    )
 
 
 def films_of(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | None:
@@ -35,7 +102,8 @@ def films_of(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | N
     stated = stated_between(shown, body.edges_m, body)
     names, seen = next(iter(films.values())).names(body), [points[:, shown] for points in marked.values()]
     labels = [names[k] for k in shown]
-    return Films(tuple(marked), (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices))
+    together = (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices)
+    return Films(tuple(marked), together, tuple(seen))
 
 
 def wrong_edges(films: Films | None) -> list[Contradiction]:
