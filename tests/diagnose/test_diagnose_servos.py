@@ -30,7 +30,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.witness import of_servos
+from serpenoid.diagnose.stages.witness import of_servos, unlike_told
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import chain_vertices
 from serpenoid.medium import Medium
@@ -271,6 +271,40 @@ def test_a_servo_that_is_dead_in_one_of_two_repeats_is_no_stuck_joint(recordings
     stage = choose_actuation(data)
     assert not stage.named
     assert not stage.settled
+
+
+@pytest.mark.parametrize("said", [True, False])
+def test_a_trial_in_which_servos_are_weak_is_seen_beside_its_repeat_and_named(
+    recordings: tuple[Recording, ...], said: bool
+) -> None:
+    def known(r: Recording) -> Recording:
+        return r if said else replace(r, t0_spread=UNSURE_CYCLE * r.schedule.cycle_duration_s, told=None, commands=None)
+
+    weak, *others = map(known, recordings)
+    stage = choose_actuation(plays([replace(weak, position=0.75 * weak.position), *others]))
+    assert not stage.named
+    assert f"all joints stray in `{weak.name}` alone, 0.75 times as far as told" in stage.words
+
+
+def test_servos_that_tire_from_trial_to_trial_are_told(recordings: tuple[Recording, ...]) -> None:
+    tired = [replace(r, position=(1 - 0.05 * (n + 1)) * r.position) for n, r in enumerate(recordings)]
+    words = choose_actuation(plays(tired)).words
+    first, last = tired[0].name, tired[-1].name
+    said = f"moves less from trial to trial: 0.95 times as far as told in `{first}`, 0.80 times in `{last}`"
+    assert any(w.endswith(said) for w in words)
+
+
+def test_a_joint_that_lags_makes_no_other_one_unlike_what_it_is_told(recordings: tuple[Recording, ...]) -> None:
+    def lags(r: Recording) -> Recording:
+        position = r.position.copy()
+        position[:, 3] = np.interp(r.read_at - 0.08, r.read_at, r.position[:, 3])
+        return replace(r, position=position)
+
+    data = plays([lags(r) for r in recordings])
+    lag = next(n.effect for n in choose_actuation(data).named)
+    assert data.missed(data.realised([]))[:3].min() > 1  # with one clock for all the others seem to be early
+    for found in ([lag], []):  # whether or not its law is known
+        assert unlike_told(data, found, []).nonzero()[0].tolist() == [3]
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
 from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
 from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.stages.strays import trials_astray
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
@@ -70,7 +71,7 @@ def choose_actuation(data: Plays) -> Stage:
     words: tuple[str, ...] = ()
     if squares[worst] > VISIBLE**2:
         words = (f"joint {worst + 1} follows its command no better than {left:.1f} times the reading's noise",)
-        words += refused
+        words += (*trials_astray(data, best.angles, worst), *refused)
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)

@@ -90,10 +90,13 @@ class Plays:
     def _schedules(self) -> list[Schedule]:
         return [r.schedule for r in self.recordings]
 
-    def left(self, played: Floats) -> Floats:
-        """Readings minus what is played (R, m), each trial's clock moved as far as that is worth it; 0 unread."""
+    def left(self, played: Floats, by: NDArray[np.bool_] | bool = True) -> Floats:
+        """Readings minus what is played (R, m), each trial's clock moved as far as that is worth it; 0 unread.
+
+        by (m,): the joints whose readings move it.
+        """
         found, speed = self._missed(played), self.speed(played)
-        moves = self._moves(found, speed)
+        moves = self._moves(found, speed * by)
         for mine, time, (shift, rate) in zip(self._rows, self.times, moves, strict=True):
             found[mine] -= (shift + rate * time)[:, None] * speed[mine]
         return found
@@ -118,9 +121,9 @@ class Plays:
         ends = np.cumsum([len(t) for t in self.times])
         return [slice(end - len(t), end) for end, t in zip(ends, self.times, strict=True)]
 
-    def chi2(self, played: Floats) -> Floats:
-        """Of each joint (m,)."""
-        return self.sizes(self.left(played))
+    def chi2(self, played: Floats, by: NDArray[np.bool_] | bool = True) -> Floats:
+        """Of each joint (m,); by: see `left`."""
+        return self.sizes(self.left(played, by))
 
     def sizes(self, left: Floats) -> Floats:
         """Chi squared (m,) of what is left (R, m)."""
@@ -183,9 +186,9 @@ class Plays:
         """The robot with the known effects and these."""
         return Model(self.recordings[0].body, Medium(anisotropy_ratio=0.2), joined(self.known, effects))
 
-    def channels(self, played: Floats) -> Floats:
-        """RMS of what is left in units of noise, of each joint (m,)."""
-        return np.asarray(np.sqrt(self.chi2(played) / self.often))
+    def channels(self, played: Floats, by: NDArray[np.bool_] | bool = True) -> Floats:
+        """RMS of what is left in units of noise, of each joint (m,); by: see `left`."""
+        return np.asarray(np.sqrt(self.chi2(played, by) / self.often))
 
     def structure(self, played: Floats) -> Floats:
         """Mean square (m,) of what is left, over what it is held against; 0 where chance alone makes as much."""
@@ -218,9 +221,9 @@ class Plays:
         share = (seen * np.where(self.read, self.readings, 0.0)).sum(axis=0) / np.maximum((seen**2).sum(axis=0), 1e-12)
         return np.asarray(share * moved)
 
-    def missed(self, played: Floats) -> Floats:
-        """Mean square (m,) of what is left beyond noise, in units of the level's."""
-        return np.asarray((self.channels(played) ** 2 - 1) * (self.noise / self.level) ** 2)
+    def missed(self, played: Floats, by: NDArray[np.bool_] | bool = True) -> Floats:
+        """Mean square (m,) of what is left beyond noise, in units of the level's; by: see `left`."""
+        return np.asarray((self.channels(played, by) ** 2 - 1) * (self.noise / self.level) ** 2)
 
     def measured(self, played: Floats) -> Plays:
         """The same with the noise that readings have about what is played, if it is less."""

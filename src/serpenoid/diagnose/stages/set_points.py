@@ -48,15 +48,25 @@ def _telling(recordings: Sequence[Recording]) -> list[Recording]:
 
 
 def _strays(r: Recording) -> tuple[Floats, Floats]:
-    """Mean square (m,) of what a trial's readings miss the command by, and how much of it may be its start's."""
+    """Mean square (m,) of what a trial's readings miss the command by, and how much of it may be its start's. Where
+    nothing says when the trial began, it begins where readings meet the command best, and no more is open."""
     time = r.read_at
     inside = (time > 0) & (time < r.promised_s)
-    told, read = r.schedule.commanded(time[inside]), r.position[inside]
-    late = r.schedule.commanded(time[inside] - unsure_start(r)) - told
+    at, read, near = time[inside], r.position[inside], unsure_start(r)
+    if r.start_said:
+        told, late = r.schedule.commanded(at), r.schedule.commanded(at - near)
+    else:
+        told = late = r.schedule.commanded(at - _course(r).late(at, read, near))
     known = np.isfinite(read)
     often = known.sum(axis=0)
-    strays, unsure = (np.where(known, x**2, 0.0).sum(axis=0) / np.maximum(often, 1) for x in (read - told, late))
+    strays, unsure = (np.where(known, x**2, 0.0).sum(axis=0) / np.maximum(often, 1) for x in (read - told, late - told))
     return strays, np.where(often > 0, unsure + TICK**2, np.inf)
+
+
+def _course(r: Recording) -> Course:
+    """What a trial's table commands."""
+    time = np.unique(corners(r.schedule))
+    return Course(time, r.schedule.commanded(time))
 
 
 def _plays(recordings: Sequence[Recording], told: bool) -> Plays:

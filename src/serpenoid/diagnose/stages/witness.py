@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
@@ -65,7 +66,7 @@ def wrong_log(
     """The joint whose readings markers contradict most, of those that do not read as they are told; but for joints
     (1 .. m) that are mended already."""
     effects, shared = _effects(found), _effects(found, of_one=False)
-    astray = servos.missed(servos.realised(shared)) > VISIBLE**2
+    astray = unlike_told(servos, effects, shared)
     astray[[joint - 1 for joint in mended]] = False
     if not astray.any() or not all(r.by_servos for r in recordings):
         return None
@@ -90,6 +91,20 @@ def mended(recordings: Sequence[Recording], servos: Plays, found: Stage, wrong: 
 
     pairs = zip(recordings, expected(recordings, servos, _effects(found, of_one=False)), strict=True)
     return tuple(as_told(r, course) for r, course in pairs)
+
+
+def unlike_told(servos: Plays, effects: Sequence[ActiveEffect], shared: Sequence[ActiveEffect]) -> NDArray[np.bool_]:
+    """Which joints (m,) do not read as they are told with the effects that all `shared`, beside what was found of the
+    others: a trial begins when the others say that do as is found, not where one that is late makes it seem to."""
+    every, told = servos.realised(effects), servos.realised(shared)
+    alone = np.eye(every.shape[1], dtype=bool)
+    follows = np.array([servos.missed(every, own)[own].item() for own in alone]) < VISIBLE**2
+
+    def missed(own: NDArray[np.bool_]) -> float:
+        others = follows & ~own
+        return float(servos.missed(np.where(own, told, every), others if others.any() else own)[own].item())
+
+    return np.array([missed(own) for own in alone]) > VISIBLE**2
 
 
 def _effects(found: Stage, of_one: bool = True) -> list[ActiveEffect]:

@@ -1,0 +1,77 @@
+"""In which trials a joint strays from what is found of it: a law would act in all of them.
+
+Legend: R log rows of all trials, T trials, m joints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import structure
+from serpenoid.diagnose.inference.finding import VISIBLE
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.stages.plays import Plays
+
+
+def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
+    """What is said of the trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others,
+    or does by less and less."""
+    left = data.left(played)
+    astray = _visible(data, left) > VISIBLE**2
+    mine = astray[:, joint]
+    if mine.all():
+        return _trend(data, played, left, joint)
+    if not mine.any():
+        return ()
+    alike = [j for j in range(astray.shape[1]) if (astray[:, j] == mine).all()]
+    who = f"joint{'s' if len(alike) > 1 else ''} {_listed([str(j + 1) for j in alike])}"
+    who = "all joints" if len(alike) == astray.shape[1] > 1 else who
+    one = len(alike) == 1
+    if mine.sum() > len(mine) / 2:
+        return (f"{who} {'follows its command' if one else 'follow their commands'} in {_named(data, ~mine)} alone",)
+    far = float(_gains(played, left, mine[data.trials])[alike].mean())
+    return (f"{who} {'strays' if one else 'stray'} in {_named(data, mine)} alone, {far:.2f} times as far as told",)
+
+
+def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> tuple[str, ...]:
+    """Where a straight line over the trials' order is nearly all that its gains differ by."""
+    gains = np.array([_gains(played, left, data.trials == t)[joint] for t in range(len(data.recordings))])
+    order = np.arange(len(gains)) - (len(gains) - 1) / 2
+    if len(gains) < 4:  # three points lie nearly on a line by chance
+        return ()
+    about = gains - gains.mean()
+    slope = float(order @ about / (order @ order))
+    if ((about - slope * order) ** 2).sum() > LAW_ERROR**2 * (about**2).sum():
+        return ()
+    first, last = data.recordings[0].name, data.recordings[-1].name
+    more = "more" if slope > 0 else "less"
+    return (f"joint {joint + 1} moves {more} from trial to trial: {gains[0]:.2f} times as far as told in `{first}`, "
+            f"{gains[-1]:.2f} times in `{last}`",)  # fmt: skip
+
+
+def _visible(data: Plays, left: Floats) -> Floats:
+    """Mean square (T, m) of what is left (R, m), trial by trial, as `Plays.structure`."""
+    units = np.where(data.read, left / data.noise, np.nan)
+    parts = [units[data.trials == t] for t in range(len(data.recordings))]
+    squares = [structure(part, np.ones(max(len(part) - 1, 0), dtype=bool)) for part in parts]
+    return np.array(squares) * (data.noise / data.held_against) ** 2
+
+
+def _gains(played: Floats, left: Floats, rows: np.ndarray) -> Floats:
+    """How far each joint (m,) goes about its middle over how far it is told, in these rows (R,)."""
+    swing, missed = (x[rows] - x[rows].mean(axis=0) for x in (played, left))
+    return np.asarray(1 + (swing * missed).sum(axis=0) / np.maximum((swing**2).sum(axis=0), 1e-12))
+
+
+def _named(data: Plays, chosen: np.ndarray) -> str:
+    """Trials (T,) by name; all of a gait by its name. A repeat that tells no more is not among the data."""
+    gaits = [r.gait for r in data.recordings]
+    others = {gait for gait, c in zip(gaits, chosen, strict=True) if not c}
+    trials = zip(data.recordings, gaits, chosen, strict=True)
+    return _listed([f"`{r.name if gait in others else gait}`" for r, gait, c in trials if c])
+
+
+def _listed(words: list[str]) -> str:
+    different = list(dict.fromkeys(words))
+    return " and ".join([", ".join(different[:-1])] * (len(different) > 1) + different[-1:])
