@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.inference import law_doubt
-from serpenoid.diagnose.inference.law_doubt import with_errors_of_gaits
+from serpenoid.diagnose.inference.finding import Named
+from serpenoid.diagnose.inference.law_doubt import Doubted, with_errors_of_gaits, yielding
+from serpenoid.effects.active import ActiveEffect
 
 GAITS, WINDOWS, NORMAL = 6, 60, 1.96
 TRUTH = np.array([0.2, 0.1])  # eps, an effect
@@ -93,3 +95,24 @@ def test_an_explanation_counts_by_how_likely_it_makes_what_is_measured(monkeypat
     assert (alone.value, alone.deviation) == (2.0, pytest.approx(0.1))
     assert alike.deviation == pytest.approx(0.1)
     assert both.value == pytest.approx((2.0 + 50.0 / 729) / (1 + 1 / 729))
+
+
+def test_how_far_a_body_gives_way_on_the_floors_own_law_is_a_factor_of_a_change() -> None:
+    """On drag that grows with the square of speed a body gives way half as far as on its secant."""
+    load = Named(ActiveEffect.of("load", 6, share=0.09), {"share": (0.07, 0.13)}, 1.2)
+    wide = yielding(load, 0.3, {("load", 6, 0): Doubted(0.1, 0.01)})
+    assert wide.intervals["share"] == pytest.approx((0.1 * np.exp(-0.588), 0.1 * np.exp(0.588)))
+    assert yielding(load, 0.0, {("load", 6, 0): Doubted(0.1, 0.01)}) == load
+    assert yielding(load, 0.3, {}) == load  # where the law is not known to be wrong
+
+
+def test_the_factor_is_of_what_is_away_from_the_value_that_changes_nothing() -> None:
+    drag = Named(ActiveEffect.of("power_law_drag", exponent=1.2), {"exponent": (1.19, 1.21)}, 3.0)
+    wide = yielding(drag, 0.5, {("power_law_drag", None, 0): Doubted(1.2, 0.005)})
+    assert wide.intervals["exponent"] == pytest.approx((1 + 0.2 * np.exp(-0.98), 1 + 0.2 * np.exp(0.98)))
+
+
+def test_a_factor_keeps_to_bounds() -> None:
+    worn = Named(ActiveEffect.of("worn_wheel", 2, seizure=0.8), {"seizure": (0.7, 0.9)}, 3.0)
+    wide = yielding(worn, 0.5, {("worn_wheel", 2, 0): Doubted(0.8, 0.05)})
+    assert wide.intervals["seizure"][1] == 1.0

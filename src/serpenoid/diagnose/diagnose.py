@@ -225,6 +225,10 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "before": found.null.model.medium.anisotropy_ratio, "after": found.settled.model.medium.anisotropy_ratio,
             "interval": list(_ratio_interval(d)), "at_bound": ratio_at_bound(found.settled.model),
         },
+        "baseline": {
+            "effects": [{"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.baseline.known],
+            "anisotropy_ratio": d.baseline.model.medium.anisotropy_ratio,
+        },
         "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},

@@ -60,6 +60,12 @@ def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> li
     return [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
 
 
+def size_done(motion: Motion, found: Fit) -> float:
+    """RMS [m] of what a fit's effects do to a window's displacement."""
+    moved = np.concatenate([m[t.usable] for t, m in zip(motion.tracks, done(motion, found), strict=True)])
+    return float(np.sqrt(np.nanmean(moved[:, :2] ** 2, axis=0).sum()))
+
+
 def least_deviance(mean: Floats, effect: Floats) -> float:
     """The same of means (K,) and what effects do there (K,), in units of chance and doubt."""
 

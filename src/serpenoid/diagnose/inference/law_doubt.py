@@ -23,15 +23,17 @@ Legend: G gaits, P coordinates (eps first), K explanations.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.evidence import SILENT
+from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.diagnose.inference.medium import Fit, linearised, predicted_bare
 
 STARTS = ((-12.0, -12.0), (-12.0, -3.0), (-3.0, -12.0), (-3.0, -3.0))  # ln s^2, ln t^2: small or not
@@ -71,6 +73,24 @@ def _together(several: Sequence[tuple[Doubted, float]]) -> Doubted:
     mean = float(np.average(values, weights=weights))
     between = float(np.average((values - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
     return Doubted(mean, float(np.sqrt(np.average(variances, weights=weights) + between)))
+
+
+def yielding(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:
+    """A change with intervals that hold how far the body may give way to what it does on the floor's own law.
+
+    share: what repeats share beyond what all changes do, over that.
+    """
+    effect, ends = named.effect, dict(named.intervals)
+    for i, p in enumerate(effect.effect.parameters):
+        known = doubt.get((effect.name, effect.place, i))
+        if known is None or p.neutral is None:
+            continue
+        away = known.value - p.resting
+        factors = np.exp(NORMAL * share * np.array([-1.0, 1.0]))
+        wide = [float(np.clip(p.value(p.resting + away * x), p.lower, p.upper)) for x in factors]
+        every = [*(np.inf if end is None else end for end in ends.get(p.name, ())), *wide]
+        ends[p.name] = interval([min(every), max(every)])
+    return replace(named, intervals=ends)
 
 
 def of_gaits(motion: Motion, fit: Fit, hold: bool = True) -> tuple[Floats, Floats]:

@@ -91,9 +91,22 @@ def reference(record: Record) -> list[str]:
     name = earlier["campaign"]
     found = "; ".join(f"{title(e)}{STAND_IN if e['stand_in'] else ''}" for e in earlier["effects"])
     said = [f"the earlier campaign ({name}) was {earlier['verdict']}" + (f": {found}" if found else "")]
+    said += _otherwise(record)
     said += [f"of it: {text}" for text in rival_law(earlier)]
     said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
     return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
+
+
+def _otherwise(record: Record) -> list[str]:
+    """Where the change is told beside another explanation of the reference than its own answer."""
+    taken = record.get("baseline")  # none in older answers
+    if taken is None or taken["anisotropy_ratio"] == record["reference"]["anisotropy_ratio"]["after"]:
+        return []
+    law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
+    return [
+        f"what has changed is told beside another explanation of it, with which both are likelier: {law}, and an "
+        f"anisotropy ratio of {taken['anisotropy_ratio']:.4g}"
+    ]
 
 
 def _key(effect: Record) -> tuple[str, int | None]:
@@ -110,7 +123,8 @@ def _there_already(effect: Record) -> str:
 def ratio(record: Record) -> str:
     """eps: of the reference, with nothing named, with what is named. A calibration is no diagnosis, but may be news."""
     eps, earlier = record["anisotropy_ratio"], record["reference"]
-    said = [f"{earlier['anisotropy_ratio']['after']:.4g} in the reference"] if earlier else []
+    taken = record.get("baseline", {}).get("anisotropy_ratio")  # of the explanation that the change is told beside
+    said = [f"{taken or earlier['anisotropy_ratio']['after']:.4g} in the reference"] if earlier else []
     said.append(f"{eps['before']:.4g} with nothing named")
     if record["effects"] or eps["after"] != eps["before"]:
         said.append(f"{eps['after']:.4g} with what is {'named' if record['effects'] else 'below detection'}")

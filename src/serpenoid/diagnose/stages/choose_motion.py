@@ -20,11 +20,13 @@ from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_o
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
-from serpenoid.diagnose.inference.explanations import another, likely
+from serpenoid.diagnose.inference.discrepancy import size_done
+from serpenoid.diagnose.inference.explanations import acts, another, likely
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
-from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted
+from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
@@ -179,10 +181,21 @@ def finding(
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
     if wrong:
         named = with_stand_ins(found, named)
+    if wrong and motion.ratio is not None:
+        share = missed_m / size_done(motion, found.settled)
+        named = [of_a_law(n, share, doubt) for n in named]
     after = strayed(found, jumps is not None and jumps in named)
     rivals = tuple(s.rival for s in swaps)
     stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def of_a_law(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:
+    """A change beside a reference, where what repeats shares is left of what all changes do: it is another law's from
+    LAW_ERROR on, as on the stages above; what acts by the floor's law may do more or less there for as much."""
+    if share > LAW_ERROR and named.effect.effect.moves:
+        named = replace(named, stand_in=True)
+    return yielding(named, share, doubt) if acts(named.effect) else named
 
 
 def strayed(found: Selection, mend: bool) -> float:

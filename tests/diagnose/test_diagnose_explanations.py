@@ -1,0 +1,83 @@
+"""A change and what explains its reference, together: which of several explanations a name is found beside."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from serpenoid.body import Body
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.inference import explanations
+from serpenoid.diagnose.inference.discrepancy import least_deviance
+from serpenoid.diagnose.inference.explanations import Likely, acts, another
+from serpenoid.diagnose.inference.names import Try
+from serpenoid.diagnose.reference import Explanation, Reference
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+
+DRIFT, SLOPE = ActiveEffect.typical("frame_drift"), ActiveEffect.typical("slope")
+
+
+def test_what_a_frame_leaves_is_no_error_of_a_floors_law() -> None:
+    """As much is left beside either, in proportion to what each does: of a push that a law may get wrong by so much, of
+    a frame it is another cause."""
+    rng = np.random.default_rng(5)
+    done = 20.0 * rng.normal(size=500)
+    left = 0.3 * done * rng.normal(size=500) + rng.normal(size=500)
+    pushed, seen = least_deviance(left, done), least_deviance(left, np.zeros(500))
+    assert seen - pushed > 100
+    assert acts(SLOPE)
+    assert not acts(DRIFT)
+
+
+def test_as_likely_as_what_it_leaves_and_what_its_explanation_left() -> None:
+    assert Likely(0.4, 2.0).over(Likely(1.0, 3.0)) == pytest.approx(0.4 * np.e)
+    assert Likely(1.0, 3.0).over(Likely(0.4, 2.0)) == pytest.approx(2.5 / np.e)
+    assert np.isfinite(Likely(1.0, 0.0).over(Likely(1.0, 1e6)))
+
+
+@pytest.fixture
+def beside(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Which explanation is taken, of how likely (effect, what it leaves) are beside each; the first is the baseline."""
+
+    def taken(*several: tuple[float, list[tuple[ActiveEffect, float]]]) -> int | None:
+        tries = [[Try(SimpleNamespace(left=left), e) for e, left in found] for _, found in several]  # type: ignore[arg-type]
+        monkeypatch.setattr(explanations, "singles", lambda _, model: tries[model])
+        monkeypatch.setattr(explanations, "likely", lambda _, fit, weight: Likely(weight, fit.left))
+        found: Any = SimpleNamespace(best=SimpleNamespace(effects=(DRIFT,)))
+        return another(found, [(None, i, weight) for i, (weight, _) in enumerate(several)])  # type: ignore[misc]
+
+    return taken
+
+
+def test_a_name_that_is_likelier_beside_another_explanation_takes_it(beside: Any) -> None:
+    rolls, plain = [(DRIFT, 3.0), (SLOPE, 9.0)], [(DRIFT, 3.0), (SLOPE, 1.0)]
+    assert beside((1.0, rolls), (0.4, plain)) == 1
+
+
+def test_an_explanation_that_left_much_of_the_reference_counts_for_less(beside: Any) -> None:
+    assert beside((1.0, [(DRIFT, 3.0)]), (0.1, [(SLOPE, 1.0)])) is None  # 0.1 e^2 < 1
+
+
+def test_the_same_name_beside_another_explanation_changes_nothing(beside: Any) -> None:
+    assert beside((1.0, [(DRIFT, 3.0)]), (0.9, [(DRIFT, 1.0)])) is None
+
+
+def test_what_the_search_has_refused_beside_its_own_explanation_is_not_tried_again(beside: Any) -> None:
+    assert beside((1.0, [(DRIFT, 3.0), (SLOPE, 2.0)]), (0.4, [(DRIFT, 3.0)])) is None
+
+
+def test_a_reference_beside_another_explanation_has_it_first() -> None:
+    body, unknown = Body(vertices=4), np.ones(3)
+    models = [Model(body, Medium(anisotropy_ratio=eps)) for eps in (0.1, 0.2, 0.3)]
+    explained = tuple(Explanation(m, chi2, {}) for m, chi2 in zip(models, (1.0, 2.0, 4.0), strict=True))
+    plays: Any = None
+    then = Reference(models[0], Observation.neutral(body), explained, unknown, unknown, plays, 0.003)
+    other = then.beside(models[2])
+    assert other.ratio == 0.3
+    assert [e.model for e in other.explained] == [models[2], models[0], models[1]]
+    assert other.inadequate
