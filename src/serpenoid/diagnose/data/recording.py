@@ -39,6 +39,7 @@ class Recording:
     as each reading was taken, where the log says it; told: what these say of the trial, None: nothing.
     schedule: no more cycles than the recording may show, as they ran on the film's clock; missing_cycles: how many more
     the campaign promises; asked_cycle_s: what it promises of a cycle's duration, where that is another.
+    strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Recording:
     missing_cycles: int = 0
     told: Told | None = None
     asked_cycle_s: float | None = None
+    strays: tuple[tuple[int, float], ...] = ()
 
     @property
     def held_as_told(self) -> bool | None:
