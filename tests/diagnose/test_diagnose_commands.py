@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
 from blind.folder import write
 from blind.schedule import lagged
 from serpenoid.body import Floats
@@ -21,6 +23,7 @@ from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.set_points import ways
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 
@@ -188,3 +191,21 @@ def test_where_commands_of_one_trial_follow_the_film_alone_nothing_is_moved(tria
     assert other.told is not None
     trials = (one, replace(other, told=replace(other.told, by_log=False)))
     assert by_their_commands(trials) == trials
+
+
+def test_a_log_that_repeats_its_commands_says_nothing_of_servos_and_a_note_says_so(tmp_path: Path) -> None:
+    write(make(5, [Effect("servo_lag", None, {"lag": 0.1})], combinations=COMBINATIONS[:2]), tmp_path)
+    file, folder = load_campaign_file(tmp_path)
+    for log in [folder / str(t.servo_log) for t in file.trial]:
+        header, *rows = [line.split(",") for line in log.read_text().splitlines()]
+        told = {name.removeprefix("command_"): i for i, name in enumerate(header) if name.startswith("command_")}
+        read = {
+            i: told[name.removeprefix("position_")] for i, name in enumerate(header) if name.startswith("position_")
+        }
+        copied = [[row[read.get(i, i)] for i in range(len(row))] for row in rows]
+        log.write_text("\n".join(",".join(row) for row in (header, *copied)) + "\n")
+    recordings = read_recordings(tmp_path)[1]
+    assert not any(r.by_servos for r in recordings)
+    assert all(any("positions are its commands" in said for said in r.remarks) for r in recordings)
+    (named,) = choose_actuation(plays(recordings)).named  # the lag that markers show
+    assert named.effect.name == "servo_lag"

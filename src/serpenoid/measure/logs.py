@@ -45,6 +45,13 @@ class ServoLog:
             return None
         return float(self.time_s[self.phase.index("play")])
 
+    @property
+    def repeats_commands(self) -> bool:
+        """Whether positions are the commands, to the last digit, while these move: no servo is as exact."""
+        if self.command is None or not np.isfinite(self.position).any():
+            return False
+        return np.array_equal(self.position, self.command, equal_nan=True) and bool(np.ptp(self.command, axis=0).any())
+
     def stopped_in(self, rows: int) -> int | None:
         """The cycle (0, ...) within which play of a table of so many rows ended; None: after a whole one, or unknown.
 

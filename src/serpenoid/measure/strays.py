@@ -28,10 +28,10 @@ def without_strays(
     body: Body, time_s: Floats, markers: Floats, found: ChainEstimate
 ) -> tuple[Floats, tuple[Jump, ...]]:
     """Markers (F, N, 2) with those that are astray as hidden, and which these are, each with how far it is off."""
-    noise = _noise_of_most(found)
+    noise = noise_of_most(found)
     limit = misfit_limit(noise)
     there_and_back = between_jumps(found.poses, time_s, MOVED)
-    clean = found.determined & (_farthest(found.marker_residual) <= limit) & ~there_and_back
+    clean = found.determined & (farthest(found.marker_residual) <= limit) & ~there_and_back
     if clean.all() or clean.sum() < 2:
         return markers, ()
     said = _about(body, time_s, markers, found, clean)
@@ -49,7 +49,7 @@ def without_strays(
     return kept, tuple(strays)
 
 
-def _noise_of_most(found: ChainEstimate) -> float:
+def noise_of_most(found: ChainEstimate) -> float:
     """Marker SD by the median frame's misfit of markers alone: what up to half of all frames are is of no account."""
     seen = np.isfinite(found.marker_residual)
     freedom = seen.sum(axis=(1, 2)) - (2 + found.joint_angles.shape[1] + 1)
@@ -110,9 +110,9 @@ def _one_less(
 
 def _fits(residual: Floats, missed: Floats, limit: float) -> NDArray[np.bool_]:
     """Frames (F,) whose markers are not farther off than the limit, nor bends (F, m) than noise."""
-    return np.asarray((_farthest(residual) <= limit) & (np.abs(missed).max(axis=1) <= JUMP_SIGMA))
+    return np.asarray((farthest(residual) <= limit) & (np.abs(missed).max(axis=1) <= JUMP_SIGMA))
 
 
-def _farthest(residual: Floats) -> Floats:
+def farthest(residual: Floats) -> Floats:
     """Length (F,) of the longest of residuals (F, N, 2), NaN where hidden."""
     return np.asarray(np.nan_to_num(np.linalg.norm(residual, axis=2)).max(axis=1))

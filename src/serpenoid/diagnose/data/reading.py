@@ -13,6 +13,7 @@ from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan,
 from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
+from serpenoid.diagnose.data.single_markers import beside_log, without_single
 from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.diagnose.data.told import told_by_commands
 from serpenoid.errors import InputError
@@ -55,9 +56,17 @@ def _aligned(
         own = files[entry.name]
         found = remember(lambda: read_recording(file, own), "recording", file, own)
         _refuse_short(found)
-        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found), *_assumed(found)))
+        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found), *_assumed(found), *_unread(own)))
 
     return at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
+
+
+def _unread(files: Files) -> list[str]:
+    """Of a log that has no readings."""
+    said = (
+        "the log's positions are its commands, to the last digit: servos are not read, and shapes are what markers show"
+    )
+    return [said] if files.servo_log is not None and files.servo_log.repeats_commands else []
 
 
 def _missing(r: Recording) -> list[str]:
@@ -107,8 +116,9 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     markers = files.labelled.vertices / (
         1.0 if tracks.scale_known else neighbour_ratio(files.labelled.vertices, file.body)
     )
-    if log is None:
-        return _by_markers(file, entry, schedule, tracks.time_s, markers)
+    markers, strays = without_single(file.body, tracks.time_s, markers)
+    if log is None or log.repeats_commands:
+        return replace(_by_markers(file, entry, schedule, tracks.time_s, markers), strays=strays)
     if log.position.shape[1] != file.body.joint_count:
         raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
@@ -128,11 +138,12 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     time, log_time = tracks.time_s - t0, log.time_s - start[0]
     shown = schedule.until(max(time[-1], log_time[-1]))
-    return Recording(
+    found = Recording(
         entry.name, entry.gait or entry.name, file.body, shown, time, markers, log_time, log.position, clock, start[1],
         commands=log.command, missing_cycles=schedule.cycles - shown.cycles, unplayed_cycles=promised - schedule.cycles,
-        told=told,
+        told=told, strays=strays,
     )  # fmt: skip
+    return beside_log(found)
 
 
 def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time: Floats, markers: Floats) -> Recording:

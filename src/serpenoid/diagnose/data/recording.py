@@ -40,6 +40,7 @@ class Recording:
     schedule: no more cycles than the recording may show, as they ran on the film's clock; missing_cycles: how many more
     the campaign promises, but for unplayed_cycles, of which the log says that they were not begun; asked_cycle_s: what
     the campaign promises of a cycle's duration, where that is another.
+    strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Recording:
     unplayed_cycles: int = 0
     told: Told | None = None
     asked_cycle_s: float | None = None
+    strays: tuple[tuple[int, float], ...] = ()
 
     @property
     def held_as_told(self) -> bool | None:

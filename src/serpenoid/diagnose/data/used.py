@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.repeats import chance_from
+from serpenoid.diagnose.data.single_markers import told
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.measure.usage import Usage, said_once
 
@@ -33,7 +35,14 @@ def remarks(tracks: Sequence[Track]) -> tuple[str, ...]:
     """Each once: what the campaign's check against itself had to say, and what tells chance if trials do not."""
     checked = said_once((t.recording.name, t.recording.remarks) for t in tracks)
     poor = CHANCE.get(chance_from(tracks))
-    return (*([poor] if poor else []), *checked)
+    return (*([poor] if poor else []), *checked, *_strays(tracks))
+
+
+def _strays(tracks: Sequence[Track]) -> tuple[str, ...]:
+    """What is said of markers that are off in single frames, of all trials together."""
+    recordings = {t.recording.name: t.recording for t in tracks if isinstance(t.recording, Recording)}
+    with_some = [r.strays for r in recordings.values() if r.strays]
+    return (told([one for strays in with_some for one in strays], len(with_some)),) if with_some else ()
 
 
 def length_unit(tracks: Sequence[Track]) -> str:

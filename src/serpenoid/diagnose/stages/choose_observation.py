@@ -118,6 +118,10 @@ def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
         words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
     if words and worst < joints:
         words += _from_trial_to_trial(best, worst)
+    spread = float(np.sqrt(best.priced.chi2 / best.priced.count))
+    if not words and spread > np.hypot(1.0, VISIBLE):  # nothing that lasts from frame to frame
+        words = (f"markers are off by {spread:.1f} times the noise of most frames, now here, now there: look for "
+                 "reflections and mistaken matches in single frames",)  # fmt: skip
     return float(np.hypot(1.0, size)), words
 
 
