@@ -227,7 +227,7 @@ def with_stand_ins(found: Selection, named: Sequence[Named]) -> list[Named]:
     if motion.ratio is None or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
         return [replace(n, stand_in=n.effect.effect.moves) for n in named]
     gains = {e.key: base.chi2 - found.best.chi2 for e, base in zip(found.best.effects, found.bases, strict=True)}
-    most = max(gains.values())
+    most = max(gains.values(), default=0.0)
     return [replace(n, stand_in=gains.get(n.effect.key, most) < most) for n in named]
 
 
