@@ -106,11 +106,13 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
     own = [i for i, track in enumerate(tracks) if track.recording.setting == setting]
     for repeat, i in reversed(list(enumerate(own))):
         colours = {name: in_turn(colour, repeat, len(own)) for name, colour in LABELS.items()}
+        first = tracks[i].first_seen
         for name, predictions in drawn:
             if name == "baseline" or d.extension.effects:
-                path = accumulate(np.nan_to_num(predictions[i].displacement), np.zeros(3))
+                path = accumulate(np.nan_to_num(predictions[i].displacement[first:]), np.zeros(3))
                 _path(ax, path, scale, colours[name], 1.8)
-        _path(ax, relative(tracks[i].poses[0], tracks[i].poses), scale, colours["measured"], 0.8)
+        poses = tracks[i].poses[tracks[i].boundaries[first] :]
+        _path(ax, relative(poses[0], poses), scale, colours["measured"], 0.8)
     dress(ax, "", f"x [{unit}]", f"y [{unit}]")
     ax.set_title(diagnosis_trials.setting_name(setting), fontsize=SMALL, loc="left", color=INK, y=1.0)
     fill_equal(ax)
