@@ -197,7 +197,7 @@ def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path
     assert r.promised_s == 100_000 * r.schedule.period_s
     assert r.schedule.cycles <= 1 + np.ceil(max(r.time[-1], r.log_time[-1]) / r.schedule.period_s)
     assert r.remarks == (f"cycles {r.schedule.cycles} to 100000 are not in the recording: left out",)
-    assert sum(len(mesh) for mesh in plays(recordings).meshes) < 10**5
+    assert sum(len(mesh) for mesh in plays(recordings).meshes) < 10**6  # of 10**8
 
 
 @pytest.mark.parametrize("held", [True, False])

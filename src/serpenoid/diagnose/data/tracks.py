@@ -51,16 +51,13 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
     plan = _mapped_poses(r, seen, frame_angles, frame_poses)
     known = np.flatnonzero(np.isfinite(plan[:, 0]))
-    guess = predicted_path(model, vertices, time, _start(r, plan, known))
+    begun_at = _start(r, plan, known)
+    guess = _ran(r, model, vertices, time, begun_at)
     at_frames = _at_frames(r, mesh, guess)
-    if (
-        np.isfinite(guess).all() and r.time[known[0]] > 0
-    ):  # a film that begins late: the first pose seen is that of then
+    if r.time[known[0]] > 0:  # a film that begins late shows the pose of then
         ran = relative(guess[0], at_frames[known[:FIRST]]).mean(axis=0)
-        guess = predicted_path(model, vertices, time, compose(_start(r, plan, known), inverse(ran)))
+        guess = _ran(r, model, vertices, time, compose(begun_at, inverse(ran)))
         at_frames = _at_frames(r, mesh, guess)
-    if not np.isfinite(guess).all():
-        raise NoPath(f"trial `{r.name}`: steps of this model have no root")
     miss = plan - at_frames
     around, counts = _averaged(r, time[bounds], miss)
     hidden = r.time[~np.isfinite(plan[:, 0])]
@@ -73,6 +70,14 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
         r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
         path[some], r.time, plan, gaps, anew, least=_least(r, counts), strayed=run - anew,
     )  # fmt: skip
+
+
+def _ran(r: Recording, model: Model, vertices: Floats, time: Floats, begun_at: Floats) -> Floats:
+    """The guiding path (R, 3) from a pose on."""
+    path = predicted_path(model, vertices, time, begun_at)
+    if not np.isfinite(path).all():
+        raise NoPath(f"trial `{r.name}`: steps of this model have no root")
+    return path
 
 
 def _mesh_error(
