@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, shapes, turn
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.measure.chain import estimate_chain
+from serpenoid.measure.chain import estimate_chain, fits_within
 from serpenoid.measure.quality import SHORT_GAP_S, misfit_limit, stretches
 from serpenoid.measure.strays import farthest, noise_of_most, without_strays
 
@@ -29,9 +29,13 @@ def without_single(body: Body, time_s: Floats, markers: Floats) -> tuple[Floats,
     if not {*body.joint_vertices} <= {*ever.tolist()}:  # the others' polygon fits as well bent to the other side
         return markers, ()
     length = body.total_length_m
+    if fits_within(body, markers / length, misfit_limit(0.0)):  # whatever their noise is, none is off
+        return markers, ()
     chain = estimate_chain(body, markers / length)
-    left, off = without_strays(body, time_s, markers / length, chain)
     missed = farthest(chain.marker_residual) > misfit_limit(noise_of_most(chain))  # a doubled frame is rigid
+    if not missed.any():
+        return markers, ()
+    left, off = without_strays(body, time_s, markers / length, chain)
     flags = _short(time_s, seen & ~np.isfinite(left[..., 0]) & missed[:, None])
     kept = np.where(flags[..., None], np.nan, markers)
     return kept, tuple((j.vertex, j.size * length) for j in off if j.vertex is not None and flags[j.frame, j.vertex])
