@@ -7,9 +7,8 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.diagnose.data.clocks import Clock, align, beside_plan
 from serpenoid.diagnose.data.laid import Plan
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.measure.links import chain_vertices
-from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.logs import TICK, ServoLog
 
 FRAMES_PER_SECOND, LOG_HERTZ, MARKER_M, SECONDS, CYCLE_S = 200.0, 14.0, 1.5e-4, 6.0, 2.5
 DRAWS = 12

@@ -14,7 +14,6 @@ from blind.folder import write
 from blind.schedule import lagged
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.clocks import Clock
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.played import by_their_commands
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
@@ -24,7 +23,7 @@ from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.set_points import ways
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.logs import TICK, ServoLog
 from serpenoid.measure.schedule import Schedule
 
 CYCLE_S, PAUSE_S, CYCLES, START_S, ROWS = 4.0, 1.0, 2, 1.2345, 40

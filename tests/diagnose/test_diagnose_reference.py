@@ -14,7 +14,6 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
@@ -22,6 +21,7 @@ from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.reference import Reference, in_other_cycles
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 

@@ -20,7 +20,6 @@ from blind.protocol import usual
 from blind.schedule import lagged
 from serpenoid.body import Body
 from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
@@ -33,6 +32,7 @@ from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.witness import of_servos, unlike_told
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import chain_vertices
+from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise_all

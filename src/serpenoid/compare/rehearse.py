@@ -13,12 +13,12 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.files.writing import write_csv, write_text
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule, play_record
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
 
-TICK = 2 * np.pi / 4096
 FINER = 8  # steps a frame: what the mesh of the truth misses is then well below the interval of eps
 
 

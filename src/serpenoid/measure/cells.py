@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +76,12 @@ def place(path: Path, row: int, column: int, name: str = "") -> str:
 def clock(time_s: float) -> str:
     """A moment [s] as it stands in a file, whenever its clock began."""
     return f"{time_s:.3f}".rstrip("0").rstrip(".")
+
+
+def listed(words: Iterable[str]) -> str:
+    """`a`, `a and b`, `a, b and c`: each once, as they come first."""
+    different = list(dict.fromkeys(words))
+    return " and ".join([", ".join(different[:-1])] * (len(different) > 1) + different[-1:])
 
 
 def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> float:

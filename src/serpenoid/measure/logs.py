@@ -18,6 +18,7 @@ SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servo
 LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
 EXTRA = ("voltage", "load", "temperature", "error")
 READ_AS_WRITTEN = ServoKeys()
+TICK = 2 * np.pi / 4096  # rad: the step of a servo's reading
 OWN_NAMES = (
     'Own names and units: [servo_log] with `columns = { time = "millis", position = "angle_*" }`, '
     '`time_unit = "ms"`, `angle_unit = "deg"` (docs/your-csv.md).'

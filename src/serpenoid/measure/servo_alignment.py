@@ -16,11 +16,11 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate_smoothly
 from serpenoid.measure.links import bends, chain_vertices, marker_angles
-from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.logs import TICK, ServoLog
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_zeros import BELIEVED, lasting, told_zeros
 
-QUANTISATION_SD = 2 * np.pi / 4096 / np.sqrt(12)  # a servo cannot be better than its ticks
+QUANTISATION_SD = TICK / np.sqrt(12)  # a servo cannot be better than its ticks
 MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion: other joints' have less
 STILL_S = 1.0  # of rest before the first command and after the last
 OFTEN = 0.5  # share of the frames that a marker must be seen in to be a corner of the polygon

@@ -16,9 +16,9 @@ from serpenoid.diagnose.data.memory import Memory
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.measure.logs import TICK
 
 CREEP_TICKS = 0.1  # shapes settle in pauses by less than a servo's tick, alike in repeats
-TICK = 2 * np.pi / 4096
 FEW = 4  # windows: a variance of fewer tells nothing
 
 

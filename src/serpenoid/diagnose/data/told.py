@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.noise import TICK
-from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.logs import TICK, ServoLog
 from serpenoid.measure.schedule import Schedule, start_by_shape
 
 STEPS = 40  # to either side, twice: first of a row of the table, then of what that leaves open

@@ -26,6 +26,11 @@ class Priced:
     parameters: int
     count: float
 
+    @property
+    def spread(self) -> float:
+        """RMS of the residuals, in units of their noise."""
+        return float(np.sqrt(self.chi2 / self.count))
+
 
 class Explanation(Protocol):
     """Some effects and what they leave."""

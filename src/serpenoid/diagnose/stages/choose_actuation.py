@@ -9,15 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
 from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
 from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.strays import trials_astray
+from serpenoid.diagnose.stages.trials_astray import trials_astray
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.files.store import remembered
+from serpenoid.measure.logs import TICK
 from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak

@@ -118,7 +118,7 @@ def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
         words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
     if words and worst < joints:
         words += _from_trial_to_trial(best, worst)
-    spread = float(np.sqrt(best.priced.chi2 / best.priced.count))
+    spread = best.priced.spread
     if not words and spread > np.hypot(1.0, VISIBLE):  # nothing that lasts from frame to frame
         words = (f"markers are off by {spread:.1f} times the noise of most frames, now here, now there: look for "
                  "reflections and mistaken matches in single frames",)  # fmt: skip
@@ -169,7 +169,7 @@ def rivals_of(best: Looked, key: Key) -> list[Rival]:
 
 def _named(best: Looked, key: Key) -> Named:
     """Intervals from the curvature, and no less than what gaits disagree about."""
-    spread = SYSTEMATIC * float(np.sqrt(best.priced.chi2 / best.priced.count))
+    spread = SYSTEMATIC * best.priced.spread
     covariance = best.sums.covariance(best.own, spread)
     effect = effect_of(best, key)
     ends, bound = {}, []

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, structure
 from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.smooth import scatter
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 from serpenoid.effects.active import ActiveEffect, joined
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -192,9 +192,12 @@ class Plays:
 
     def structure(self, played: Floats) -> Floats:
         """Mean square (m,) of what is left, over what it is held against; 0 where chance alone makes as much."""
-        left = np.where(self.read, self.left(played) / self.noise, np.nan)
-        found = structure(left, self.trials[1:] == self.trials[:-1])
-        return found * (self.noise / self.held_against) ** 2
+        return self.structure_of(self.left(played))
+
+    def structure_of(self, left: Floats, rows: NDArray[np.bool_] | slice = slice(None)) -> Floats:
+        """The same of what is left (R, m), in some rows."""
+        units, trials = np.where(self.read, left / self.noise, np.nan)[rows], self.trials[rows]
+        return structure(units, trials[1:] == trials[:-1]) * (self.noise / self.held_against) ** 2
 
     @property
     def held_against(self) -> Floats:

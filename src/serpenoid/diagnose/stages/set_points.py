@@ -13,10 +13,10 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.noise import TICK
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, played_for_sure, unsure_start
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
 JUMP_S = 1e-6  # before a row is due: a jump takes no time

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
-from serpenoid.measure.cells import Floats, clock
+from serpenoid.measure.cells import Floats, clock, listed
 from serpenoid.measure.consistency.rivals import ODDS
 
 SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
@@ -40,12 +40,8 @@ class Exchange:
         """Which points, from when to when on the recording's clock."""
         changed = [k for k, name in enumerate(self.names) if name != k]
         mirrored = list(self.names) == list(range(len(self.names)))[::-1] and len(changed) > 3
-        which = "all points, head for tail," if mirrored else _listed([f"`{labels[k]}`" for k in changed])
+        which = "all points, head for tail," if mirrored else listed([f"`{labels[k]}`" for k in changed])
         return f"{which} exchanged between {clock(time_s[self.first])} and {clock(time_s[self.last])} s"
-
-
-def _listed(names: Sequence[str]) -> str:
-    return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ import numpy as np
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.match import (
-    TICK,
     Course,
     Match,
     Prior,
@@ -26,6 +25,7 @@ from serpenoid.measure.consistency.match import (
     match_columns,
 )
 from serpenoid.measure.consistency.signals import Sampled
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
 SAME_TABLE = 1e-6  # rad: tables written with six decimals

@@ -23,6 +23,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import Sampled
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
 FREEDOM = 4.0  # numbers per joint that a discrepancy disturbs independently (above)
@@ -32,7 +33,6 @@ HIGHEST_GAIN = 1.5
 COARSE = 0.1  # of a cycle that the ends of a signal may be off in a first look at a clock's rate
 FINER = 9  # rates on either side of the best in the second look: its ends are within a hundredth of a cycle
 AT_ONCE = 8_000  # numbers of a signal, once for each rate, that are laid together: more leave the cache of a core
-TICK = 2 * np.pi / 4096  # rad, of a servo: who is told to move by less is told to stand, and has no gain
 RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
 
 
@@ -143,7 +143,8 @@ def _laid(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[
 
 
 def _gains(cov: Floats, variance: Floats, still: NDArray[np.bool_]) -> Floats:
-    """The likeliest gains; 1 of joints (m,) that are told to stand still: nothing says that they are weak."""
+    """The likeliest gains; 1 of joints (m,) that are told to stand still (to move by less than a tick):
+    nothing says that they are weak."""
     return np.where(still, 1.0, np.clip(cov / np.maximum(variance, 1e-12), 0.0, HIGHEST_GAIN))
 
 

@@ -8,24 +8,25 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import structure
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.measure.cells import listed
 
 
 def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
     """What is said of the trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others,
     or does by less and less."""
     left = data.left(played)
-    astray = _visible(data, left) > VISIBLE**2
+    trials = [data.trials == t for t in range(len(data.recordings))]
+    astray = np.array([data.structure_of(left, mine) for mine in trials]) > VISIBLE**2
     mine = astray[:, joint]
     if mine.all():
         return _trend(data, played, left, joint)
     if not mine.any():
         return ()
     alike = [j for j in range(astray.shape[1]) if (astray[:, j] == mine).all()]
-    who = f"joint{'s' if len(alike) > 1 else ''} {_listed([str(j + 1) for j in alike])}"
+    who = f"joint{'s' if len(alike) > 1 else ''} {listed([str(j + 1) for j in alike])}"
     who = "all joints" if len(alike) == astray.shape[1] > 1 else who
     one = len(alike) == 1
     if mine.sum() > len(mine) / 2:
@@ -50,14 +51,6 @@ def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> tuple[str, 
             f"{gains[-1]:.2f} times in `{last}`",)  # fmt: skip
 
 
-def _visible(data: Plays, left: Floats) -> Floats:
-    """Mean square (T, m) of what is left (R, m), trial by trial, as `Plays.structure`."""
-    units = np.where(data.read, left / data.noise, np.nan)
-    parts = [units[data.trials == t] for t in range(len(data.recordings))]
-    squares = [structure(part, np.ones(max(len(part) - 1, 0), dtype=bool)) for part in parts]
-    return np.array(squares) * (data.noise / data.held_against) ** 2
-
-
 def _gains(played: Floats, left: Floats, rows: np.ndarray) -> Floats:
     """How far each joint (m,) goes about its middle over how far it is told, in these rows (R,)."""
     swing, missed = (x[rows] - x[rows].mean(axis=0) for x in (played, left))
@@ -69,9 +62,4 @@ def _named(data: Plays, chosen: np.ndarray) -> str:
     gaits = [r.gait for r in data.recordings]
     others = {gait for gait, c in zip(gaits, chosen, strict=True) if not c}
     trials = zip(data.recordings, gaits, chosen, strict=True)
-    return _listed([f"`{r.name if gait in others else gait}`" for r, gait, c in trials if c])
-
-
-def _listed(words: list[str]) -> str:
-    different = list(dict.fromkeys(words))
-    return " and ".join([", ".join(different[:-1])] * (len(different) > 1) + different[-1:])
+    return listed([f"`{r.name if gait in others else gait}`" for r, gait, c in trials if c])
