@@ -363,11 +363,9 @@ def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings(
     one = np.ones(2)
     data = cast(
         Plays,
-        SimpleNamespace(
-            left=lambda played: left, noise=one, held_against=one, trials=np.zeros(400), read=left < np.inf
-        ),
+        SimpleNamespace(noise=one, held_against=one, trials=np.zeros(400), read=left < np.inf),
     )
-    white, slow = Plays.structure(data, left)
+    white, slow = Plays.structure_of(data, left)
     assert white == 0.0
     assert slow == pytest.approx(4, rel=0.15)  # of chance 1 / sqrt(400) of their product with noise
 
