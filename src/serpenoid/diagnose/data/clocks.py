@@ -9,6 +9,7 @@ and later than the last row before.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,9 +40,20 @@ class Clock:
     rate_sd: float
     apart: tuple[float, float] | None = None  # the rate, told apart from displaced markers, and its deviation
 
+    @property
+    def told_apart(self) -> Clock:
+        """With the rate as it is told apart from displaced markers, where it is."""
+        return self if self.apart is None else replace(self, rate=self.apart[0], rate_sd=self.apart[1])
+
     def servo(self, camera: Floats) -> Floats:
         """Servo time of camera times."""
         return np.asarray(self.zero + (1 + self.rate) * camera)
+
+
+def pooled(clocks: Sequence[Clock]) -> tuple[float, float]:
+    """The rate between two devices' clocks that is one in all trials, and its standard deviation."""
+    weight = np.array([1 / c.rate_sd**2 for c in clocks])
+    return float(weight @ [c.rate for c in clocks] / weight.sum()), float(1 / np.sqrt(weight.sum()))
 
 
 def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:

@@ -19,6 +19,7 @@ from scipy.special import ndtri, stdtrit
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import ERROR
+from serpenoid.diagnose.data.clocks import Clock, pooled
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.smooth import scatter
@@ -51,11 +52,10 @@ def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     told = [r for r in recordings if r.told is not None and r.clock.rate_sd > 0]
     if not told or not all(r.told is not None and r.told.by_log for r in told):
         return tuple(recordings)
-    weight = np.array([1 / r.clock.rate_sd**2 for r in told])
-    rate = 1 / (1 + float(weight @ [r.clock.rate for r in told] / weight.sum())) - 1
+    rate = 1 / (1 + pooled([r.clock for r in told])[0]) - 1
     lasting = sorted({r.schedule.cycle_duration_s for r in told})
-    seen = _beyond_chance([(r.clock.rate, r.clock.rate_sd) for r in told])
-    seen = seen and _beyond_chance([r.clock.apart or (r.clock.rate, r.clock.rate_sd) for r in told])
+    seen = _beyond_chance([r.clock for r in told])
+    seen = seen and _beyond_chance([r.clock.told_apart for r in told])
     seen = seen and any(_seen(r, rate) for r in told)
 
     def on_film(r: Recording) -> Recording:
@@ -65,11 +65,10 @@ def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     return tuple(on_film(r) if r.told is not None and r.clock.rate_sd > 0 else r for r in recordings)
 
 
-def _beyond_chance(rates: Sequence[tuple[float, float]]) -> bool:
-    """Whether the mean of rates, each with its deviation, is more than chance makes, at the stated error."""
-    rate, sd = np.array(rates).T
-    weight = 1 / sd**2
-    return bool(abs(weight @ rate) > -ndtri(ERROR / 2) * np.sqrt(weight.sum()))
+def _beyond_chance(clocks: Sequence[Clock]) -> bool:
+    """Whether the rate of all is more than chance makes, at the stated error."""
+    rate, sd = pooled(clocks)
+    return bool(abs(rate) > -ndtri(ERROR / 2) * sd)
 
 
 def lateness(r: Recording) -> Floats | None:

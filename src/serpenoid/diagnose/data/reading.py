@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan, start_on_log
+from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan, pooled, start_on_log
 from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
@@ -96,8 +96,7 @@ def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """The rate between two devices' clocks is one in all trials; noisy markers tell little of it in each."""
     if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings):
         return tuple(recordings)
-    weight = np.array([1 / r.clock.rate_sd**2 for r in recordings])
-    rate = float(weight @ [r.clock.rate for r in recordings] / weight.sum())
+    rate, _ = pooled([r.clock for r in recordings])
     return tuple(_at_rate(r, rate) for r in recordings)
 
 

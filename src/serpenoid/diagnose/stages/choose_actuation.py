@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
+from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
@@ -138,13 +139,20 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     )
     unsure = _unsure(data, speed)
     chance = max(1 / power, (scores**2).sum() / power**2)
-    sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2)
+    clock = x * _rate_sd(data) if effect.effect.needs_seconds else 0.0
+    sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2 + clock**2)
     reach = NORMAL * SYSTEMATIC * sd
     ends = [parameter.value(float(v)) for v in (x - reach, x + reach)]
     value = effect.parameters[parameter.name]
     bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
     stand_in = _law_error(best, effect) > (LAW_ERROR if effect.place is None else 0.0)
     return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound, stand_in)
+
+
+def _rate_sd(data: Plays) -> float:
+    """How well the readings' seconds are known as seconds of the film: readings fit each other in any."""
+    told = [r.clock for r in data.recordings if r.clock.rate_sd > 0]
+    return pooled(told)[1] if told else 0.0
 
 
 def _unsure(data: Plays, speed: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
+from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation, values_of
 from serpenoid.diagnose.data.recording import Recording
@@ -185,9 +186,7 @@ def _named(best: Looked, key: Key) -> Named:
 def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:
     """The rate between two clocks, if it is more than chance."""
     kind = next((k for k in marking("rate") if k.name not in best.without), None)
-    weights = np.array([1 / r.clock.rate_sd**2 for r in recordings])
-    rates = np.array([r.clock.rate for r in recordings])
-    rate, sd = float((weights * rates).sum() / weights.sum()), float(1 / np.sqrt(weights.sum()))
+    rate, sd = pooled([r.clock for r in recordings])
     if kind is None or (rate / sd) ** 2 < best.needed:
         return None
     levels = best.data.levels[: best.data.body.joint_count]
