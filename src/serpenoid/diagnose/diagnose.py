@@ -12,6 +12,7 @@ from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, total
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.relaid import relaid
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import in_lengths, length_unit, remarks, used
@@ -40,6 +41,7 @@ from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 
 SCORES = 20  # the best candidates, in the record
+RELAID = 3  # a clock that play has drawn aside by 1 ms is off by 0.05 ms after the first
 NO_LOG = "no servo log: shapes are what the points show"
 
 
@@ -101,13 +103,24 @@ def diagnose(
     say("shape against markers")
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), Observation.neutral(baseline.model.body)
     if all(r.by_servos for r in recordings):
-        observation, seen = choose_observation(recordings, baseline.observation(), baseline.without)
+        observation, seen, recordings = _seen(recordings, baseline)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say, searched)
     baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline)
     stages = (actuation, observation, motion.stage)
     return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)
+
+
+def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, Observation, tuple[Recording, ...]]:
+    """The stage of observation, by clocks that are laid over each other again beside what it finds."""
+    for _ in range(RELAID):
+        stage, seen = choose_observation(recordings, baseline.observation(), baseline.without)
+        again, moved = relaid(recordings, seen)
+        if not seen.corrects or not moved:
+            break
+        recordings = again
+    return stage, seen, tuple(recordings)
 
 
 def beside_changes(found: MotionFinding, above: Sequence[Stage], baseline: Baseline) -> MotionFinding:

@@ -20,10 +20,10 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.measure.schedule import Schedule
 
-STEPS_PER_WINDOW = 18  # 144 a cycle: the mesh's error is a tenth of the noise level
-STEPS_PER_PAUSE = 16
-COARSER = 2  # fits take every second row; what that changes is known from the guiding model, and put back
-LEAST_PER_ROW = 4  # steps from a row that is due to the next
+COARSER = 8  # fits take every eighth row; what that changes is known from the guiding model, and put back
+STEPS_PER_WINDOW = 9 * COARSER  # fits have 72 steps a cycle, which may be longer than momentum lasts
+STEPS_PER_PAUSE = 8 * COARSER
+LEAST_PER_ROW = 2 * COARSER  # steps from a row that is due to the next
 BENDING = 64  # parts of such a stretch in which it is measured how joints bend
 
 
@@ -77,10 +77,10 @@ def _even(r: Recording) -> Mesh:
 
 
 def _jumps(s: Schedule, end: float) -> Floats:
-    """Times at which held rows are due, up to an end [s]; none where there are more than usual steps: these jumps are
-    no larger than what is moved in a step."""
+    """Times at which held rows are due, up to an end [s]; none where there are more than two in a step of a fit: these
+    jumps are no larger than what is moved in one."""
     rows = len(s.table)
-    if rows > WINDOWS_PER_CYCLE * STEPS_PER_WINDOW:
+    if rows * COARSER > 2 * WINDOWS_PER_CYCLE * STEPS_PER_WINDOW:
         return np.empty(0)
     due = np.arange(s.cycles)[:, None] * s.period_s + np.arange(rows + 1) / rows * s.cycle_duration_s
     return np.asarray(due[due < end])

@@ -1,0 +1,35 @@
+"""Clocks laid over each other again, once it is known what lies between servos and markers.
+
+At first joints are taken to bend as servos read (clocks.py). Play behind a servo is late in every cycle, and a displaced
+marker shows a part of its neighbours' bends: either draws the clock of its trial aside by some milliseconds, by which
+the path would then seem to answer to shapes too late or too early.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from serpenoid.diagnose.data.laid import Laid
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.measure.links import bends, marker_angles
+from serpenoid.measure.servo_alignment import seen_corners
+
+
+def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:
+    """Recordings by the clocks that fit best where markers appear as `seen` has them; whether any of these moved by more
+    than its own standard deviation."""
+    found = [_late(r, seen) for r in recordings]
+    moved = any(abs(late) > sd for late, sd in found)
+    return tuple(replace(r, time=r.time + late) for r, (late, _) in zip(recordings, found, strict=True)), moved
+
+
+def _late(r: Recording, seen: Observation) -> tuple[float, float]:
+    """By how much later than its times say a trial was filmed [s], and the standard deviation."""
+    corners = seen_corners(r.body, r.markers)
+    begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
+    shown = seen.seen(r.body, seen.angles(r.angles, begun))
+    laid = Laid.by(r.time, r.time, bends(r.markers[:, corners]), r.time, bends(shown[:, corners]), None)
+    step, sd = laid.step()
+    return float(step[0]), float(sd[0])
