@@ -1,8 +1,8 @@
 """Clocks laid over each other again, once it is known what lies between servos and markers.
 
-At first joints are taken to bend as servos read (clocks.py). Play behind a servo is late in every cycle, and a displaced
-marker shows a part of its neighbours' bends: either draws the clock of its trial aside by some milliseconds, by which
-the path would then seem to answer to shapes too late or too early.
+At first joints are taken to bend as servos read (clocks.py). Play behind a servo is late in every cycle, and a
+displaced marker shows a part of its neighbours' bends: either draws the clock of its trial aside by some milliseconds,
+by which the path would then seem to answer to shapes too late or too early.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from serpenoid.measure.servo_alignment import seen_corners
 
 
 def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:
-    """Recordings by the clocks that fit best where markers appear as `seen` has them; whether any of these moved by more
-    than its own standard deviation."""
+    """Recordings by the clocks that fit best where markers appear as `seen` has them; whether any of these moved by
+    more than its own standard deviation."""
     found = [_late(r, seen) for r in recordings]
     moved = any(abs(late) > sd for late, sd in found)
     return tuple(replace(r, time=r.time + late) for r, (late, _) in zip(recordings, found, strict=True)), moved

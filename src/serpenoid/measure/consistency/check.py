@@ -101,14 +101,15 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     lost: list[Contradiction] = []
     remarks: list[tuple[str, str]] = []
     torn: tuple[Lost, ...] = ()
-    while (found := _step_of_the_log(claim, tables)) is not None:
-        claim, said = found
+    while (stepped := _step_of_the_log(claim, tables, len(claims))) is not None:
+        claim, said = stepped
         rivals += said
     if claim.cameras is not None and claim.servos is not None and same_joints(claim.cameras, claim.servos):
         torn = lost_frames(claim.cameras, claim.servos)
     if claim.cameras is not None and torn:
         claim = replace(claim, cameras=Signal(set_on(claim.cameras.time_s, torn), claim.cameras.values))
-    for one in (_schedule_against_witness(claim, tables), _servos_against_cameras(claim, claims)):
+    found = _schedule_against_witness(claim, tables, len(claims)), _servos_against_cameras(claim, claims)
+    for one in found:
         if one is not None:
             rivals += one.rivals
             lost += _unexplained(claim, one)
@@ -117,18 +118,18 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     return Verdict(tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {})
 
 
-def _step_of_the_log(claim: Claim, tables: Mapping[str, Floats]) -> tuple[Claim, list[Rival]] | None:
+def _step_of_the_log(claim: Claim, tables: Mapping[str, Floats], trials: int) -> tuple[Claim, list[Rival]] | None:
     """The trial with a step taken off its log's clock, and that rival beside the trial's others, unless one of these is
     likelier by far."""
     stepped = without_step(claim)
-    beside = None if stepped is None else _schedule_against_witness(claim, tables)
+    beside = None if stepped is None else _schedule_against_witness(claim, tables, trials)
     others = [] if beside is None else [r for r in beside.rivals if not r.everywhere and leads(r, r.lead)]
     if stepped is None or any(r.lead + r.log_share > stepped[1].lead + stepped[1].log_share + TIED for r in others):
         return None
     return stepped[0], [stepped[1], *others]
 
 
-def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Compared | None:
+def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], trials: int) -> Compared | None:
     schedule = claim.schedule
     for signal, witness, prior in claim.witnesses:
         if schedule is not None and signal is not None and signal.enough:
@@ -139,8 +140,13 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats]) -> Com
             faults = schedule_faults(shown, claim.label, tables, periods)
             if signal is claim.cameras:
                 faults += in_one_film(course_of(shown), claim.label)
-            return compared(claim.trial, signal, course_of(shown), own, faults, witness, prior)
+            return compared(claim.trial, signal, course_of(shown), own, _of_any(trials, faults), witness, prior)
     return None
+
+
+def _of_any(trials: int, faults: Sequence[Fault]) -> list[Fault]:
+    """Faults of one trial: what is wrong in a campaign may be wrong in any of its trials."""
+    return [f if f.everywhere else replace(f, log_share=f.log_share - float(np.log(trials))) for f in faults]
 
 
 def _periods(signal: Signal, own: float | None, schedule: Schedule) -> list[float]:
@@ -174,7 +180,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
         words = f"last {rounded(own / promised)} times as long as in the servo log"
         cure = in_other_unit(own / promised) or "check the frame rate of the recording"
         faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
-    return compared(claim.trial, cameras, course, own, faults, "the recorded shapes", PHYSICAL)
+    return compared(claim.trial, cameras, course, own, _of_any(len(claims), faults), "the recorded shapes", PHYSICAL)
 
 
 def _covered(cameras: Signal, servos: Signal) -> Signal:
