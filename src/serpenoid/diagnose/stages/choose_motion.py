@@ -34,6 +34,7 @@ from serpenoid.diagnose.inference.middles import drag_amid_edges
 from serpenoid.diagnose.inference.names import Refused, Weak, seen
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Selection, select
+from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
@@ -246,7 +247,12 @@ def undetected_of(t: Weak, noise_level_m: float) -> Named:
 def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
     """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
     motion, predictions = found.motion, found.settled.predictions
-    return pattern(motion, predictions, path_error(motion, predictions, mend))
+    eps = found.settled.model.medium.anisotropy_ratio
+    words, floors = (
+        pattern(motion, predictions, path_error(motion, predictions, mend)),
+        as_floors_do(motion, predictions, eps),
+    )
+    return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ())))
 
 
 def named_of(

@@ -1,0 +1,106 @@
+"""Whether trials differ as floors do: by what another anisotropy ratio in each of them would make.
+
+Differences of repeats are what chance is told by, so a floor that is another in every trial would hide in it. Of a pair
+of repeats, in units of chance,
+
+    (r_a - r_b) / sqrt 2 = J (eps_a - eps_b) / sqrt 2 + e,    J = d(displacement) / d(eps)
+
+one number of each pair is held against all that is left (Fisher's F); successive windows of e tell how many numbers
+that is worth. What repeats of a reference already differed by is no news. Where repeats agree, and gaits do not (they
+were played on several days), one number of each trial is held against what is left: that is a hint, for gaits differ by
+another law of the floor, too.
+
+Legend: P pairs, K windows that were played twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import fdtri
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import LEFT
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.repeats import pairs, repeats
+from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.simulation.sensitivity import EPS
+
+TINY = 1e-300
+MOST = 0.5  # of the squares that repeats differ by: then it is what they differ by
+
+
+def as_floors_do(motion: Motion, predictions: Sequence[Prediction], eps: float) -> tuple[str, ...]:
+    """What is said of trials of one setting that differ so, or nothing; eps: of the model that predicts."""
+    if any(t.noise is not None for t in motion.tracks) or not pairs(motion.tracks):
+        return ()
+    left, chance, moves = _parts(motion, predictions)
+    explained, rest = 0.0, []
+    for repeat in repeats(motion.tracks):
+        (one, other), (sd, _), (by, _) = (repeat.both(x) for x in (left, chance, moves))
+        d = (one - other) / np.sqrt(2)
+        known = np.isfinite(d).all(axis=1) & motion.tracks[repeat.one].playing[repeat.here]
+        d, by = (np.where(np.abs(d) > motion.unlike, d, 0.0) / sd)[known], (by / sd)[known]
+        step, gained = _step(d, by)
+        explained += gained
+        rest.append(d - step * by)
+    beyond = float(sum((e**2).sum() for e in rest))
+    worth = _worth(rest) - len(rest)
+    if worth < 1 or explained <= MOST * (explained + beyond):
+        return ()
+    if explained / len(rest) <= fdtri(len(rest), worth, 1 - LEFT) * beyond / worth:
+        return ()
+    found = [eps + _step(x / c, m / c)[0] for x, m, c in zip(left, moves, chance, strict=True)]
+    return (
+        f"trials of one setting differ as by another anisotropy ratio in each: {_ends(motion, found)}, "
+        f"{explained / (explained + beyond):.0%} of what they differ by. Do floor, wheels or skin change from trial to "
+        "trial? Diagnose those that are alike, with the others as `--reference`",
+    )
+
+
+def one_in_each(motion: Motion, predictions: Sequence[Prediction], eps: float) -> tuple[str, ...]:
+    """What is said where something is left, and an anisotropy ratio of its own in each trial takes most of it away."""
+    if any(t.noise is not None for t in motion.tracks):
+        return ()
+    parts = [(x / c, m / c) for x, c, m in zip(*_parts(motion, predictions), strict=True)]
+    steps, gained = zip(*(_step(*p) for p in parts), strict=True)
+    share = sum(gained) / max(sum(float(np.nansum(x**2)) for x, _ in parts), TINY)
+    if share <= MOST:
+        return ()
+    return (
+        f"an anisotropy ratio of its own in each trial would take away {share:.0%} of what is left "
+        f"({_ends(motion, [eps + step for step in steps])}): were they played on several floors or days, or does drag "
+        "follow another law?",
+    )
+
+
+def _parts(motion: Motion, predictions: Sequence[Prediction]) -> tuple[list[Floats], list[Floats], list[Floats]]:
+    """Of each track what is left, what chance makes, and what eps moves (W, 3)."""
+    moves = [p.by((EPS,))[..., 0] for p in predictions]
+    return residuals(motion.tracks, predictions), [motion.noise.chance(t) for t in motion.tracks], moves
+
+
+def _step(left: Floats, by: Floats) -> tuple[float, float]:
+    """By what eps is off, and what it takes away: of what is left and what eps moves, both in units of chance."""
+    known = np.isfinite(left)
+    power = max(float((by[known] ** 2).sum()), TINY)
+    step = float((by[known] * left[known]).sum()) / power
+    return step, step**2 * power
+
+
+def _ends(motion: Motion, found: Sequence[float]) -> str:
+    """The least and the largest of all trials' values."""
+    names = [t.recording.name for t in motion.tracks]
+    least, most = int(np.argmin(found)), int(np.argmax(found))
+    return f"{found[least]:.3g} in `{names[least]}` to {found[most]:.3g} in `{names[most]}`"
+
+
+def _worth(rest: Sequence[Floats]) -> float:
+    """How many independent numbers windows (K, 3) of each pair are, by how alike successive ones are."""
+    count = sum(e.size for e in rest)
+    squares = sum(float((e**2).sum()) for e in rest)
+    alike = sum(float((e[1:] * e[:-1]).sum()) for e in rest) / max(squares, 1e-300)
+    alike = min(max(alike, 0.0), 1.0)
+    return count * (1 - alike) / (1 + alike)
