@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.claim import Claim, logged, same_joints
 from serpenoid.measure.consistency.clock_steps import without_step
 from serpenoid.measure.consistency.hypotheses import (
     KINDS,
+    ROLLS,
     SAME_TABLE,
     Fault,
     in_one_film,
@@ -28,12 +29,13 @@ from serpenoid.measure.consistency.hypotheses import (
     other_unit,
     rounded,
     schedule_faults,
+    stopped,
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
 from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of
 from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
-from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s
+from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
 
@@ -138,10 +140,34 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], trials
             slower = schedule.period_s / min([schedule.period_s, *periods])
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
             faults = schedule_faults(shown, claim.label, tables, periods)
+            faults += _stopped(claim, signal, shown)
             if signal is claim.cameras:
                 faults += in_one_film(course_of(shown), claim.label)
-            return compared(claim.trial, signal, course_of(shown), own, _of_any(trials, faults), witness, prior)
+            found = compared(claim.trial, signal, course_of(shown), own, _of_any(trials, faults), witness, prior)
+            return _told_to_stop(found) if signal is claim.commands else found
     return None
+
+
+def _told_to_stop(found: Compared) -> Compared:
+    """Commands that stop early are no contradiction, for it is known what was told: a remark."""
+    stops = [r for r in found.rivals if r.kind == "stopped" and leads(r, r.lead)]
+    others = [r for r in found.rivals if r.kind != "stopped"]
+    if not stops:
+        return replace(found, rivals=others)
+    best = max(stops, key=lambda r: r.lead)
+    contract = replace(found.contract, explained=best.explained, gain=np.ones_like(found.contract.gain))
+    return replace(found, contract=contract, rivals=others, doubts=[*found.doubts, (best.trial, best.words)])
+
+
+def _stopped(claim: Claim, signal: Signal, schedule: Schedule) -> list[Fault]:
+    """Where joints come to their last place while the schedule still moves them, and stay there for longer than in a
+    pause."""
+    after_s, at_s = stopped_s(signal)
+    early, rested = schedule.moving_s - after_s, signal.time_s[-1] - at_s
+    if early < schedule.cycle_duration_s / ROLLS or rested < schedule.pause_s + schedule.cycle_duration_s / ROLLS:
+        return []
+    cure = "Leave this trial out" if signal is claim.servos else f"End the trial before: `to_s = {at_s:.3g}`, or less"
+    return stopped(course_of(schedule), claim.label, after_s, cure)
 
 
 def _of_any(trials: int, faults: Sequence[Fault]) -> list[Fault]:

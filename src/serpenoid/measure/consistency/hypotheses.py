@@ -29,6 +29,7 @@ from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
 SAME_TABLE = 1e-6  # rad: tables written with six decimals
+STOPS = 5  # moments about the one that is seen, a twelfth of a cycle apart: servos take time to come to rest
 ROLLS = 12  # starting rows that are tried, a twelfth of a cycle apart; one twelfth is not told from play in the joints
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, only a unit or other times make so much
@@ -129,6 +130,15 @@ def in_one_film(course: Course, label: str) -> list[Fault]:
         replace(fault, kind=fault.kind + IN_ONE_FILM, cure=of_film[fault.kind], everywhere=False, cures={})
         for fault in turned(course, label)
     ]
+
+
+def stopped(course: Course, label: str, after_s: float, cure: str) -> list[Fault]:
+    """What was begun and not brought to its end: still from some seconds after its start on."""
+    tries = after_s + course.period_s * (np.arange(STOPS) - STOPS // 2) / ROLLS
+    share = -float(np.log(KINDS * STOPS))
+    words = f"follow `{label}` for {after_s:.3g} s, and stand still from then on"
+    cure = f"did the robot stop (battery, a fuse, a stall)? {cure}"
+    return [Fault("stopped", words, cure, course.stopped(float(t)), share) for t in tries if t > 0]
 
 
 def cures_of(columns: str) -> dict[str, str]:

@@ -53,6 +53,10 @@ class Course:
         total, period = self.total_s * factor, self.period_s * factor
         return replace(self, angles=lambda time: self.angles(time / factor), total_s=total, period_s=period)
 
+    def stopped(self, after_s: float) -> Course:
+        """The same until so many seconds after its start, and no motion from then on."""
+        return replace(self, angles=lambda time: self.angles(np.minimum(time, after_s)))
+
     def changed(self, change: Callable[[Floats], Floats]) -> Course:
         """The same with its angles (R, m) changed."""
         return replace(self, angles=lambda time: change(self.angles(time)))

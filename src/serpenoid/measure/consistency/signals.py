@@ -170,6 +170,12 @@ def moving_s(signal: Signal) -> float:
     return float(whole.step_s * np.ptp(moving)) if len(moving) else 0.0
 
 
+def stopped_s(signal: Signal) -> tuple[float, float]:
+    """Seconds from where the joints leave their first place to where they come to their last, and when that is [s]."""
+    between = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
+    return between.span_s, between.start_s + between.span_s
+
+
 def _between_rests(whole: Sampled) -> Sampled:
     """From where the joints leave their first place to where they come to their last: a rest at an end agrees with
     itself at any delay."""
