@@ -286,6 +286,15 @@ def test_a_trial_in_which_servos_are_weak_is_seen_beside_its_repeat_and_named(
     assert f"all joints stray in `{weak.name}` alone, 0.75 times as far as told" in stage.words
 
 
+def test_two_joints_that_are_exchanged_in_one_trial_are_told(recordings: tuple[Recording, ...]) -> None:
+    wired, *others = recordings
+    order = np.arange(wired.position.shape[1])
+    order[[2, 5]] = order[[5, 2]]
+    stage = choose_actuation(plays([replace(wired, position=wired.position[:, order]), *others]))
+    said = f"joints 3 and 6 do what the other is told in `{wired.name}` alone: wires or numbers exchanged?"
+    assert said in stage.words
+
+
 def test_servos_that_tire_from_trial_to_trial_are_told(recordings: tuple[Recording, ...]) -> None:
     tired = [replace(r, position=(1 - 0.05 * (n + 1)) * r.position) for n, r in enumerate(recordings)]
     words = choose_actuation(plays(tired)).words

@@ -31,8 +31,17 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
     one = len(alike) == 1
     if mine.sum() > len(mine) / 2:
         return (f"{who} {'follows its command' if one else 'follow their commands'} in {_named(data, ~mine)} alone",)
+    if len(alike) == 2 and _exchanged(data, played, left, mine[data.trials], alike):
+        return (f"{who} do what the other is told in {_named(data, mine)} alone: wires or numbers exchanged?",)
     far = float(_gains(played, left, mine[data.trials])[alike].mean())
     return (f"{who} {'strays' if one else 'stray'} in {_named(data, mine)} alone, {far:.2f} times as far as told",)
+
+
+def _exchanged(data: Plays, played: Floats, left: Floats, rows: np.ndarray, two: list[int]) -> bool:
+    """Whether two joints read, in these rows (R,), what is played for each other, but for a law's error."""
+    told, missed = played[rows][:, two], left[rows][:, two]
+    other = missed + told - told[:, ::-1]
+    return bool((other**2).sum() < LAW_ERROR**2 * (missed**2).sum())
 
 
 def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> tuple[str, ...]:
