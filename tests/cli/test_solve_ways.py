@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.results import read_record
 from serpenoid.status import Status
 
 REFERENCE = Path(__file__).parents[2] / "problems" / "reference-optimum.toml"
@@ -86,3 +87,20 @@ def test_show_says_what_was_not_tried_and_gives_no_reason_that_it_does_not_know(
     assert "polishing gain None" not in out
     assert out.count("polishing gain not tried") == 2
     assert out.rstrip().endswith("pictures          none")
+
+
+def test_what_a_gait_makes_of_its_goals_is_in_the_record_and_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    demands = 'task.demands=[{kind="travel",least=0.2},{kind="reach",target=[0.3,0.0],radius=0.5}]'
+    asked = [str(REFERENCE), "--set", demands, "--set", "gait.a=6", "--no-figures", "--out"]
+    for verb, folder in (("simulate", tmp_path / "one"), ("solve", tmp_path / "two")):
+        assert main([verb, *asked, str(folder), *(["--starts", "1"] if verb == "solve" else [])]) == 0
+        said = [line[18:] for line in capsys.readouterr().out.splitlines() if line.startswith("goal ")]
+        assert len(said) == 2
+        assert all("met" in words for words in said)
+        assert read_record(folder)["goals"] == said
+        (folder / "summary.txt").unlink()
+        assert main(["show", str(folder)]) == 0
+        shown = capsys.readouterr().out
+        assert all(f"goal              {words}\n" in shown for words in said)

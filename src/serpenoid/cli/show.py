@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
+from serpenoid.cli.goals import goal_lines
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import csv_rows, read_text
 
@@ -87,6 +88,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
         f"dissipation T*E   {_short(record['dissipation'])}",
+        *goal_lines(record),
         *_floor(record),
         *note_lines(record.get("note")),
     ]

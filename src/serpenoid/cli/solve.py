@@ -131,7 +131,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped after {done} of {args.starts} starts; the best is in {folder}. {KEPT}")
         return 130
     if not best.status.ok:
-        options.complain(_why(problem) or best.message)
+        options.complain(_why(best) or best.message)
         return 1
     return 0
 
@@ -167,10 +167,13 @@ def kept_better(folder: Path, best: Solution) -> float | None:
     return held["cost"] if not best.status.ok or best.cost > held["cost"] + SAME_COST else None
 
 
-def _why(problem: Problem) -> str | None:
-    """What a heading that was asked for says about a failure; None: nothing."""
+def _why(best: Solution) -> str | None:
+    """What the problem file says about a failure; None: nothing."""
     from serpenoid.optimise.unmoved import why_unmoved
+    from serpenoid.optimise.weights import why_unsolved
+    from serpenoid.status import Status
 
+    problem = best.problem
     heading = problem.task.constraints.heading_change_rad
     if why_unmoved(problem) is not None:
         return None
@@ -179,6 +182,8 @@ def _why(problem: Problem) -> str | None:
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
             "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
         )
+    if best.status in (Status.NOT_CONVERGED, Status.NOT_STATIONARY) and (why := why_unsolved(problem)) is not None:
+        return why
     if problem.family_of().free and not _calm(problem):
         return (
             "the joints of a free table may leap from row to row where nothing holds them: give [body] joint_limit_deg "
@@ -217,7 +222,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:z.6f} at c = {best.c:g}",
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
-        *goal_lines(best.problem, best.table, best.trajectory, best.self_clearance),
+        *goal_lines(record),
         *_case_lines(best),
         *floor_lines(best.trajectory),
         f"gait              {best.gait.words}",

@@ -69,10 +69,13 @@ def parse_values(text: str) -> list[float]:
 def run(args: argparse.Namespace) -> int:
     """Sweep every problem, write, report."""
     from serpenoid.errors import InputError
+    from serpenoid.optimise.weights import check_weights
     from serpenoid.problem import load
 
     values = parse_values(args.c)
     problems = [load(path, args.set, args.model) for path in args.problems]
+    for problem in problems:
+        check_weights(problem, values)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")

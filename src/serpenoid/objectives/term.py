@@ -76,7 +76,7 @@ class Goal(Record):
 class Term(Goal):
     """One term of the objective, times its weight; one entry of `[[task.objectives]]`."""
 
-    weight: float = Field(default=1.0, ge=0, description="factor of this term in the objective")
+    weight: float = Field(default=1.0, ge=0, le=1e6, description="factor of this term in the objective")
 
     @abstractmethod
     def expression(self, of: Criteria) -> ca.SX:
@@ -111,7 +111,8 @@ def beside(amount: float, allowed: float) -> tuple[str, str]:
     if abs(amount - allowed) < NOTHING:
         return f"{allowed:g}", f"{allowed:g}"
     digits = next(d for d in range(4, 10) if f"{amount:.{d}f}" != f"{allowed:.{d}f}")
-    return miss(amount, digits), f"{allowed:g}" if round(allowed, digits) == allowed else f"{allowed:.{digits}f}"
+    few = allowed < 10**-digits or round(allowed, digits) == allowed
+    return miss(amount, digits), f"{allowed:g}" if few else f"{allowed:.{digits}f}"
 
 
 def after(poses: Floats, cycles: int) -> Floats:

@@ -23,6 +23,7 @@ from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.starts import random_gaits
+from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.callers import problem_of, whole
@@ -109,6 +110,7 @@ def sweep(
     With `folder`, solved chain points are kept there and not solved again.
     """
     problem, ordered = problem_of(problem), _in_order(values)
+    check_weights(problem, ordered)
     solver = solver_of(problem)
     gaits = random_gaits(solver, whole("starts", starts, 1), whole("seed", seed, 0))
     solver.prepare(gaits[0])
