@@ -16,6 +16,7 @@ from pathlib import Path
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, content_of, move_aside, sign
+from serpenoid.cli.log import settle
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
@@ -74,6 +75,7 @@ def _run(args: argparse.Namespace) -> int:
     folder = args.out or Path("results") / args.protocol.stem
     for place in (folder, *([args.truth] if args.truth else [])):
         options.check_writable(place)
+    settle([folder])
     if args.force and folder.is_dir() and another(protocol, tables, folder):
         move_aside(folder)
     total = len(plans(protocol))
@@ -97,6 +99,7 @@ def _use(args: argparse.Namespace) -> int:
     problem = args.problem or examples() / "snake10.toml"
     protocol = in_use.protocol_of(robot, load(problem), args.trials, args.cycles)
     folder = args.out or args.diagnosis / "in-use"
+    settle([folder])
     models = content_of(*(args.diagnosis / name for name in in_use.MODELS.values()))
     claim(args, folder, models, load(problem).hash, protocol.model_dump(mode="json"))
     sign(args)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from serpenoid.parallel import Workers
 
 from serpenoid.cli.claim import claim
+from serpenoid.cli.log import settle
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
@@ -178,6 +179,7 @@ def output_folder(args: argparse.Namespace, default: Path, *key: Any) -> Path:
     """
     folder = Path(args.out) if args.out else default
     check_writable(folder)
+    settle([folder])
     return claim(args, folder, *key)
 
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, sign
+from serpenoid.cli.log import settle
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -79,6 +80,7 @@ def run(args: argparse.Namespace) -> int:
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
+    settle(folders)
     sign(args)
     if args.cluster is None and (len(problems) == 1 or args.jobs <= 1):
         summaries = []
@@ -128,7 +130,9 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
     if args.out and len(args.problems) > 1:
         options.check_writable(Path(args.out))
         return claim(args, Path(args.out) / problem.name, problem.hash, *key)
-    return options.output_folder(args, default_folder(problem, "sweep", *key), problem.hash, *key)
+    folder = Path(args.out) if args.out else default_folder(problem, "sweep", *key)
+    options.check_writable(folder)
+    return claim(args, folder, problem.hash, *key)
 
 
 def _lines(summary: dict) -> list[str]:
