@@ -32,6 +32,11 @@ def test_an_exported_table_keeps_what_its_results_state_of_it(tmp_path, out):
     first, again = read_table(tmp_path), read_table(tmp_path / "a" / out)
     assert again.stated == first.stated
     assert (again.steps, again.closed) == (len(gait()) - 1, False)
+    words = ["--format", "csv", "--out", tmp_path / "b", "--cycle-duration"]
+    assert serpenoid("export", tmp_path, *words, 9).returncode == 0
+    assert read_table(tmp_path / "b").stated.cycle_duration_s == 9.0
+    done = serpenoid("export", tmp_path, *words, "nan")
+    assert (done.returncode, "--cycle-duration must be above 0" in done.stderr) == (2, True)
 
 
 def test_formats_that_need_a_robot_or_a_duration_say_so(tmp_path):

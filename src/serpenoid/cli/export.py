@@ -34,6 +34,7 @@ from serpenoid.cli.robot_arguments import (
     cycle_duration,
     load_robot,
     planned,
+    told_duration,
     warn,
 )
 from serpenoid.errors import InputError
@@ -100,14 +101,14 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
         table, refusals = checked_table(args, robot)
         return table, robot, refusals
     table = read_table(args.results)
-    duration = args.cycle_duration or table.stated.cycle_duration_s
-    return table, None, check_finite(table.angles) or body_refusals(args, table, duration)
+    return table, None, check_finite(table.angles) or body_refusals(args, table, told_duration(args, table))
 
 
 def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None, folder: Path) -> None:
     file = folder / "joint_table.csv"
     write_table(file, table.angles)
-    write_json(own_record(file), table.stated.model_dump(mode="json"))
+    stated = table.stated.model_copy(update={"cycle_duration_s": told_duration(args, table)})
+    write_json(own_record(file), stated.model_dump(mode="json"))
 
 
 def _ticks(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
