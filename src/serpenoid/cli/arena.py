@@ -17,6 +17,7 @@ from pathlib import Path
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, content_of, move_aside, sign
 from serpenoid.cli.log import settle
+from serpenoid.wording import counted
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
@@ -82,7 +83,7 @@ def _run(args: argparse.Namespace) -> int:
     with options.progress_bar(args, "trials", total) as advance:
         run_campaign(protocol, tables, folder, workers=options.workers(args), truth=args.truth, report=advance)
     record = {"campaign": str(folder / "campaign.toml"), "trials": total}
-    options.report(args, record, [f"{total} trials described in {folder / 'campaign.toml'}"])
+    options.report(args, record, [f"{counted(total, 'trial')} described in {folder / 'campaign.toml'}"])
     return 0
 
 

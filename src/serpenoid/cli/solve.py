@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines, summary
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -128,7 +129,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     options.report(args, record, lines, folder)
     if stopped:
         done = sum(s.status is not Status.STOPPED for s in result.solutions)
-        options.complain(f"stopped after {done} of {args.starts} starts; the best is in {folder}. {KEPT}")
+        options.complain(f"stopped after {done} of {counted(args.starts, 'start')}; the best is in {folder}. {KEPT}")
         return 130
     if not best.status.ok:
         options.complain(_why(best) or best.message)
@@ -265,6 +266,6 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
     options.report(args, record, [*lines, f"written to {folder}"], folder)
     if len(pairs) < args.improve:
-        options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
+        options.complain(f"stopped after {len(pairs)} of {counted(args.improve, 'gait')}; they are in {folder}")
         return 130
     return 0 if all(pair.solution.status.ok for pair in pairs) else 1

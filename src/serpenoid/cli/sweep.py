@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, sign
 from serpenoid.cli.log import settle
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -140,9 +141,10 @@ def _lines(summary: dict) -> list[str]:
     kept = f" ({summary['kept_from_an_earlier_run']} kept from an earlier run)" * bool(
         summary["kept_from_an_earlier_run"]
     )
+    solved = f"{counted(summary['solved'], 'point')} solved"
     window = summary["idle_for_minimum_between_1_and_2"]
     return [
-        f"{summary['problem']}: {summary['solved']} points solved{kept}, {summary['failed']} failed{missing}",
+        f"{summary['problem']}: {solved}{kept}, {summary['failed']} failed{missing}",
         f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
         _transport(window),
         *(f"  {line}, at the least c" for line in summary["limits"]),
