@@ -178,6 +178,7 @@ def _record(
         "cycle_duration_s": task.cycle_duration_s,
         "anisotropy_ratio": problem.medium.anisotropy_ratio,
         "dissipation_at": problem.medium.dissipation,
+        "law": problem.medium.law,
         "effects": [effect.model_dump(mode="json") for effect in problem.model.effects],
         "largest_step_residual": _number(trajectory.residual),
         **_on_the_floor(trajectory),

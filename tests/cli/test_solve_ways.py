@@ -104,3 +104,17 @@ def test_what_a_gait_makes_of_its_goals_is_in_the_record_and_shown(
         assert main(["show", str(folder)]) == 0
         shown = capsys.readouterr().out
         assert all(f"goal              {words}\n" in shown for words in said)
+
+
+@pytest.mark.parametrize(("law", "name"), [("viscous", "T*E"), ("coulomb", "E  ")])
+def test_the_dissipation_is_named_by_what_it_is_and_show_knows_dry_friction(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], law: str, name: str
+) -> None:
+    words = ["simulate", str(REFERENCE), "--set", f"medium.law={law}", "--set", "gait.a=4", "--no-figures", "--out"]
+    assert main([*words, str(tmp_path)]) == 0
+    assert f"dissipation {name}" in capsys.readouterr().out
+    (tmp_path / "summary.txt").unlink()
+    assert main(["show", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert f"dissipation {name}" in shown
+    assert ("at each vertex, dry friction" in shown) == (law == "coulomb")

@@ -1,4 +1,4 @@
-"""Lines of a summary that say what a gait makes of what its problem file asks."""
+"""Lines of a summary that say what a gait makes of what its problem file asks, and what it costs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from serpenoid.optimise.clearance import Clearance
     from serpenoid.optimise.solution import SelfClear
+
+
+def dissipation_name(law: str) -> str:
+    """Begins the line of the dissipation: of dry friction E alone does not depend on the number of steps."""
+    return f"{'dissipation T*E' if law == 'viscous' else 'dissipation E':18}"
 
 
 def goal_lines(record: dict[str, Any]) -> list[str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.cli.goals import goal_lines
+from serpenoid.cli.goals import dissipation_name, goal_lines
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import csv_rows, read_text
 from serpenoid.wording import counted
@@ -77,19 +77,21 @@ def _taken_by(path: Path) -> str:
 
 def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
+    law = record.get("law", "viscous")  # not in older records
     joints = counted(len(body["joints"]), "joint")
     lines = [
         f"{record['kind']}: {record['status']}"
         + ("" if record["message"] == record["status"] else f" ({record['message']})"),
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {joints}, {body['length_m']:.4g} m",
-        f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
+        f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}"
+        + ", dry friction" * (law == "coulomb"),
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(_gait(gait))}",
         *bound_lines(record.get("at_bounds", [])),
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
-        f"dissipation T*E   {_short(record['dissipation'])}",
+        f"{dissipation_name(law)}{_short(record['dissipation'])}",
         *goal_lines(record),
         *_floor(record),
         *note_lines(record.get("note")),

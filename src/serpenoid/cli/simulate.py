@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
-    from serpenoid.cli.goals import clear_lines, goal_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
     from serpenoid.joint_limits import limit_lines
     from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles
     from serpenoid.problem import load
@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
         f"displacement      {motion.displacement:z.6f} body lengths ({problem.task.cycles} cycle(s))",
         f"forward part      {motion.forward_displacement:+z.6f} body lengths along the mean heading",
         f"heading change    {options.signed(motion.heading_change)} rad",
-        f"dissipation T*E   {motion.dissipation:z.6f}   (raw E {motion.energy_raw:.6g})",
+        f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
         *_rows_lines(problem, len(result.table)),
         *goal_lines(record),

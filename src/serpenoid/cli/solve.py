@@ -206,7 +206,7 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[str]:
-    from serpenoid.cli.goals import clear_lines, goal_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
@@ -219,7 +219,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
-        f"dissipation T*E   {best.trajectory.dissipation:z.6f}",
+        f"{dissipation_name(best.problem.medium.law)}{best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:z.6f} at c = {best.c:g}",
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
