@@ -10,6 +10,7 @@ import pytest
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.objectives.criteria import Criteria
+from serpenoid.objectives.obstacles import HalfPlane
 from serpenoid.optimise.solve import improve, solve, solve_from
 from serpenoid.optimise.weights import LIGHTEST
 from serpenoid.parallel import Workers
@@ -78,3 +79,26 @@ def test_a_search_that_heavy_weights_keep_from_its_optimum_says_so(
     words = ["solve", str(PROBLEMS / "reference-optimum.toml"), *terms, "--starts", "1", "--no-figures"]
     assert main([*words, "--out", str(tmp_path)]) == 1
     assert "the largest of the weights and c is 1e+06" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("length", [5e-324, 1e-200, 1.0, 1e200, 1e308])
+def test_a_walls_normal_may_have_any_length(length: float) -> None:
+    gaps = HalfPlane(point=(0.0, -0.5), normal=(0.0, length)).gap(np.array([[3.0, 0.25]]))
+    assert gaps == pytest.approx([0.75], rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("goal", "said"),
+    [
+        ('demands=[{kind="disc",centre=[1e300,0],radius=1}]', "centre, entry 1: .* 1000000, got 1e"),
+        ('demands=[{kind="reach",target=[0.3,0],radius=1e300}]', "radius: .* 1000000, got 1e"),
+        ('demands=[{kind="reach",target=[0.3,0],cycles=1000000000}]', "cycles: .* 1000, got 1000000000"),
+        ('objectives=[{kind="position",target=[0.3,-1e7]}]', "target, entry 2: .* -1000000, got -1"),
+        ('objectives=[{kind="position",target=[1,0],cycles=1000000000}]', "cycles: .* 1000, got 1000000000"),
+        ('objectives=[{kind="heading",target_rad=1e300}]', "target_rad: .* 1000000, got 1e"),
+        ('demands=[{kind="self",distance=0.01,between=1000}]', "no two of the body's 11 edges have 1000 between them"),
+    ],
+)
+def test_what_no_number_of_the_search_can_hold_is_refused_as_the_file_is_read(goal: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        problem("reference-optimum", f"task.{goal}")

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from serpenoid.errors import InputError
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, told
+from serpenoid.objectives.term import Ask, Demand, Number, Played, Rows, told
 from serpenoid.wording import counted
 
 
@@ -19,7 +19,7 @@ class Shape(Demand):
 
     kind: Literal["shape"] = "shape"
     at: Annotated[float, Field(ge=0, le=1, description="when, as a part of the cycle or of the whole motion")] = 0.0
-    angles: tuple[float, ...] | None = Field(
+    angles: tuple[Number, ...] | None = Field(
         default=None, description="joint angles, tail to head [rad]; none: straight"
     )
     still: bool = Field(default=False, description="the joints rest in the step before or after, too")

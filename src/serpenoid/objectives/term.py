@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -15,6 +15,11 @@ from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.frames import composed
 
+FAR = 1e6  # body lengths, radians: rounding of larger numbers is no less than what the optimiser leaves of a constraint
+MOST_CYCLES = 1000  # that a goal counts: each is an expression of its own
+Number = Annotated[float, Field(ge=-FAR, le=FAR)]
+Point = tuple[Number, Number]
+Cycles = Annotated[int, Field(ge=1, le=MOST_CYCLES)]
 NOTHING = 1e-7  # body lengths or radians: KKT conditions hold to 1e-8, with factors of a few in a demand's own units
 
 
