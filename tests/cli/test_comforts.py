@@ -96,6 +96,15 @@ def test_a_log_may_be_in_the_folder_that_results_have_by_themselves(
     assert lines[-1].endswith("exit code 0")
 
 
+def test_a_log_may_be_in_the_folder_that_a_trial_is_recorded_in(tmp_path: Path) -> None:
+    snake, trial = Path(REFERENCE).with_name("snake10.toml"), tmp_path / "trial"
+    assert main(["simulate", str(snake), "--set", "gait.a=4", "--no-figures", "--out", str(tmp_path / "gait")]) == 0
+    robot = str(snake.parent / "robots" / "snake10-robot.toml")
+    words = ["play", str(tmp_path / "gait"), "--robot", robot, "--dry-run", "--log", str(trial)]
+    assert main([*words, "--log-file", str(trial / "run.log")]) == 0
+    assert "exit code 0" in (trial / "run.log").read_text(encoding="utf-8")
+
+
 def test_a_log_may_be_in_the_folder_of_any_of_several_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     files = [REFERENCE, REFERENCE.replace("reference", "gait-a")]

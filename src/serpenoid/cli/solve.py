@@ -109,7 +109,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped; {folder} {earlier}. {KEPT}")
         return 130
     if stopped and not args.quiet:
-        options.complain("stopping: the best so far is written, with its pictures")
+        options.complain(f"stopping: the best so far is written{'' if args.no_figures else ', with its pictures'}")
     best = refine_best(result) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
