@@ -118,3 +118,19 @@ def test_the_dissipation_is_named_by_what_it_is_and_show_knows_dry_friction(
     shown = capsys.readouterr().out
     assert f"dissipation {name}" in shown
     assert ("at each vertex, dry friction" in shown) == (law == "coulomb")
+
+
+def test_a_sweep_of_failures_says_why_and_tells_no_displacement(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    coarse = ["sweep", str(REFERENCE), "--set", "task.steps=8", "--c", "0,1", "--starts", "1", "--out", str(tmp_path)]
+    assert main(coarse) == 1
+    out = capsys.readouterr().out
+    assert "0 points solved, 2 failed" in out
+    assert "failed at c = 0: " in out
+    assert "the displacement depends on the number of steps" in out
+    assert "(1 more: sweep.csv)" in out
+    assert "displacement 0.0000" not in out
+    record = read_record(tmp_path, "sweep.json")
+    assert record["displacement"] is None
+    assert [failure["c"] for failure in record["failures"]] == [0.0, 1.0]

@@ -49,6 +49,7 @@ def parse_values(text: str) -> list[float]:
     import math
 
     from serpenoid.errors import InputError
+    from serpenoid.problem import MOST_C
 
     try:
         if ":" in text:
@@ -63,8 +64,10 @@ def parse_values(text: str) -> list[float]:
         raise
     except ValueError:
         values = []
-    if not values or not all(math.isfinite(v) and v >= 0 for v in values):
-        raise InputError(f"--c {text}: write first:last:count or a list like 0,0.5,1, all of them >= 0.")
+    if not values or not all(math.isfinite(v) and 0 <= v <= MOST_C for v in values):
+        raise InputError(
+            f"--c {text}: write first:last:count or a list like 0,0.5,1, all of them from 0 to {MOST_C:g}."
+        )
     return [round(v, 12) for v in values]
 
 
@@ -141,15 +144,24 @@ def _lines(summary: dict) -> list[str]:
     kept = f" ({summary['kept_from_an_earlier_run']} kept from an earlier run)" * bool(
         summary["kept_from_an_earlier_run"]
     )
+    went = summary["displacement"]
     solved = f"{counted(summary['solved'], 'point')} solved"
     window = summary["idle_for_minimum_between_1_and_2"]
     return [
         f"{summary['problem']}: {solved}{kept}, {summary['failed']} failed{missing}",
-        f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
-        _transport(window),
+        *_failures(summary["failures"]),
+        *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
         *(f"  {line}, at the least c" for line in summary["limits"]),
         f"  written to {summary['folder']}",
     ]
+
+
+def _failures(failures: list[dict[str, Any]]) -> list[str]:
+    """The first that failed, with its reason."""
+    if not failures:
+        return []
+    more = f" ({len(failures) - 1} more: sweep.csv)" * (len(failures) > 1)
+    return [f"  failed at c = {failures[0]['c']:g}: {failures[0]['message']}{more}"]
 
 
 def _transport(window: list[float] | None) -> str:

@@ -24,7 +24,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from serpenoid.optimise.weights import check_weights
-from serpenoid.problem import Problem
+from serpenoid.problem import MOST_C, Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.callers import problem_of, whole
 
@@ -46,6 +46,11 @@ class SweepPoint:
     def reached(self) -> bool:
         """False where Ctrl-C came before this point."""
         return self.solution is not None or self.message != NOT_REACHED
+
+    @property
+    def failed(self) -> bool:
+        """Whether it was tried in vain."""
+        return self.solution is None and self.reached
 
 
 @dataclass(frozen=True, repr=False)
@@ -134,9 +139,10 @@ def _in_order(values: Sequence[float] | Floats) -> Floats:
         ordered = np.unique(np.asarray(values, float))
     except (TypeError, ValueError):
         ordered = np.zeros(0)
-    if not ordered.size or not np.isfinite(ordered).all() or ordered[0] < 0:
+    if not ordered.size or not np.isfinite(ordered).all() or ordered[0] < 0 or ordered[-1] > MOST_C:
         raise InputError(
-            f"`values` must be one c or more, none of them negative, got {values!r}. np.linspace(0, 2, 9)?"
+            f"`values` must be one c or more, none of them negative or above {MOST_C:g}, got {values!r}. "
+            "np.linspace(0, 2, 9)?"
         )
     return ordered
 
