@@ -127,7 +127,7 @@ def test_a_sweep_of_failures_says_why_and_tells_no_displacement(
     assert main(coarse) == 1
     out = capsys.readouterr().out
     assert "0 points solved, 2 failed" in out
-    assert "failed at c = 0: " in out
+    assert "failed at c = 0: down and up: the displacement" in out
     assert "the displacement depends on the number of steps" in out
     assert "(1 more: sweep.csv)" in out
     assert "displacement 0.0000" not in out

@@ -204,10 +204,11 @@ def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag
 def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool) -> SweepPoint:
     candidates = [(name, chain[c]) for name, chain in found.items() if c in chain]
     candidates.sort(key=lambda pair: (not pair[1].outcome.status.ok, pair[1].outcome.objective))
-    reasons = []
+    reasons: dict[str, list[str]] = {}
     for name, answer in candidates:
         solution = as_solution(solver, answer, c, polish)
         if solution.status.ok:
             return SweepPoint(c, solution, name, solution.message)
-        reasons.append(f"{name}: {solution.message}")
-    return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
+        reasons.setdefault(solution.message, []).append(name)
+    said = "; ".join(f"{' and '.join(sorted(names))}: {message}" for message, names in reasons.items())
+    return SweepPoint(c, None, "", said or NOT_REACHED)
