@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import os
 import sys
 import tempfile
 import webbrowser
@@ -187,7 +188,9 @@ def check_writable(folder: Path) -> None:
     """InputError where `folder` neither exists nor can be made, or cannot be written to."""
     from serpenoid.errors import InputError
 
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
+    if not os.path.exists(there):
+        raise InputError(f"--out {folder}: {there} is a link to what is not there.")
     if not there.is_dir():
         raise InputError(f"--out {folder}: {there} is a file, not a folder.")
     try:
