@@ -34,6 +34,8 @@ def test_a_place_however_small_is_reached(radius: float) -> None:
     found = solve(asked, starts=2)
     assert [solution.status for solution in found.solutions] == [Status.SOLVED] * 2
     assert np.hypot(*(found.best.trajectory.poses[-1, :2] - [0.187, 0.034])) < radius + 1e-8
+    itself = solve(problem(*SMALL, "body.vertices=8", "task.c=2", PLACE.replace("RADIUS", "0")), starts=2)
+    assert found.best.cost == pytest.approx(itself.best.cost, abs=2 * radius + 1e-8)  # its multiplier is 1.3
 
 
 def test_a_gait_does_not_depend_on_the_factor_of_all_weights() -> None:
