@@ -18,7 +18,7 @@ from serpenoid.plot.gait import FINE, X_LABEL, Y_LABEL
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, RED, dress, fill_equal
 
 C_LABEL = "dissipation coefficient c"
-DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised, T·E]"
+DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised]"
 SAMPLES = 300  # along a curve: two pixels apart
 PARAMETERS = {
     "sigma": (BLUE, "flatness σ"),
