@@ -104,3 +104,12 @@ def test_a_walls_normal_may_have_any_length(length: float) -> None:
 def test_what_no_number_of_the_search_can_hold_is_refused_as_the_file_is_read(goal: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         problem("reference-optimum", f"task.{goal}")
+
+
+def test_rest_that_misses_a_demand_is_not_as_good_however_dear_the_motion_is() -> None:
+    dear = 'task.objectives=[{kind="bending",weight=10.0}]'
+    found = solve(problem(*SMALL, dear, PLACE.replace("RADIUS", "0.01")), starts=1).best
+    assert found.status is Status.SOLVED
+    assert found.cost > 1.0  # more than rest misses
+    assert found.note is None
+    assert solve(problem(*SMALL, dear), starts=1).best.note is not None
