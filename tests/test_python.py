@@ -181,7 +181,8 @@ MISUSE = {
     "improve none": (lambda: sp.improve(PROBLEM, 0), r"`count` must be a whole number, 1 or more, got 0"),
     "improve too far": (lambda: sp.improve(PROBLEM, 1, 2), r"`fraction` \(--within\) must be in"),
     "no c": (lambda: sp.sweep(PROBLEM, []), r"`values` must be one c or more"),
-    "c below zero": (lambda: sp.sweep(PROBLEM, [-1.0]), r"`values` must be .* none of them negative, got \[-1\.0\]"),
+    "c below zero": (lambda: sp.sweep(PROBLEM, [-1.0]), r"`values` must be .* none of them negative .*, got \[-1\.0\]"),
+    "c beyond all": (lambda: sp.sweep(PROBLEM, [1e9]), r"`values` must be .* above 1e\+06, got \[1000000000\.0\]"),
     "starts of a sweep": (lambda: sp.sweep(PROBLEM, [0.5], starts=1.5), r"`starts` must be"),
     "a problem for a model": (
         lambda: sp.simulate_joint_angles(PROBLEM, np.zeros((5, 3))), r"got Problem\. Of a problem: problem\.model"),

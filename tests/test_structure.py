@@ -28,7 +28,7 @@ ALLOWED = {
 }
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
 LEFT_OF_MODELS = {
-    "errors", "files", "table_file", "status", "shown", "body", "body_curve", "medium", "group", "gaits",
+    "errors", "wording", "files", "table_file", "status", "shown", "body", "body_curve", "medium", "group", "gaits",
     "objectives", "interrupts",
 }  # fmt: skip
 MAY_IMPORT = {
@@ -38,10 +38,11 @@ MAY_IMPORT = {
     "medium": {"files"},
     "group": {"body"},
     "gaits": {"body", "files", "errors"},
-    "objectives": {"body", "files", "errors"},
+    "objectives": {"body", "files", "errors", "wording"},
     "self_contact": {"body"},
-    "table_file": {"body", "errors", "files"},
+    "table_file": {"body", "errors", "files", "wording"},
     "errors": set(),
+    "wording": set(),
     "status": set(),
     "media": set(),
     "effects": {"body", "files", "errors", "media"},

@@ -34,6 +34,7 @@ from serpenoid.objectives.shape import Shape
 from serpenoid.objectives.term import Ask, Rows
 
 LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
+MOST_C = 1e6  # body lengths per unit of dissipation: beyond, moving is worth nothing
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:
     AnyGait: TypeAlias = Gait
@@ -106,7 +107,7 @@ class Task(Record):
     objectives: tuple[AnyTerm, ...] = Field(default=(Displacement(),), description="terms; default: displacement")
     demands: tuple[AnyDemand, ...] = Field(default=(), description="requirements beside limits")
     c: float = Field(
-        default=0.0, ge=0, le=1e6, description="weight of the normalised dissipation T * E beside the objectives"
+        default=0.0, ge=0, le=MOST_C, description="weight of the normalised dissipation T * E beside the objectives"
     )
     bounds: AnyBounds = Field(default=EllipseBounds(), description="where the optimiser may look; by family")
     constraints: Constraints = Constraints()

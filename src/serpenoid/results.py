@@ -20,7 +20,7 @@ from serpenoid.table_file import write_table
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
 
 if TYPE_CHECKING:
-    from serpenoid.optimise.solution import Solution
+    from serpenoid.optimise.solution import SelfClear, Solution
     from serpenoid.simulation.problem import Simulation
 
 POSE = ("x", "y", "heading", "z", "pitch", "roll")
@@ -39,6 +39,7 @@ def write_simulation(folder: str | Path, simulation: Simulation, figures: bool =
     problem, trajectory = simulation.problem, simulation.trajectory
     gait = problem.family_of().like  # as it is lifted, where it is
     record = _record(problem, trajectory, gait, "simulation", trajectory.status.name, trajectory.status.value)
+    record |= _goals(problem, simulation.table, trajectory)
     record["provenance"] = provenance(problem=problem.name, problem_hash=problem.hash)
     _write(Path(folder), record, simulation.table, trajectory)
     if figures:
@@ -84,6 +85,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "resimulation_error": _number(solution.resimulation_error),
         "polishing_gain": solution.polishing_gain,
         "at_bounds": list(solution.at_bounds),
+        **_goals(problem, solution.table, solution.trajectory, solution.self_clearance),
         **({} if solution.note is None else {"note": solution.note}),
         "clearance": None if solution.clearance is None else asdict(solution.clearance),
         **({} if solution.self_clearance is None else {"self_clearance": asdict(solution.self_clearance)}),
@@ -96,6 +98,15 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "provenance": provenance(problem=problem.name, problem_hash=problem.hash),
     }
     return record
+
+
+def _goals(problem: Problem, table: Floats, motion: Trajectory, own: SelfClear | None = None) -> dict[str, Any]:
+    """What the first cycle makes of all that is asked, in words; own: its distance from itself, where it is known."""
+    from serpenoid.optimise.outcomes import clear_of_itself, goal_words
+
+    if not motion.status.ok:
+        return {"goals": []}
+    return {"goals": goal_words(problem, table, motion, own or clear_of_itself(problem, table))}
 
 
 def _cases(solution: Solution) -> dict[str, Any]:
@@ -167,6 +178,7 @@ def _record(
         "cycle_duration_s": task.cycle_duration_s,
         "anisotropy_ratio": problem.medium.anisotropy_ratio,
         "dissipation_at": problem.medium.dissipation,
+        "law": problem.medium.law,
         "effects": [effect.model_dump(mode="json") for effect in problem.model.effects],
         "largest_step_residual": _number(trajectory.residual),
         **_on_the_floor(trajectory),

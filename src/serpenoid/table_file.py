@@ -11,6 +11,7 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import csv_rows, number, read_text
 from serpenoid.files.writing import write_csv
+from serpenoid.wording import counted
 
 
 def header(joint_count: int) -> list[str]:
@@ -36,7 +37,7 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
         raise InputError(f"{path}: has yaw and pitch of a gait in space; tables to play have one angle a joint.")
     if head != header(m):
         names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
-        raise InputError(f"{path}: the header must be {names} with {m} joints, got {','.join(head)[:60]!r}.")
+        raise InputError(f"{path}: the header must be {names} with {counted(m, 'joint')}, got {','.join(head)[:60]!r}.")
     if len(lines) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
     return np.array([_numbers(path, line, row, m) for line, row in lines[1:]])
@@ -44,7 +45,7 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
 
 def _numbers(path: str | Path, line: int, row: list[str], m: int) -> list[float]:
     if len(row) != m:
-        raise InputError(f"{path}:{line}: needs {m} numbers, got {len(row)}. Was the file cut short?")
+        raise InputError(f"{path}:{line}: needs {counted(m, 'number')}, got {len(row)}. Was the file cut short?")
     values = []
     for column, cell in enumerate(row, start=1):
         value = number(cell)

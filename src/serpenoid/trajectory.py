@@ -75,7 +75,11 @@ class Trajectory(Shown):
     @property
     def dissipation(self) -> float:
         """T^(degree - 1) times E: normalised dissipation, converges as T grows."""
-        return self.steps_per_cycle ** (self.degree - 1) * self.energy_raw
+        return self.dissipation_of(len(self.step_energy))
+
+    def dissipation_of(self, steps: int) -> float:
+        """The same of the first steps alone."""
+        return float(self.steps_per_cycle ** (self.degree - 1) * self.step_energy[:steps].sum())
 
 
 RESTING = 0.5  # of the contact: what rests more than this carries the body

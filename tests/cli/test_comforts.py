@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import shutil
 import subprocess
 import sys
 import webbrowser
@@ -76,6 +77,43 @@ def test_the_log_tells_what_ran_and_how_it_ended(tmp_path: Path) -> None:
     assert "missing.toml" in text
     assert text.splitlines()[-1].endswith("exit code 2")
     assert not logging.getLogger("serpenoid").handlers
+
+
+def test_a_log_may_be_in_the_folder_that_results_have_by_themselves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["simulate", REFERENCE, "--no-figures"]
+    assert main(words) == 0
+    folder = next(Path("results/reference").iterdir())
+    shutil.rmtree("results")
+    assert main([*words, "--log-file", "results/typo/run.log"]) == 2
+    assert "--log-file results/typo/run.log: there is no folder results/typo" in capsys.readouterr().err
+    assert not Path("results").exists()
+    assert main([*words, "--log-file", str(folder / "run.log")]) == 0
+    lines = (folder / "run.log").read_text(encoding="utf-8").splitlines()
+    assert "command: serpenoid simulate" in lines[1]  # what was said before the folder was known
+    assert lines[-1].endswith("exit code 0")
+
+
+def test_a_log_may_be_in_the_folder_that_a_trial_is_recorded_in(tmp_path: Path) -> None:
+    snake, trial = Path(REFERENCE).with_name("snake10.toml"), tmp_path / "trial"
+    assert main(["simulate", str(snake), "--set", "gait.a=4", "--no-figures", "--out", str(tmp_path / "gait")]) == 0
+    robot = str(snake.parent / "robots" / "snake10-robot.toml")
+    words = ["play", str(tmp_path / "gait"), "--robot", robot, "--dry-run", "--log", str(trial)]
+    assert main([*words, "--log-file", str(trial / "run.log")]) == 0
+    assert "exit code 0" in (trial / "run.log").read_text(encoding="utf-8")
+
+
+def test_a_log_may_be_in_the_folder_of_any_of_several_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    files = [REFERENCE, REFERENCE.replace("reference", "gait-a")]
+    words = ["sweep", *files, "--set", "task.steps=12", "--c", "1", "--starts", "1", "--no-figures", "--no-polish"]
+    main(words)  # twelve steps may be too coarse
+    folder = next(Path("results/gait-a").iterdir())
+    shutil.rmtree("results")
+    main([*words, "--log-file", str(folder / "run.log")])
+    assert "exit code" in (folder / "run.log").read_text(encoding="utf-8")
 
 
 def test_a_crash_leaves_its_traceback_in_the_log(tmp_path: Path) -> None:

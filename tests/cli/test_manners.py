@@ -21,6 +21,7 @@ from serpenoid.cli.main import main
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 REFERENCE, SNAKE = str(PROBLEMS / "reference.toml"), str(PROBLEMS / "snake10.toml")
+LONG = "x" * 300
 TABLE = "[body]\nvertices = 4\n[medium]\nanisotropy_ratio = 0.2\n[gait]\npath = 'gait.csv'\n"
 
 
@@ -122,6 +123,21 @@ def test_out_that_is_a_file_is_refused_before_the_work(
     (tmp_path / "file").touch()
     assert main([verb, SNAKE, "--out", str(tmp_path / "file")]) == 2
     assert "is a file, not a folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["simulate", REFERENCE, "--out", LONG],
+        ["simulate", REFERENCE, "--log-file", f"{LONG}/run.log"],
+        ["export", LONG, "--format", "csv", "--out", "gait"],
+        ["compare", LONG],
+        ["show", LONG],
+    ],
+)
+def test_a_name_longer_than_files_may_have_is_bad_input(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith("serpenoid: ")
 
 
 def test_two_problems_do_not_share_a_folder(capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,6 +25,13 @@ def test_a_place_that_takes_no_files_is_refused() -> None:
         check_writable(Path("/proc/results/deeper"))
 
 
+@pytest.mark.parametrize(("target", "below"), [("nowhere", ""), ("nowhere", "deeper"), ("link", "")])
+def test_a_link_to_what_is_not_there_is_refused(tmp_path: Path, target: str, below: str) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / target)
+    with pytest.raises(InputError, match="link is a link to what is not there"):
+        check_writable(tmp_path / "link" / below)
+
+
 def test_a_new_folder_is_not_made_by_asking(tmp_path: Path) -> None:
     check_writable(tmp_path / "a" / "b")
     assert list(tmp_path.iterdir()) == []

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.results import read_record
 from serpenoid.status import Status
 
 REFERENCE = Path(__file__).parents[2] / "problems" / "reference-optimum.toml"
@@ -86,3 +87,50 @@ def test_show_says_what_was_not_tried_and_gives_no_reason_that_it_does_not_know(
     assert "polishing gain None" not in out
     assert out.count("polishing gain not tried") == 2
     assert out.rstrip().endswith("pictures          none")
+
+
+def test_what_a_gait_makes_of_its_goals_is_in_the_record_and_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    demands = 'task.demands=[{kind="travel",least=0.2},{kind="reach",target=[0.3,0.0],radius=0.5}]'
+    asked = [str(REFERENCE), "--set", demands, "--set", "gait.a=6", "--no-figures", "--out"]
+    for verb, folder in (("simulate", tmp_path / "one"), ("solve", tmp_path / "two")):
+        assert main([verb, *asked, str(folder), *(["--starts", "1"] if verb == "solve" else [])]) == 0
+        said = [line[18:] for line in capsys.readouterr().out.splitlines() if line.startswith("goal ")]
+        assert len(said) == 2
+        assert all("met" in words for words in said)
+        assert read_record(folder)["goals"] == said
+        (folder / "summary.txt").unlink()
+        assert main(["show", str(folder)]) == 0
+        shown = capsys.readouterr().out
+        assert all(f"goal              {words}\n" in shown for words in said)
+
+
+@pytest.mark.parametrize(("law", "name"), [("viscous", "T*E"), ("coulomb", "E  ")])
+def test_the_dissipation_is_named_by_what_it_is_and_show_knows_dry_friction(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], law: str, name: str
+) -> None:
+    words = ["simulate", str(REFERENCE), "--set", f"medium.law={law}", "--set", "gait.a=4", "--no-figures", "--out"]
+    assert main([*words, str(tmp_path)]) == 0
+    assert f"dissipation {name}" in capsys.readouterr().out
+    (tmp_path / "summary.txt").unlink()
+    assert main(["show", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert f"dissipation {name}" in shown
+    assert ("at each vertex, dry friction" in shown) == (law == "coulomb")
+
+
+def test_a_sweep_of_failures_says_why_and_tells_no_displacement(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    coarse = ["sweep", str(REFERENCE), "--set", "task.steps=8", "--c", "0,1", "--starts", "1", "--out", str(tmp_path)]
+    assert main(coarse) == 1
+    out = capsys.readouterr().out
+    assert "0 points solved, 2 failed" in out
+    assert "failed at c = 0: down and up: the displacement" in out
+    assert "the displacement depends on the number of steps" in out
+    assert "(1 more: sweep.csv)" in out
+    assert "displacement 0.0000" not in out
+    record = read_record(tmp_path, "sweep.json")
+    assert record["displacement"] is None
+    assert [failure["c"] for failure in record["failures"]] == [0.0, 1.0]

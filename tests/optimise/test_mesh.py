@@ -92,6 +92,7 @@ def test_a_turn_has_its_mesh_error_in_words_too() -> None:
     study = MeshStudy(50, still, still, (1.04, 1.01, 1.0025))
     assert study.turn_error == pytest.approx(0.04, rel=1e-6)  # second order, the limit is 1
     assert "turn 1.000000 rad, error 4.0e-02 (4 %)" in study.words
+    assert "turn 0.010000 rad, error 1.4e-02 (143 %)" in MeshStudy(50, still, still, (0.0207, 0.01, 0.01)).words
     assert study.record["turn_error_rad"] == pytest.approx(0.04)
     assert "turn" not in MeshStudy(50, (0.5, 0.5, 0.5), still).words
 

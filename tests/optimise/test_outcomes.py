@@ -51,6 +51,11 @@ def test_what_is_missed_and_what_is_allowed_have_as_many_digits_as_tell_them_apa
     assert Reach(target=(0.0, 0.0), radius=0.02).outcome(moved(left)) == f"(0, 0) {said}"
 
 
+def test_an_allowance_smaller_than_the_digits_is_not_told_as_nothing() -> None:
+    near = Reach(target=(0.0, 0.0), radius=1e-5).outcome(moved(0.0104))
+    assert near == "(0, 0) missed: 0.0104 body lengths away, 1e-05 allowed"
+
+
 def test_what_an_obstacle_misses_is_said_with_place_and_step() -> None:
     points = np.zeros((3, 2, 2))
     points[:, 1, 0] = 1.0

@@ -86,3 +86,11 @@ def test_failures_are_left_out_and_order_does_not_matter(family):
     back = Family(family.c[::-1], displacement[::-1], family.dissipation[::-1], family.gaits[::-1]).solved()
     np.testing.assert_array_equal(back.c, np.delete(family.c, 3))
     np.testing.assert_array_equal(back.dissipation, np.delete(family.dissipation, 3))
+
+
+def test_pareto_panel_does_not_magnify_the_rounding_of_a_prescribed_displacement(family, ax):
+    same = 1.2 + 1e-13 * np.arange(family.c.size)
+    panels.pareto(Family(family.c, same, family.dissipation, family.gaits), ax)
+    low, high = ax.get_ylim()
+    assert high - low > 0.1
+    assert low < same.min() < same.max() < high

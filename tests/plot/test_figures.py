@@ -18,8 +18,10 @@ from serpenoid.plot.motion import over_cycles
 from serpenoid.plot.space import repeated
 from serpenoid.plot.world import targets
 from serpenoid.problem import Problem
+from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
 from serpenoid.trajectory import LiftedTrajectory
+from specimens import problem
 
 GAIT = EllipseGait(sigma=0.6, theta=0.5, a=6, xi=1)
 
@@ -199,3 +201,10 @@ def test_a_figure_is_drawn_once_for_both_files(tmp_path, problem, table, monkeyp
 
 
 SIDES = ("width", "height", "x", "y")
+
+
+@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+def test_a_motions_title_has_the_dissipation_of_its_own_law(law: str) -> None:
+    found = simulate(problem("reference", "task.steps=30", "task.cycles=2", f"medium.law={law}"))
+    spent = found.trajectory.dissipation / 2  # of one cycle of two
+    assert figures.trajectory_words(found.trajectory).endswith(f"dissipates {spent:.3f}")

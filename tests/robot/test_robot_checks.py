@@ -32,7 +32,7 @@ def test_position_outside_the_limits():
     angles[7, 3] = radians(85.0)
     (refusal,) = check_table(angles, robot(), 60.0, 11.1)
     says(refusal, "joint_4 (ID 4), step 7", "85.0 degrees (3015 ticks)", "-80.0..80.0 degrees (1138..2958 ticks)")
-    says(refusal, "1 steps are outside", "reduce the amplitude")
+    says(refusal, "1 step outside", "reduce the amplitude")
 
 
 def test_limits_follow_the_sign():

@@ -1,5 +1,7 @@
 """Exports are read back: CSV and ticks exactly, the ROS 2 trajectory by the MCAP reader and by a YAML reader."""
 
+import json
+
 import numpy as np
 import pytest
 from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
@@ -19,6 +21,22 @@ def test_csv_and_ticks_are_read_back(tmp_path):
     assert export(tmp_path, "ticks", "--robot", ROBOT_FILE).returncode == 0
     ticks = np.loadtxt(tmp_path / "out" / "ticks.csv", delimiter=",", skiprows=1, dtype=int)
     assert np.array_equal(ticks, to_ticks(gait(), robot()))
+
+
+@pytest.mark.parametrize("out", ["out", "mine.csv"])
+def test_an_exported_table_keeps_what_its_results_state_of_it(tmp_path, out):
+    write_table(tmp_path / "joint_table.csv", gait())
+    stated = {"transient": True, "cycle_duration_s": 7.0, "body": {"joint_limit_deg": 60.0}}
+    (tmp_path / "solution.json").write_text(json.dumps(stated))
+    assert serpenoid("export", tmp_path, "--format", "csv", "--out", tmp_path / "a" / out).returncode == 0
+    first, again = read_table(tmp_path), read_table(tmp_path / "a" / out)
+    assert again.stated == first.stated
+    assert (again.steps, again.closed) == (len(gait()) - 1, False)
+    words = ["--format", "csv", "--out", tmp_path / "b", "--cycle-duration"]
+    assert serpenoid("export", tmp_path, *words, 9).returncode == 0
+    assert read_table(tmp_path / "b").stated.cycle_duration_s == 9.0
+    done = serpenoid("export", tmp_path, *words, "nan")
+    assert (done.returncode, "--cycle-duration must be above 0" in done.stderr) == (2, True)
 
 
 def test_formats_that_need_a_robot_or_a_duration_say_so(tmp_path):

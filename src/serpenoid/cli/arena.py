@@ -16,6 +16,8 @@ from pathlib import Path
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, content_of, move_aside, sign
+from serpenoid.cli.log import settle
+from serpenoid.wording import counted
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
 
@@ -74,13 +76,14 @@ def _run(args: argparse.Namespace) -> int:
     folder = args.out or Path("results") / args.protocol.stem
     for place in (folder, *([args.truth] if args.truth else [])):
         options.check_writable(place)
+    settle([folder])
     if args.force and folder.is_dir() and another(protocol, tables, folder):
         move_aside(folder)
     total = len(plans(protocol))
     with options.progress_bar(args, "trials", total) as advance:
         run_campaign(protocol, tables, folder, workers=options.workers(args), truth=args.truth, report=advance)
     record = {"campaign": str(folder / "campaign.toml"), "trials": total}
-    options.report(args, record, [f"{total} trials described in {folder / 'campaign.toml'}"])
+    options.report(args, record, [f"{counted(total, 'trial')} described in {folder / 'campaign.toml'}"])
     return 0
 
 
@@ -97,6 +100,7 @@ def _use(args: argparse.Namespace) -> int:
     problem = args.problem or examples() / "snake10.toml"
     protocol = in_use.protocol_of(robot, load(problem), args.trials, args.cycles)
     folder = args.out or args.diagnosis / "in-use"
+    settle([folder])
     models = content_of(*(args.diagnosis / name for name in in_use.MODELS.values()))
     claim(args, folder, models, load(problem).hash, protocol.model_dump(mode="json"))
     sign(args)

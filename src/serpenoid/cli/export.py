@@ -1,7 +1,7 @@
 """Write a gait for the robot.
 
 RESULTS is a results folder or a joint-table CSV. Formats:
-  csv      joint_table.csv, radians
+  csv      joint_table.csv, radians; joint_table.json: what `play` must know of it (a transient? limits, duration)
   ticks    ticks.csv, servo positions as --robot maps them
   openrb   an Arduino sketch for the OpenRB-150 that plays the gait without a computer (library Dynamixel2Arduino)
   ros2     JointTrajectory as MCAP and as YAML for joint_trajectory_controller
@@ -10,8 +10,8 @@ RESULTS is a results folder or a joint-table CSV. Formats:
   ros2 topic pub --once /joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory \\
       "$(cat DIR/joint_trajectory.yaml)"
 
---out gait.csv writes that one file (csv, ticks), any other --out is a folder. Formats for a particular robot are
-checked as `serpenoid robot check` does; nothing is written if a check refuses.
+--out gait.csv writes that file (csv, beside it gait.json; ticks), any other --out is a folder. Formats for a particular
+robot are checked as `serpenoid robot check` does; nothing is written if a check refuses.
 """
 
 from __future__ import annotations
@@ -34,20 +34,22 @@ from serpenoid.cli.robot_arguments import (
     cycle_duration,
     load_robot,
     planned,
+    told_duration,
     warn,
 )
 from serpenoid.errors import InputError
-from serpenoid.files.writing import write_csv, write_text
+from serpenoid.files.writing import write_csv, write_json, write_text
 from serpenoid.robot import ros
 from serpenoid.robot.checks import Refusal, check_finite
 from serpenoid.robot.description import Robot
 from serpenoid.robot.firmware import sketch
 from serpenoid.robot.plan import Plan, check_repetition
+from serpenoid.robot.stated import own_record
 from serpenoid.robot.table import JointTable, read_table, write_table
 
 SKETCH = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,62}")
 ENDINGS = (".csv", ".ino", ".mcap", ".yaml")  # of a file, where a folder may be meant
-TABLES = ("csv", "ticks")  # formats that tell rows, and not how they are played
+TABLES = ("csv", "ticks")  # formats that tell rows, and not to every program how they are played
 Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 
 
@@ -74,7 +76,8 @@ def run(args: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory() as made:
         EXPORTERS[args.format](args, table, robot, Path(made))
         if file is not None:
-            next(Path(made).iterdir()).rename(Path(made) / file)
+            for path in sorted(Path(made).iterdir()):
+                path.rename(path.with_name(file if path.suffix == ".csv" else own_record(Path(file)).name))
         paths = place(args, Path(made), folder)
     sys.stdout.writelines(f"{path}\n" for path in paths)
     if not table.closed and args.format in TABLES:
@@ -98,12 +101,14 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
         table, refusals = checked_table(args, robot)
         return table, robot, refusals
     table = read_table(args.results)
-    duration = args.cycle_duration or table.stated.cycle_duration_s
-    return table, None, check_finite(table.angles) or body_refusals(args, table, duration)
+    return table, None, check_finite(table.angles) or body_refusals(args, table, told_duration(args, table))
 
 
 def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None, folder: Path) -> None:
-    write_table(folder / "joint_table.csv", table.angles)
+    file = folder / "joint_table.csv"
+    write_table(file, table.angles)
+    stated = table.stated.model_copy(update={"cycle_duration_s": told_duration(args, table)})
+    write_json(own_record(file), stated.model_dump(mode="json"))
 
 
 def _ticks(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:

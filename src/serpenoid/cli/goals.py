@@ -1,34 +1,25 @@
-"""Lines of a summary that say what a gait makes of what its problem file asks."""
+"""Lines of a summary that say what a gait makes of what its problem file asks, and what it costs."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from serpenoid.body import Floats
     from serpenoid.optimise.clearance import Clearance
     from serpenoid.optimise.solution import SelfClear
-    from serpenoid.problem import Problem
-    from serpenoid.trajectory import Trajectory
 
 
-def goal_lines(problem: Problem, table: Floats, motion: Trajectory, own: SelfClear | None) -> list[str]:
-    """One line for every goal there is something to say of."""
-    from serpenoid.optimise.outcomes import goal_words
+def dissipation_name(law: str) -> str:
+    """Begins the line of the dissipation: of dry friction E alone does not depend on the number of steps."""
+    return f"{'dissipation T*E' if law == 'viscous' else 'dissipation E':18}"
 
-    return [f"goal              {words}" for words in goal_words(problem, table, motion, own)]
+
+def goal_lines(record: dict[str, Any]) -> list[str]:
+    """One line for every goal there is something to say of; none of a record that is older than they are."""
+    return [f"goal              {words}" for words in record.get("goals", [])]
 
 
 def clear_lines(obstacles: Clearance | None, own: SelfClear | None) -> list[str]:
     """What is proven of the body's distance from obstacles and from itself."""
     lines = [f"clearance         {obstacles.words}"] if obstacles else []
     return [*lines, *([f"from itself       {own.words}"] if own else [])]
-
-
-def asked_lines(problem: Problem, table: Floats, motion: Trajectory) -> list[str]:
-    """All of them for a gait that was simulated; the first of its cycles counts."""
-    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles
-
-    own = clear_of_itself(problem, table)
-    lines = goal_lines(problem, table, motion, own)
-    return [*lines, *clear_lines(clear_of_obstacles(problem, table, motion), own)]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import platform
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
@@ -42,6 +43,41 @@ class _LogFile(logging.FileHandler):
             super().close()
 
 
+class _Waiting(logging.Handler):
+    """A log file in a results folder that the command has yet to name: what is said until then is kept for it."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.path = path
+        self._kept: list[logging.LogRecord] = []
+        self._file: logging.Handler | None = None
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if self._file is None:
+            self._kept.append(record)
+        else:
+            self._file.handle(record)
+
+    def open_in(self, folders: Sequence[Path]) -> None:
+        """InputError where the file is in none of these folders; what was kept is written."""
+        if self._file is None:
+            self._file = _handler(self.path, folders)
+            for record in self._kept:
+                self._file.handle(record)
+
+    def close(self) -> None:
+        if self._file is not None:
+            self._file.close()
+        super().close()
+
+
+def settle(folders: Sequence[Path]) -> None:
+    """A command knows where its results go: a log file in a folder that was not there is begun, or refused."""
+    for handler in log.handlers:
+        if isinstance(handler, _Waiting):
+            handler.open_in(folders)
+
+
 def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
     """Loggers as -v, --quiet and --log-file ask for; closing what is returned closes the file.
 
@@ -52,7 +88,7 @@ def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
     stack = ExitStack()
     if args.log_file is None and not args.verbose:
         return stack
-    handler = None if args.log_file is None else _handler(args.log_file, getattr(args, "out", None))
+    handler = None if args.log_file is None else _handler_of(args)
     log.setLevel(logging.DEBUG)
     stack.callback(log.setLevel, logging.NOTSET)
     if handler is None:
@@ -67,9 +103,17 @@ def begin(args: argparse.Namespace, words: Sequence[str]) -> ExitStack:
     return stack
 
 
-def _handler(path: Path, out: str | Path | None) -> logging.FileHandler:
-    """A folder that is not there is made where it is the one of the results: any other is a slip of the pen."""
-    if not path.parent.exists() and (out is None or path.parent.absolute() != Path(out).absolute()):
+def _handler_of(args: argparse.Namespace) -> logging.Handler:
+    """Of --log-file; it waits where its folder may be the one that the results have without --out."""
+    path, out = args.log_file, getattr(args, "out", None) or getattr(args, "log", None)
+    if hasattr(args, "out") and out is None and not os.path.exists(path.parent):
+        return _Waiting(path)
+    return _handler(path, [] if out is None else [Path(out)])
+
+
+def _handler(path: Path, folders: Iterable[Path]) -> logging.Handler:
+    """A folder that is not there is made where it is one of the results: any other is a slip of the pen."""
+    if not os.path.exists(path.parent) and path.parent.absolute() not in [folder.absolute() for folder in folders]:
         raise InputError(f"--log-file {path}: there is no folder {path.parent}. Make it, or name one that is there.")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

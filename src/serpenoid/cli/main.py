@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import errno
 import importlib
 import os
 import sys
@@ -114,7 +115,8 @@ def _refused(error: Exception, args: argparse.Namespace) -> int | None:
     if isinstance(error, InputError):
         return _complain(_located(str(error), args), 2)
     if isinstance(error, OSError):
-        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}.", 1)
+        named_badly = error.errno == errno.ENAMETOOLONG  # by whoever gave the command
+        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}.", 2 if named_badly else 1)
     return None
 
 

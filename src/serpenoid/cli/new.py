@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.errors import InputError
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.scaffold import Question
@@ -77,7 +78,7 @@ def _length(kind: str, path: Path) -> list[str]:
 
     body = validate(Body, read_toml(path)["body"], str(path))
     odd = [f"warning: {body.odd_length}"] if body.odd_length else []
-    return [f"The body is {body.total_length_m:.4g} m long, {body.joint_count} joints.", *odd]
+    return [f"The body is {body.total_length_m:.4g} m long, {counted(body.joint_count, 'joint')}.", *odd]
 
 
 def _check_name(name: str) -> None:

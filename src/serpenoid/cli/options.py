@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import os
 import sys
 import tempfile
 import webbrowser
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from serpenoid.parallel import Workers
 
 from serpenoid.cli.claim import claim
+from serpenoid.cli.log import settle
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
@@ -178,6 +180,7 @@ def output_folder(args: argparse.Namespace, default: Path, *key: Any) -> Path:
     """
     folder = Path(args.out) if args.out else default
     check_writable(folder)
+    settle([folder])
     return claim(args, folder, *key)
 
 
@@ -185,7 +188,9 @@ def check_writable(folder: Path) -> None:
     """InputError where `folder` neither exists nor can be made, or cannot be written to."""
     from serpenoid.errors import InputError
 
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
+    if not os.path.exists(there):
+        raise InputError(f"--out {folder}: {there} is a link to what is not there.")
     if not there.is_dir():
         raise InputError(f"--out {folder}: {there} is a file, not a folder.")
     try:

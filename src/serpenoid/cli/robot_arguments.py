@@ -41,12 +41,17 @@ def load_robot(args: argparse.Namespace) -> Robot:
     return load(Robot, args.robot)
 
 
-def cycle_duration(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> float:
-    """--cycle-duration, else the results' own, else the robot file's [s]."""
+def told_duration(args: argparse.Namespace, table: JointTable) -> float | None:
+    """--cycle-duration, else the results' own [s]; None: nobody says."""
     given = args.cycle_duration
     if given is not None and not 0 < given <= LONGEST_CYCLE_S:
         raise InputError(f"--cycle-duration must be above 0 and at most 600 seconds, got {given}.")
-    chosen = given or table.stated.cycle_duration_s or (robot.motion.cycle_duration_s if robot else None)
+    return given or table.stated.cycle_duration_s
+
+
+def cycle_duration(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> float:
+    """The same, else the robot file's [s]."""
+    chosen = told_duration(args, table) or (robot.motion.cycle_duration_s if robot else None)
     if chosen is None:
         raise InputError("The results do not say how long a cycle lasts. Give --cycle-duration S or --robot FILE.")
     return chosen

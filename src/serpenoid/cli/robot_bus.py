@@ -20,6 +20,7 @@ from serpenoid.robot.power import record_power
 from serpenoid.robot.prepare import identify, inspect, narrower
 from serpenoid.robot.table import JointTable
 from serpenoid.robot.ticks import to_ticks
+from serpenoid.wording import counted
 
 LAST_ID = 252
 SCAN_RATES = (57600, 1000000, 115200, 2000000, 3000000)
@@ -108,7 +109,7 @@ def _check(args: argparse.Namespace) -> int:
         warn(f"refused {how}:", *refusals)
         return 1
     sys.stdout.write(
-        f"{table.source}: {table.steps} steps x {table.joints} joints may be played on {robot.name} {how}\n"
+        f"{table.source}: {table.steps} steps x {counted(table.joints, 'joint')} may be played on {robot.name} {how}\n"
     )
     return 0
 
@@ -157,7 +158,7 @@ def _reboot(args: argparse.Namespace) -> int:
             except RobotFault as fault:
                 warn(fault)
                 return 1
-    sys.stdout.write(f"{len(robot.ids)} servos rebooted; torque is off\n")
+    sys.stdout.write(f"{counted(len(robot.ids), 'servo')} rebooted; torque is off\n")
     return 0
 
 

@@ -28,6 +28,7 @@ from serpenoid.robot.emulator.chain import Chain
 from serpenoid.robot.emulator.faults import KINDS, parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.arena.bus import Ground
@@ -68,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
         signal.signal(number, lambda received, _: stopping.append(received))
     sys.stdout.write(f"{server.port}\n")
     sys.stdout.flush()
-    sys.stderr.write(f"{len(servos)} emulated servos at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
+    sys.stderr.write(f"{counted(len(servos), 'emulated servo')} at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
     server.serve(lambda: bool(stopping))
     report = server.report()
     server.close()

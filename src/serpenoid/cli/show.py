@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
+from serpenoid.cli.goals import dissipation_name, goal_lines
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import csv_rows, read_text
+from serpenoid.wording import counted
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -75,18 +77,22 @@ def _taken_by(path: Path) -> str:
 
 def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
+    law = record.get("law", "viscous")  # not in older records
+    joints = counted(len(body["joints"]), "joint")
     lines = [
         f"{record['kind']}: {record['status']}"
         + ("" if record["message"] == record["status"] else f" ({record['message']})"),
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
-        f"body              {body['vertices']} vertices, {len(body['joints'])} joints, {body['length_m']:.4g} m",
-        f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}",
+        f"body              {body['vertices']} vertices, {joints}, {body['length_m']:.4g} m",
+        f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}"
+        + ", dry friction" * (law == "coulomb"),
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(_gait(gait))}",
         *bound_lines(record.get("at_bounds", [])),
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
-        f"dissipation T*E   {_short(record['dissipation'])}",
+        f"{dissipation_name(law)}{_short(record['dissipation'])}",
+        *goal_lines(record),
         *_floor(record),
         *note_lines(record.get("note")),
     ]
@@ -133,7 +139,7 @@ def _set_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
 def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     head, *cells = csv_rows(read_text(folder / "sweep.csv"), folder / "sweep.csv")
     rows = [dict(zip(head, row, strict=True)) for row in cells]
-    lines = [f"sweep of {record['problem']}: {record['solved']} points solved, {record['failed']} failed"]
+    lines = [f"sweep of {record['problem']}: {counted(record['solved'], 'point')} solved, {record['failed']} failed"]
     lines.append(f"{'c':>8}{'displacement':>14}{'dissipation':>13}{'cost':>11}")
     for row in rows:
         if row["status"] != "solved":

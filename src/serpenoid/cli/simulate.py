@@ -30,8 +30,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
-    from serpenoid.cli.goals import asked_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
     from serpenoid.joint_limits import limit_lines
+    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning
@@ -52,10 +53,11 @@ def run(args: argparse.Namespace) -> int:
         f"displacement      {motion.displacement:z.6f} body lengths ({problem.task.cycles} cycle(s))",
         f"forward part      {motion.forward_displacement:+z.6f} body lengths along the mean heading",
         f"heading change    {options.signed(motion.heading_change)} rad",
-        f"dissipation T*E   {motion.dissipation:z.6f}   (raw E {motion.energy_raw:.6g})",
+        f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}   (raw E {motion.energy_raw:.6g})",
         f"largest residual  {motion.residual:.1e}",
         *_rows_lines(problem, len(result.table)),
-        *asked_lines(problem, result.table, motion),
+        *goal_lines(record),
+        *clear_lines(clear_of_obstacles(problem, result.table, motion), clear_of_itself(problem, result.table)),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
         *crossing_warning(motion),

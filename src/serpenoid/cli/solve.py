@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines, summary
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -108,7 +109,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
         options.complain(f"stopped; {folder} {earlier}. {KEPT}")
         return 130
     if stopped and not args.quiet:
-        options.complain("stopping: the best so far is written, with its pictures")
+        options.complain(f"stopping: the best so far is written{'' if args.no_figures else ', with its pictures'}")
     best = refine_best(result) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
@@ -128,10 +129,10 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     options.report(args, record, lines, folder)
     if stopped:
         done = sum(s.status is not Status.STOPPED for s in result.solutions)
-        options.complain(f"stopped after {done} of {args.starts} starts; the best is in {folder}. {KEPT}")
+        options.complain(f"stopped after {done} of {counted(args.starts, 'start')}; the best is in {folder}. {KEPT}")
         return 130
     if not best.status.ok:
-        options.complain(_why(problem) or best.message)
+        options.complain(_why(best) or best.message)
         return 1
     return 0
 
@@ -167,10 +168,13 @@ def kept_better(folder: Path, best: Solution) -> float | None:
     return held["cost"] if not best.status.ok or best.cost > held["cost"] + SAME_COST else None
 
 
-def _why(problem: Problem) -> str | None:
-    """What a heading that was asked for says about a failure; None: nothing."""
+def _why(best: Solution) -> str | None:
+    """What the problem file says about a failure; None: nothing."""
     from serpenoid.optimise.unmoved import why_unmoved
+    from serpenoid.optimise.weights import why_unsolved
+    from serpenoid.status import Status
 
+    problem = best.problem
     heading = problem.task.constraints.heading_change_rad
     if why_unmoved(problem) is not None:
         return None
@@ -179,6 +183,8 @@ def _why(problem: Problem) -> str | None:
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
             "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
         )
+    if best.status in (Status.NOT_CONVERGED, Status.NOT_STATIONARY) and (why := why_unsolved(problem)) is not None:
+        return why
     if problem.family_of().free and not _calm(problem):
         return (
             "the joints of a free table may leap from row to row where nothing holds them: give [body] joint_limit_deg "
@@ -200,7 +206,7 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[str]:
-    from serpenoid.cli.goals import clear_lines, goal_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
@@ -213,11 +219,11 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
-        f"dissipation T*E   {best.trajectory.dissipation:z.6f}",
+        f"{dissipation_name(best.problem.medium.law)}{best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:z.6f} at c = {best.c:g}",
         f"heading change    {options.signed(best.trajectory.heading_change)} rad",
-        *goal_lines(best.problem, best.table, best.trajectory, best.self_clearance),
+        *goal_lines(record),
         *_case_lines(best),
         *floor_lines(best.trajectory),
         f"gait              {best.gait.words}",
@@ -260,6 +266,6 @@ def _improve(args: argparse.Namespace, problem: Problem) -> int:
     lines += [f"{g['gait']:8}{g['random']:10.4f}{g['improved']:10.4f}  {g['status']}" for g in record["gaits"]]
     options.report(args, record, [*lines, f"written to {folder}"], folder)
     if len(pairs) < args.improve:
-        options.complain(f"stopped after {len(pairs)} of {args.improve} gaits; they are in {folder}")
+        options.complain(f"stopped after {len(pairs)} of {counted(args.improve, 'gait')}; they are in {folder}")
         return 130
     return 0 if all(pair.solution.status.ok for pair in pairs) else 1

@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, sign
+from serpenoid.cli.log import settle
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -47,6 +49,7 @@ def parse_values(text: str) -> list[float]:
     import math
 
     from serpenoid.errors import InputError
+    from serpenoid.problem import MOST_C
 
     try:
         if ":" in text:
@@ -61,21 +64,27 @@ def parse_values(text: str) -> list[float]:
         raise
     except ValueError:
         values = []
-    if not values or not all(math.isfinite(v) and v >= 0 for v in values):
-        raise InputError(f"--c {text}: write first:last:count or a list like 0,0.5,1, all of them >= 0.")
+    if not values or not all(math.isfinite(v) and 0 <= v <= MOST_C for v in values):
+        raise InputError(
+            f"--c {text}: write first:last:count or a list like 0,0.5,1, all of them from 0 to {MOST_C:g}."
+        )
     return [round(v, 12) for v in values]
 
 
 def run(args: argparse.Namespace) -> int:
     """Sweep every problem, write, report."""
     from serpenoid.errors import InputError
+    from serpenoid.optimise.weights import check_weights
     from serpenoid.problem import load
 
     values = parse_values(args.c)
     problems = [load(path, args.set, args.model) for path in args.problems]
+    for problem in problems:
+        check_weights(problem, values)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
+    settle(folders)
     sign(args)
     if args.cluster is None and (len(problems) == 1 or args.jobs <= 1):
         summaries = []
@@ -125,7 +134,9 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
     if args.out and len(args.problems) > 1:
         options.check_writable(Path(args.out))
         return claim(args, Path(args.out) / problem.name, problem.hash, *key)
-    return options.output_folder(args, default_folder(problem, "sweep", *key), problem.hash, *key)
+    folder = Path(args.out) if args.out else default_folder(problem, "sweep", *key)
+    options.check_writable(folder)
+    return claim(args, folder, problem.hash, *key)
 
 
 def _lines(summary: dict) -> list[str]:
@@ -133,14 +144,24 @@ def _lines(summary: dict) -> list[str]:
     kept = f" ({summary['kept_from_an_earlier_run']} kept from an earlier run)" * bool(
         summary["kept_from_an_earlier_run"]
     )
+    went = summary["displacement"]
+    solved = f"{counted(summary['solved'], 'point')} solved"
     window = summary["idle_for_minimum_between_1_and_2"]
     return [
-        f"{summary['problem']}: {summary['solved']} points solved{kept}, {summary['failed']} failed{missing}",
-        f"  displacement {summary['displacement'][0]:.4f} .. {summary['displacement'][1]:.4f} body lengths",
-        _transport(window),
+        f"{summary['problem']}: {solved}{kept}, {summary['failed']} failed{missing}",
+        *_failures(summary["failures"]),
+        *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
         *(f"  {line}, at the least c" for line in summary["limits"]),
         f"  written to {summary['folder']}",
     ]
+
+
+def _failures(failures: list[dict[str, Any]]) -> list[str]:
+    """The first that failed, with its reason."""
+    if not failures:
+        return []
+    more = f" ({len(failures) - 1} more: sweep.csv)" * (len(failures) > 1)
+    return [f"  failed at c = {failures[0]['c']:g}: {failures[0]['message']}{more}"]
 
 
 def _transport(window: list[float] | None) -> str:

@@ -36,6 +36,11 @@ def contradiction(
             if ask.quantity == other.quantity and max(ask.lower, other.lower) > min(ask.upper, other.upper) + SLACK:
                 return f"{before} and {name} contradict each other: {ask.quantity} {_words(other)} and {_words(ask)}"
     for name, demand in named:
+        if isinstance(demand, SelfClearance) and demand.between > len(edges) - 2:
+            return (
+                f"{name} between: no two of the body's {len(edges)} edges have {demand.between} between them. Ask for "
+                "fewer, or leave the demand out"
+            )
         if isinstance(demand, SelfClearance) and demand.distance > (most := demand.most(edges)) + SLACK:
             return (
                 f"{name} distance must be at most {most:.3g}, as far as the {demand.between} edge(s) between two "

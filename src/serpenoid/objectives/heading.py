@@ -8,15 +8,15 @@ import casadi as ca
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Played, Term, told
+from serpenoid.objectives.term import Cycles, Number, Played, Term, told
 
 
 class Heading(Term):
     """(heading - target)^2, the heading of the first row being zero."""
 
     kind: Literal["heading"] = "heading"
-    target_rad: float = Field(description="counter-clockwise [rad]; beyond pi: more than half a turn")
-    cycles: int = Field(default=1, ge=1, description="the cycle is played so often")
+    target_rad: Number = Field(description="counter-clockwise [rad]; beyond pi: more than half a turn")
+    cycles: Cycles = Field(default=1, description="the cycle is played so often")
 
     def expression(self, of: Criteria) -> ca.SX:
         """Zero where the heading is met."""

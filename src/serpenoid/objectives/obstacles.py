@@ -8,6 +8,7 @@ Coordinates: body lengths, in the frame of the first row (origin: centroid; x: m
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from typing import Annotated, ClassVar, Literal, Self
 
@@ -17,10 +18,9 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Demand, Played, told
+from serpenoid.objectives.term import FAR, Demand, Number, Played, Point, told
 
-Point = tuple[float, float]
-Positive = Annotated[float, Field(gt=0)]
+Positive = Annotated[float, Field(gt=0, le=FAR)]
 DEEP = 1e-6  # body lengths: less is what the optimiser leaves of a constraint
 BEND = 1.0  # body lengths: no point of the body is farther from its centroid
 TINY = 1e-18  # keeps the derivative of a distance defined where it is zero
@@ -31,7 +31,7 @@ class Obstacle(Demand):
 
     kind: str
     flat: ClassVar[str] = "a distance from obstacles is proven for bodies that lie flat"
-    clearance: Annotated[float, Field(ge=0, description="distance to keep: half the body's width, say")] = 0.0
+    clearance: Annotated[float, Field(ge=0, le=FAR, description="distance to keep: half the body's width, say")] = 0.0
 
     @property
     def room(self) -> float:
@@ -81,7 +81,7 @@ class Box(Obstacle):
     kind: Literal["box"] = "box"
     centre: Point = (0.0, 0.0)
     half_widths: tuple[Positive, Positive]
-    angle_rad: float = 0.0
+    angle_rad: Number = 0.0
     inside: bool = Field(default=False, description="stay in it instead of outside")
 
     @property
@@ -107,7 +107,7 @@ class HalfPlane(Obstacle):
 
     kind: Literal["half_plane"] = "half_plane"
     point: Point
-    normal: Point
+    normal: tuple[float, float]
 
     @property
     def room(self) -> float:
@@ -122,5 +122,7 @@ class HalfPlane(Obstacle):
 
     def distances(self, points: ca.SX) -> ca.SX:
         """Along the normal."""
-        normal = ca.DM(self.normal) / ca.norm_2(ca.DM(self.normal))
+        exponent = math.frexp(max(map(abs, self.normal)))[1]
+        normal = ca.DM([math.ldexp(part, -exponent) for part in self.normal])  # whose square is a number
+        normal /= ca.norm_2(normal)
         return normal.T @ (points - ca.repmat(ca.DM(self.point), 1, points.size2()))

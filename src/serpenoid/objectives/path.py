@@ -15,9 +15,8 @@ from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.frames import placed
 from serpenoid.objectives.obstacles import TINY, Obstacle
-from serpenoid.objectives.term import Played, Term, after, places
+from serpenoid.objectives.term import FAR, Played, Point, Term, after, places
 
-Point = tuple[float, float]
 CORNERS = 1000  # every piece is a symbolic distance of every point and row: more are a drawing, not a line to follow
 Line = Annotated[
     tuple[Point, ...],
@@ -60,7 +59,7 @@ class Corridor(Obstacle):
 
     kind: Literal["corridor"] = "corridor"
     line: Line
-    half_width: Annotated[float, Field(gt=0, description="body lengths")]
+    half_width: Annotated[float, Field(gt=0, le=FAR, description="body lengths")]
 
     def distances(self, points: ca.SX) -> ca.SX:
         """Half the width less the distance from the line: not convex, but never steeper than the point moves."""

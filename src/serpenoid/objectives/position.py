@@ -9,15 +9,15 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Played, Term, after, told
+from serpenoid.objectives.term import Cycles, Played, Point, Term, after, told
 
 
 class Position(Term):
     """|(x, y) of the body frame - target|^2 in the frame of the first row: origin centroid, x along the mean edge."""
 
     kind: Literal["position"] = "position"
-    target: tuple[float, float] = Field(description="x, y [body lengths]")
-    cycles: int = Field(default=1, ge=1, description="the cycle is played so often to get there")
+    target: Point = Field(description="x, y [body lengths]")
+    cycles: Cycles = Field(default=1, description="the cycle is played so often to get there")
 
     def expression(self, of: Criteria) -> ca.SX:
         """Zero where the target is reached."""

@@ -9,24 +9,39 @@ import numpy as np
 from pydantic import Field
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import NOTHING, Ask, Demand, Played, Rows, after, beside, told
+from serpenoid.objectives.term import (
+    FAR,
+    NOTHING,
+    Ask,
+    Cycles,
+    Demand,
+    Number,
+    Played,
+    Point,
+    Rows,
+    after,
+    beside,
+    told,
+)
+
+POINT = 1e-6  # body lengths: a disc in which optima cost the same, and whose rim is too curved to converge on
 
 
 class Reach(Demand):
-    """|(x, y) - target| <= radius at the row nearest to `at`; a radius of zero asks for the target itself."""
+    """|(x, y) - target| <= radius at the row nearest to `at`; a radius of 0 to POINT asks for the target itself."""
 
     kind: Literal["reach"] = "reach"
-    target: tuple[float, float] = Field(description="x, y [body lengths], in the frame of the first row")
-    radius: Annotated[float, Field(ge=0)] = 0.0
+    target: Point = Field(description="x, y [body lengths], in the frame of the first row")
+    radius: Annotated[float, Field(ge=0, le=FAR)] = 0.0
     at: Annotated[float, Field(gt=0, le=1, description="when, as a part of the cycle")] = 1.0
-    cycles: int = Field(default=1, ge=1, description="of `at = 1`: after so many cycles")
-    heading_rad: float | None = Field(default=None, description="heading there; default: any")
+    cycles: Cycles = Field(default=1, description="of `at = 1`: after so many cycles")
+    heading_rad: Number | None = Field(default=None, description="heading there; default: any")
 
     def require(self, of: Criteria) -> None:
         """Two equations or one inequality, and the heading."""
         pose = of.after(self.cycles) if self.at == 1 else of.poses[:, self._row(of.steps)]
         gap = pose[:2] - ca.DM(self.target)
-        if self.radius > 0:
+        if self.radius > POINT:
             of.subject_to(ca.sumsqr(gap), -ca.inf, self.radius**2)
         else:
             of.subject_to(gap, 0.0, 0.0)

@@ -22,10 +22,7 @@ class SelfClearance(Demand):
 
     def most(self, edges: Floats) -> float:
         """The largest distance that any shape keeps: as far as the edges between reach, of lengths `edges` (N - 1)."""
-        inner = edges[1:-1]
-        if len(inner) < self.between:
-            return np.inf  # no two edges have so many between them
-        return float(np.convolve(inner, np.ones(self.between), "valid").min())
+        return float(np.convolve(edges[1:-1], np.ones(self.between), "valid").min())
 
     def require(self, of: Criteria) -> None:
         """Nothing at once: pairs are asked for as they come near (`optimise/apart.py`)."""

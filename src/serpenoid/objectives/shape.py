@@ -10,7 +10,8 @@ from pydantic import Field
 
 from serpenoid.errors import InputError
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, told
+from serpenoid.objectives.term import Ask, Demand, Number, Played, Rows, told
+from serpenoid.wording import counted
 
 
 class Shape(Demand):
@@ -18,7 +19,7 @@ class Shape(Demand):
 
     kind: Literal["shape"] = "shape"
     at: Annotated[float, Field(ge=0, le=1, description="when, as a part of the cycle or of the whole motion")] = 0.0
-    angles: tuple[float, ...] | None = Field(
+    angles: tuple[Number, ...] | None = Field(
         default=None, description="joint angles, tail to head [rad]; none: straight"
     )
     still: bool = Field(default=False, description="the joints rest in the step before or after, too")
@@ -44,6 +45,8 @@ class Shape(Demand):
     def asks(self, rows: Rows) -> list[Ask]:
         """Every joint angle of the row."""
         if self.angles is not None and len(self.angles) != rows.joints:
-            raise InputError(f"[[task.demands]] shape: `angles` needs {rows.joints} numbers, got {len(self.angles)}.")
+            raise InputError(
+                f"[[task.demands]] shape: `angles` needs {counted(rows.joints, 'number')}, got {len(self.angles)}."
+            )
         row = rows.of(self.at)
         return [Ask(f"joint {j} at row {row}", v, v) for j, v in enumerate(self.angles or [0.0] * rows.joints, start=1)]

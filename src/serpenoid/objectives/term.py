@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -15,6 +15,11 @@ from serpenoid.files.schema import Record
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.frames import composed
 
+FAR = 1e6  # body lengths, radians: rounding of larger numbers is no less than what the optimiser leaves of a constraint
+MOST_CYCLES = 1000  # that a goal counts: each is an expression of its own
+Number = Annotated[float, Field(ge=-FAR, le=FAR)]
+Point = tuple[Number, Number]
+Cycles = Annotated[int, Field(ge=1, le=MOST_CYCLES)]
 NOTHING = 1e-7  # body lengths or radians: KKT conditions hold to 1e-8, with factors of a few in a demand's own units
 
 
@@ -76,7 +81,7 @@ class Goal(Record):
 class Term(Goal):
     """One term of the objective, times its weight; one entry of `[[task.objectives]]`."""
 
-    weight: float = Field(default=1.0, ge=0, description="factor of this term in the objective")
+    weight: float = Field(default=1.0, ge=0, le=1e6, description="factor of this term in the objective")
 
     @abstractmethod
     def expression(self, of: Criteria) -> ca.SX:
@@ -111,7 +116,8 @@ def beside(amount: float, allowed: float) -> tuple[str, str]:
     if abs(amount - allowed) < NOTHING:
         return f"{allowed:g}", f"{allowed:g}"
     digits = next(d for d in range(4, 10) if f"{amount:.{d}f}" != f"{allowed:.{d}f}")
-    return miss(amount, digits), f"{allowed:g}" if round(allowed, digits) == allowed else f"{allowed:.{digits}f}"
+    few = allowed < 10**-digits or round(allowed, digits) == allowed
+    return miss(amount, digits), f"{allowed:g}" if few else f"{allowed:.{digits}f}"
 
 
 def after(poses: Floats, cycles: int) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.objectives.term import Ask, Demand, Played, Rows, told
+from serpenoid.objectives.term import FAR, Ask, Demand, Played, Rows, told
 
 
 class Travel(Demand):
@@ -16,7 +16,7 @@ class Travel(Demand):
 
     kind: Literal["travel"] = "travel"
     least: float = Field(ge=0, description="body lengths per cycle")
-    most: float = Field(default=100.0, gt=0, description="body lengths per cycle")
+    most: float = Field(default=100.0, gt=0, le=FAR, description="body lengths per cycle")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

@@ -67,9 +67,12 @@ def certify(
 
 
 def rest_cost(solver: GaitSolver, answer: Answer, c: float) -> float:
-    """The objective of a straight body that never moves, plus all that it misses."""
-    straight = solver.family.scaled(answer.q, 0.0)
-    return float(gait_costs(solver, straight[None], c, 1.0, solver.gait_bounds(), answer.carried)[0])
+    """The objective of a straight body that never moves; infinite where that misses what is asked."""
+    straight = solver.family.scaled(answer.q, 0.0)[None]
+    free, charged = (
+        float(gait_costs(solver, straight, c, price, solver.gait_bounds(), answer.carried)[0]) for price in (0.0, 1.0)
+    )
+    return free if charged - free < KKT_TOLERANCE else np.inf
 
 
 def gait_costs(

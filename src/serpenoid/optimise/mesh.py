@@ -143,7 +143,10 @@ def _error(values: tuple[float, float, float]) -> float:
 
 
 def _share(error: float, whole: float) -> str:
-    return f"{error:.1e}" + (f" ({100 * error / abs(whole):.2g} %)" if abs(whole) > RESOLVED else "")
+    if abs(whole) <= RESOLVED:
+        return f"{error:.1e}"
+    percent = 100 * error / abs(whole)
+    return f"{error:.1e} ({percent:.2g} %)" if percent < 99.5 else f"{error:.1e} ({percent:.0f} %)"
 
 
 def _limit(pair: tuple[float, ...]) -> float:

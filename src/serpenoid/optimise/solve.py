@@ -18,6 +18,7 @@ from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits, within
+from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.callers import gait_of, problem_of, whole
@@ -45,12 +46,19 @@ def solve(
     kept there, and taken from there the next time (with `customise` give each choice a folder of its own).
     """
     problem, starts, seed = problem_of(problem), whole("starts", starts, 1), whole("seed", seed, 0)
+    _check_weights(problem, customise)
     solver = solver_of(problem, customise)
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])
     with catch_interrupt() as flag:
         found = solve_many(solver, gaits, problem.task.c, flag, progress, folder)
         return with_nearest(solver, found, customise, flag)
+
+
+def _check_weights(problem: Problem, customise: Customise | None = None) -> None:
+    """What a user's own terms weigh is not known."""
+    if customise is None:
+        check_weights(problem, [problem.task.c])
 
 
 def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:
@@ -64,6 +72,7 @@ def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:
 def solve_from(problem: Problem | str | Path, gait: Gait, customise: Customise | None = None) -> Solution:
     """Optimise from one gait, in its family; the answer is certified with polishing."""
     problem, gait = problem_of(problem), gait_of(gait)
+    _check_weights(problem, customise)
     solver = solver_of(problem, customise, gait)
     start = np.clip(solver.family.start(), *solver.gait_bounds())
     solver.prepare(start)
@@ -131,6 +140,7 @@ def improve(
     """The paper's set: `count` random gaits, each improved within +-`fraction` of its own parameters."""
     problem, seed = problem_of(problem), whole("seed", seed, 0)
     count = whole("count", count, 1, "To improve a gait of your own: solve_from(problem, gait).")
+    _check_weights(problem)
     solver = solver_of(problem)
     gaits = random_gaits(solver, count, seed)
     solver.prepare(gaits[0])

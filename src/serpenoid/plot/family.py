@@ -18,7 +18,7 @@ from serpenoid.plot.gait import FINE, X_LABEL, Y_LABEL
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, RED, dress, fill_equal
 
 C_LABEL = "dissipation coefficient c"
-DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised, T·E]"
+DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised]"
 SAMPLES = 300  # along a curve: two pixels apart
 PARAMETERS = {
     "sigma": (BLUE, "flatness σ"),
@@ -54,12 +54,16 @@ class Family:
 def against_c(family: Family, values: Floats, ax: Axes, label: str, title: str = "", colour: str = BLUE) -> Axes:
     """A line with a dot per gait."""
     ax.plot(family.c, values, "o-", color=colour, markersize=4, linewidth=1.5)
-    middle, span = (values.max() + values.min()) / 2, float(np.ptp(values))
-    # a prescribed value is a level line: do not magnify its rounding
-    half = 0.6 * span if span > 1e-6 else 0.1 * abs(middle) or 1.0
-    ax.set_ylim(middle - half, middle + half)
+    ax.set_ylim(*_around(values))
     ax.ticklabel_format(useOffset=False)
     return dress(ax, title, C_LABEL, label)
+
+
+def _around(values: Floats) -> tuple[float, float]:
+    """Ends of an axis; a prescribed value is a level line, whose rounding is not magnified."""
+    middle, span = (values.max() + values.min()) / 2, float(np.ptp(values))
+    half = 0.6 * span if span > 1e-6 else 0.1 * abs(middle) or 1.0
+    return float(middle - half), float(middle + half)
 
 
 def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
@@ -70,7 +74,8 @@ def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
     ring: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none", "markeredgewidth": 0.9}
     ax.plot(x[front], y[front], color=GREY, linewidth=1.2, zorder=1, label="not dominated", **ring)
     ax.scatter(x, y, c=family.c, cmap=CHAIN_MAP, s=26, linewidths=0, zorder=3)
-    ax.margins(0.08)
+    ax.set(xlim=_around(x), ylim=_around(y))
+    ax.ticklabel_format(useOffset=False)
     return dress(ax, title, D_LABEL, DELTA_LABEL)
 
 

@@ -123,8 +123,7 @@ def trajectory_words(trajectory: Trajectory, one: str = "A cycle") -> str:
     """What one cycle (or the whole of a transient) does, in a line."""
     steps = trajectory.steps_per_cycle
     dx, dy, turn = trajectory.poses[steps] - trajectory.poses[0]
-    dissipation = steps * trajectory.step_energy[:steps].sum()
-    turns, spent = (rounded(*v) for v in ((np.rad2deg(turn), 1), (dissipation, 3)))
+    turns, spent = (rounded(*v) for v in ((np.rad2deg(turn), 1), (trajectory.dissipation_of(steps), 3)))
     return f"{one} moves {np.hypot(dx, dy):.3f} body lengths, turns {turns}°, dissipates {spent}"
 
 

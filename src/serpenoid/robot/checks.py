@@ -17,6 +17,7 @@ from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
 from serpenoid.robot.stated import Stated
 from serpenoid.robot.ticks import RADIANS_PER_TICK, to_ticks
+from serpenoid.wording import counted
 
 BUS_SHARE = 0.9  # of a row's time that its packets may take
 
@@ -117,7 +118,7 @@ def _check_shape(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
     if joints == len(robot.joint) and len(angles) >= 2:
         return []
     value = f"the table is {' x '.join(map(str, angles.shape))} (steps x joints)"
-    limit = f"robot `{robot.name}` has {len(robot.joint)} joints and needs at least 2 steps"
+    limit = f"robot `{robot.name}` has {counted(len(robot.joint), 'joint')} and needs at least 2 steps"
     return [
         Refusal("all joints, all steps", value, limit, "Use a table of this robot's body, or the right --robot file.")
     ]
@@ -141,7 +142,7 @@ def _check_positions(angles: NDArray[np.float64], ticks: NDArray[np.int64], robo
             value = f"angle {degrees(angles[step, j]):.1f} degrees ({ticks[step, j]} ticks)"
             limit = f"the limits are {low:.1f}..{high:.1f} degrees ({joint.minimum_ticks}..{joint.maximum_ticks} ticks)"
             outside = int((excess > 0).sum())
-            remedy = f"{outside} steps are outside: bound the joints when optimising, or reduce the amplitude."
+            remedy = f"{counted(outside, 'step')} outside: bound the joints when optimising, or reduce the amplitude."
             refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit, remedy))
     return refusals
 

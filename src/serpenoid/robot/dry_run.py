@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from serpenoid.robot.plan import Plan, read_time_s, write_time_s
+from serpenoid.wording import counted
 
 
 def describe(plan: Plan) -> Iterator[str]:
     """One line per thing that would be sent."""
     robot, ids = plan.robot, plan.robot.ids
     baud = robot.bus.baud_rate
-    yield f"robot {robot.name}: {len(ids)} servos {robot.model} at {baud} baud, IDs {_row(ids)}"
+    yield f"robot {robot.name}: {counted(len(ids), 'servo')} {robot.model} at {baud} baud, IDs {_row(ids)}"
     yield f"cycle {plan.cycle_duration_s:g} s, {plan.steps} steps, one every {plan.row_period_s * 1000:.1f} ms"
     write, read = write_time_s(len(ids), baud) * 1000, read_time_s(len(ids), baud) * 1000
     yield f"on the bus a row takes {write:.2f} ms to write and {read:.2f} ms to read back"

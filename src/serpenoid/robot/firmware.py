@@ -13,6 +13,7 @@ from serpenoid.errors import InputError
 from serpenoid.robot.control_table import VOLT_PER_UNIT
 from serpenoid.robot.plan import BITS_PER_BYTE, Plan, write_time_s
 from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.wording import counted
 
 BUTTON_PIN = 2
 LONGEST_US = 2**31  # deadlines are differences of a 32-bit microsecond clock
@@ -28,7 +29,8 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
     approach_ticks = radians(motion.approach_limit_deg) / RADIANS_PER_TICK
     approach_s = motion.approach_limit_deg / (motion.approach_speed_rpm * 6.0)
     values = {
-        "TITLE": f"{_comment(robot.name)}: {plan.steps} steps, {plan.cycles} cycles of {plan.cycle_duration_s:g} s",
+        "TITLE": f"{_comment(robot.name)}: {plan.steps} steps, "
+        f"{counted(plan.cycles, 'cycle')} of {plan.cycle_duration_s:g} s",
         "JOINTS": len(robot.joint),
         "STEPS": plan.steps,
         "ROWS": len(plan.ticks),

@@ -1,6 +1,7 @@
 """What is said of a table in the record beside it: how long a cycle lasts, what its joints may do, a transient or not.
 
-Of results that is solution.json; of what `play` recorded play.json, which knows no limits of the body.
+Of results that is solution.json; of what `play` recorded play.json, which knows no limits of the body; of an exported
+table the JSON file of the table's own name.
 """
 
 from __future__ import annotations
@@ -61,10 +62,16 @@ class Stated(_Part):
         return off + ([] if speed is None or self.limits_held.joint_speed_limits else [f"speed limit of {speed:g} rpm"])
 
 
-def read_stated(folder: Path) -> Stated:
-    """Read the folder's record; nothing is stated where there is none. InputError where it is there and broken."""
+def own_record(table: Path) -> Path:
+    """Where what is stated of an exported table is."""
+    return table.with_suffix(".json")
+
+
+def read_stated(table: Path) -> Stated:
+    """Read a table's own record, or its folder's; nothing is stated where there is none. InputError if it is broken."""
     remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
-    file = next((folder / name for name in RECORDS if (folder / name).exists()), None)
+    records = own_record(table), *(table.parent / name for name in RECORDS)
+    file = next((record for record in records if record.exists()), None)
     if file is None:
         return Stated()
     try:

@@ -44,7 +44,7 @@ def read_table(path: str | Path) -> JointTable:
     if not file.exists():
         remedy = "Name a results folder (with joint_table.csv in it) or a joint-table CSV."
         raise InputError(f"{file}: no such file. {remedy}")
-    return JointTable(table_file.read_table(file), file, read_stated(file.parent))
+    return JointTable(table_file.read_table(file), file, read_stated(file))
 
 
 def write_table(path: str | Path, angles: NDArray[np.float64]) -> None:

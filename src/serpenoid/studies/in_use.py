@@ -22,6 +22,7 @@ from serpenoid.gaits import Gait
 from serpenoid.parallel import Workers
 from serpenoid.problem import Problem, load
 from serpenoid.table_file import write_table
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.data.recording import Recording
@@ -75,8 +76,8 @@ def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> 
     """The two gaits on that robot and floor, one after the other."""
     if problem.body.joint_count != robot.robot.servos:
         remedy = f"Name the robot's problem file with --problem, or its body with `problem` in {robot.name}'s protocol."
-        counts = f"the problem's body has {problem.body.joint_count} joints, the protocol's robot {robot.robot.servos}"
-        raise InputError(f"{counts}. {remedy}")
+        body = counted(problem.body.joint_count, "joint")
+        raise InputError(f"the problem's body has {body}, the protocol's robot {robot.robot.servos}. {remedy}")
     duration = problem.task.cycle_duration_s or robot.cycle_duration_s
     gaits = tuple(PlayedGait(name=name, joint_table=f"{name}.csv") for name in MODELS)
     start = robot.start.model_copy(update={"headings_deg": (0.0,)})

@@ -18,6 +18,7 @@ from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import starts_of
 from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.weights import check_weights
 from serpenoid.parallel import Workers, results
 from serpenoid.problem import Problem
 
@@ -34,6 +35,7 @@ def solve_starts(
     folder: str | Path | None = None,
 ) -> MultiStart:
     """What `optimise.solve.solve` gives, its starts solved by `workers`. Ctrl-C returns the finished ones."""
+    check_weights(problem, [problem.task.c])
     solver, c = solver_of(problem), problem.task.c
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])

@@ -23,7 +23,8 @@ from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.starts import random_gaits
-from serpenoid.problem import Problem
+from serpenoid.optimise.weights import check_weights
+from serpenoid.problem import MOST_C, Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.callers import problem_of, whole
 
@@ -45,6 +46,11 @@ class SweepPoint:
     def reached(self) -> bool:
         """False where Ctrl-C came before this point."""
         return self.solution is not None or self.message != NOT_REACHED
+
+    @property
+    def failed(self) -> bool:
+        """Whether it was tried in vain."""
+        return self.solution is None and self.reached
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,6 +115,7 @@ def sweep(
     With `folder`, solved chain points are kept there and not solved again.
     """
     problem, ordered = problem_of(problem), _in_order(values)
+    check_weights(problem, ordered)
     solver = solver_of(problem)
     gaits = random_gaits(solver, whole("starts", starts, 1), whole("seed", seed, 0))
     solver.prepare(gaits[0])
@@ -132,9 +139,10 @@ def _in_order(values: Sequence[float] | Floats) -> Floats:
         ordered = np.unique(np.asarray(values, float))
     except (TypeError, ValueError):
         ordered = np.zeros(0)
-    if not ordered.size or not np.isfinite(ordered).all() or ordered[0] < 0:
+    if not ordered.size or not np.isfinite(ordered).all() or ordered[0] < 0 or ordered[-1] > MOST_C:
         raise InputError(
-            f"`values` must be one c or more, none of them negative, got {values!r}. np.linspace(0, 2, 9)?"
+            f"`values` must be one c or more, none of them negative or above {MOST_C:g}, got {values!r}. "
+            "np.linspace(0, 2, 9)?"
         )
     return ordered
 
@@ -196,10 +204,11 @@ def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag
 def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool) -> SweepPoint:
     candidates = [(name, chain[c]) for name, chain in found.items() if c in chain]
     candidates.sort(key=lambda pair: (not pair[1].outcome.status.ok, pair[1].outcome.objective))
-    reasons = []
+    reasons: dict[str, list[str]] = {}
     for name, answer in candidates:
         solution = as_solution(solver, answer, c, polish)
         if solution.status.ok:
             return SweepPoint(c, solution, name, solution.message)
-        reasons.append(f"{name}: {solution.message}")
-    return SweepPoint(c, None, "", "; ".join(reasons) or NOT_REACHED)
+        reasons.setdefault(solution.message, []).append(name)
+    said = "; ".join(f"{' and '.join(sorted(names))}: {message}" for message, names in reasons.items())
+    return SweepPoint(c, None, "", said or NOT_REACHED)

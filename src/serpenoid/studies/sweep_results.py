@@ -20,7 +20,7 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         write_solution(folder / f"c-{solution.c!r}", solution, figures=False)
     write_sweep_table(folder / "sweep.csv", result)
     solved = result.solved
-    shown = result.displacement if solved else [float("nan")]
+    failures = [{"c": point.c, "message": point.message} for point in result.points if point.failed]
     window = idle_for_minimum(result.c, result.displacement, result.dissipation, 1.0, 2.0) if solved else None
     summary = {
         "kind": "sweep",
@@ -30,9 +30,10 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         "points": len(result.points),
         "solved": len(solved),
         "kept_from_an_earlier_run": result.kept,
-        "failed": sum(point.reached for point in result.points) - len(solved),
+        "failed": len(failures),
+        "failures": failures,
         "not_reached": sum(not point.reached for point in result.points),
-        "displacement": [float(min(shown)), float(max(shown))] if solved else [0.0, 0.0],
+        "displacement": [float(result.displacement.min()), float(result.displacement.max())] if solved else None,
         "limits": limit_lines(result.problem, solved[0].table) if solved else [],
         "idle_for_minimum_between_1_and_2": window,
         "status": "solved" if len(solved) == len(result.points) and result.complete else "incomplete",
@@ -67,7 +68,7 @@ def _row(names: tuple[str, ...], problem: Problem, point: SweepPoint, on_front: 
     s = point.solution
     if s is None:
         blanks = len(BEFORE) + 1 + len(names) + len(AFTER) - 3
-        return [point.c, "failed" if point.reached else NOT_REACHED, *[""] * blanks, point.message]
+        return [point.c, "failed" if point.failed else NOT_REACHED, *[""] * blanks, point.message]
     d, e = s.trajectory.displacement, s.trajectory.dissipation
     transport = electrical_cost_of_transport(problem, d, e)
     numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]
