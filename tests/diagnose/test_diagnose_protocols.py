@@ -14,11 +14,12 @@ from blind.campaign import Campaign, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, Protocol, usual
+from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.shape_in_time import Source, fitted
+from serpenoid.diagnose.data.shape_in_time import Source, fitted, worth
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.stages.actuation import plays
@@ -27,6 +28,7 @@ from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
+from serpenoid.measure.logs import TICK
 
 SEED = 21
 
@@ -54,10 +56,33 @@ def angle_error(campaign: Campaign, recordings: tuple[Recording, ...]) -> float:
 def test_a_spline_keeps_a_wave_and_the_corner_where_it_begins() -> None:
     time = np.arange(-1.0, 2.0, 1 / 60)
     wave = np.where(time > 0, np.sin(2 * np.pi * time / 1.5), 0.0)
-    shape = fitted([Source(time, wave[:, None], np.array([1e-3]))], np.array([0.0]), 0.05)
+    shape = fitted([Source.of(time, wave[:, None], np.array([1e-3]))], np.array([0.0]), 0.05)
     fine = np.linspace(-0.9, 1.9, 500)
     true = np.where(fine > 0, np.sin(2 * np.pi * fine / 1.5), 0.0)
     assert np.abs(shape.at(fine)[:, 0] - true).max() < 1e-3  # the rate jumps by 4 rad/s at 0
+
+
+def test_readings_of_a_joint_at_rest_have_one_rounding_and_do_not_bend_what_comes_before() -> None:
+    """Where the joint rests between two ticks, half a second of equal readings is no proof that it rests on one."""
+    time = np.arange(0.0, 4.0, 0.01)
+    true = 0.4 * np.sin(2 * np.pi * np.minimum(time, 2.0) / 2.0) + 0.4 * TICK
+    read = np.round(true / TICK)[:, None] * TICK
+    carrier = Course(time, (true - 0.4 * TICK)[:, None])  # what it was told; it is off by less than a tick
+
+    def off(tick: float) -> float:
+        source = Source.of(time, read, np.array([TICK / 2]), tick)
+        shape = fitted([source], np.array([2.0]), 0.078, True, carrier)
+        jump = shape.at(np.array([1.5, 2.5])) - np.array([[np.interp(t, time, true)] for t in (1.5, 2.5)])
+        return float(abs(jump[1, 0] - jump[0, 0]))
+
+    assert off(TICK) < 0.6 * off(0.0)
+
+
+def test_readings_that_noise_stirs_are_worth_all_of_them() -> None:
+    rng = np.random.default_rng(1)
+    stirred = np.round(rng.normal(0, 1.0, (200, 6)))
+    assert worth(stirred * TICK, TICK).sum() > 180
+    assert worth(np.zeros((200, 6)), TICK).sum() == pytest.approx(1.0)
 
 
 def test_markers_fill_in_where_the_log_is_slow(tmp_path: Path) -> None:

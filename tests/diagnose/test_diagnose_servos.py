@@ -54,7 +54,7 @@ def test_shapes_about_what_is_commanded_keep_corners_and_cross_a_hole() -> None:
     off, noise = 0.05, 0.01
     seen = course.at(time) + off + noise * rng.normal(size=(len(time), 1))
     seen[(time > 3) & (time < 4)] = np.nan
-    source = Source(time, seen, np.full(1, noise))
+    source = Source.of(time, seen, np.full(1, noise))
     about, plain = (fitted([source], np.empty(0), 0.072, True, c) for c in (course, None))
     wrong = [np.abs(shape.at(time) - off - course.at(time)).max() for shape in (about, plain)]
     assert wrong[0] < noise  # a constant, known from four hundred readings
@@ -69,7 +69,7 @@ def test_what_a_joint_is_told_is_believed_unless_readings_exclude_it() -> None:
     for swing, dead in ((1 / 12, []), (1.0, [7])):
         course = Course(time, swing * wave)
         done = np.where(np.isin(np.arange(40), dead), 0.0, course.angles)
-        source = Source(time, done + rng.normal(size=done.shape), np.full(40, 1e-3))
+        source = Source.of(time, done + rng.normal(size=done.shape), np.full(40, 1e-3))
         shape = fitted([source], np.empty(0), 0.072, True, course)
         assert shape.carrier is not None
         np.testing.assert_array_equal(~shape.carrier.angles.any(axis=0), np.isin(np.arange(40), dead))

@@ -20,9 +20,10 @@ from serpenoid.diagnose.data.shape_in_time import PER_KNOT, ShapeInTime, Source,
 from serpenoid.diagnose.data.told import Told
 from serpenoid.errors import InputError
 from serpenoid.measure.links import marker_angles
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
-READING_SD = 2 * np.pi / 4096 / 2  # rad: half a tick
+READING_SD = TICK / 2  # rad
 WINDOWS_PER_CYCLE = 8
 UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
 
@@ -124,7 +125,8 @@ class Recording:
         begun = schedule.period_s * np.arange(schedule.cycles + 1)
         corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
         apart = spacing(schedule.cycle_duration_s)
-        sources = [Source(log_s, self.position, np.full(self.body.joint_count, READING_SD)).until(self.promised_s)]
+        sd, tick = np.full(self.body.joint_count, READING_SD), TICK if self.by_servos else 0.0
+        sources = [Source.of(log_s, self.position, sd, tick).until(self.promised_s)]
         slow = float(np.median(np.diff(log_s)))
         if self.by_servos and apart < PER_KNOT * slow:
             read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
@@ -143,7 +145,7 @@ class Recording:
             return []
         zero = np.nanmedian(miss, axis=0)
         sd = 1.4826 * np.nanmedian(np.abs(miss - zero), axis=0)
-        return [Source(self.time, shown - zero, np.maximum(sd, READING_SD))]
+        return [Source.of(self.time, shown - zero, np.maximum(sd, READING_SD))]
 
     def with_middles(self) -> Recording:
         """The same of the body with vertices in the middles of its edges, which have no markers: see `Body`."""

@@ -31,22 +31,41 @@ from serpenoid.diagnose.data.course import Course
 DEGREE = 3
 SPACING_S, SPACING_CYCLE = 0.078, 0.036  # between knots: seconds, at most this part of a cycle
 PER_KNOT = 2.0  # readings that a knot wants
+SAME = 0.5  # ticks: a reading that differs by less is the same
 STIFF = 1e-4  # of a reading's weight, on second differences of coefficients: what nothing measures runs straight
 STIFFER = (STIFF, 1e-2, 1.0, 1e2, 1e4)  # what cross-validation may choose
 
 
 @dataclass(frozen=True)
 class Source:
-    """time (R,) [s], values (R, m) [rad], NaN unknown, and the standard deviation of each (m,) [rad]."""
+    """time (R,) [s], values (R, m) [rad], NaN unknown, and the standard deviation of each (m,) [rad]; worth (R,): how
+    many readings each is."""
 
     time: Floats
     values: Floats
     sd: Floats
+    worth: Floats
+
+    @classmethod
+    def of(cls, time: Floats, values: Floats, sd: Floats, tick: float = 0.0) -> Source:
+        """Readings that are rounded to ticks [rad]."""
+        return cls(time, values, sd, worth(values, tick) if tick else np.ones(len(time)))
 
     def until(self, end: float) -> Source:
         """The same to the first reading at or after a time [s]."""
         count = int(np.searchsorted(self.time, end)) + 1
-        return replace(self, time=self.time[:count], values=self.values[:count])
+        return replace(self, time=self.time[:count], values=self.values[:count], worth=self.worth[:count])
+
+
+def worth(values: Floats, tick: float) -> Floats:
+    """How many readings each of values (R, m) is worth: where all joints read the same ticks [rad] as before, their
+    rounding is the same, too, and together such rows are one; readings that noise stirs are not."""
+    run, first, runs = 0, values[0], np.zeros(len(values), dtype=int)
+    for i, row in enumerate(values):
+        if np.nanmax(np.abs(row - first), initial=0.0) > SAME * tick:
+            run, first = run + 1, row
+        runs[i] = run
+    return np.asarray(1 / np.bincount(runs)[runs])
 
 
 @dataclass(frozen=True)
@@ -152,8 +171,9 @@ def _tried(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float])
     for alike in _alike(sources):
         known = [np.isfinite(s.values[:, alike[0]]) for s in sources]
         sds = [s.sd[alike[0]] for s in sources]
-        base = vstack([b[np.flatnonzero(k)] / sd for b, sd, k in zip(bases, sds, known, strict=True)])
-        said = np.concatenate([s.values[k][:, alike] / sd for s, sd, k in zip(sources, sds, known, strict=True)])
+        roots = [np.sqrt(s.worth[k])[:, None] / sd for s, sd, k in zip(sources, sds, known, strict=True)]
+        base = vstack([b[np.flatnonzero(k)].multiply(w).tocsr() for b, w, k in zip(bases, roots, known, strict=True)])
+        said = np.concatenate([s.values[k][:, alike] * w for s, w, k in zip(sources, roots, known, strict=True)])
         if len(said) < DEGREE:  # nothing is known of it
             columns[:, :, alike], scores[:, alike] = 0.0, 0.0
             continue
@@ -163,11 +183,12 @@ def _tried(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float])
             normal = told + stiff / min(sds) ** 2 * curved
             found = solveh_banded(normal, right, lower=True)
             columns[i][:, alike] = found
-            freedom = float(len(said))
+            count = float(sum(s.worth[k].sum() for s, k in zip(sources, known, strict=True)))
+            freedom = count
             if len(stiffness) > 1:
                 freedom = max(freedom - float(np.trace(solveh_banded(normal, square, lower=True))), 1.0)
-            scores[i, alike] = len(said) * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
-    return _Tried(columns, scores, np.sum([np.isfinite(s.values).sum(axis=0) for s in sources], axis=0))
+            scores[i, alike] = count * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
+    return _Tried(columns, scores, np.sum([s.worth @ np.isfinite(s.values) for s in sources], axis=0))
 
 
 def _band(matrix: Floats) -> Floats:

@@ -60,9 +60,7 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
         at_frames = _at_frames(r, mesh, guess)
     miss = plan - at_frames
     around, counts = _averaged(r, time[bounds], miss)
-    hidden = r.time[~np.isfinite(plan[:, 0])]
-    most = GAP_S / r.frame_s
-    gaps = np.array([_crossed(hidden, most, *time[[a, b]]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)])
+    gaps = _crossed(r.time[known], r.frame_s, time[bounds])
     path = guess + bridged(time[bounds], around, time)
     some = slice(None, None, COARSER)
     run, anew = _mesh_error(model, vertices, time, guess, path, bounds)
@@ -122,9 +120,13 @@ def _least(r: Recording, counts: Floats) -> Floats:
     return np.sqrt(1 / counts[:-1] + 1 / counts[1:])[:, None] * one
 
 
-def _crossed(hidden: Floats, most: float, begin: float, end: float) -> bool:
-    """Whether a gap of all markers, long enough for something to happen in it, lies in a window."""
-    return bool(((hidden > begin) & (hidden < end)).sum() > most)
+def _crossed(seen: Floats, frame_s: float, times: Floats) -> np.ndarray:
+    """Whether in each window (B - 1,) between times (B,) lies a gap between frames that were seen (K,) [s], long enough
+    for something to happen in it; whether its frames are blank or not in the file."""
+    begin, end = seen[:-1], seen[1:]
+    long = end - begin - frame_s > GAP_S
+    hidden = np.minimum(end[long], times[1:, None]) - np.maximum(begin[long], times[:-1, None]) - frame_s
+    return np.asarray((hidden > GAP_S).any(axis=1))
 
 
 def _mapped_poses(r: Recording, seen: Observation, angles: Floats, poses: Floats) -> Floats:

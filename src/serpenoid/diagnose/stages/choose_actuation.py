@@ -17,6 +17,7 @@ from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywher
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.trials_astray import trials_astray
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.files.store import remembered
 from serpenoid.measure.logs import TICK
 from serpenoid.parallel import in_processes
@@ -139,7 +140,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     )
     unsure = _unsure(data, speed)
     chance = max(1 / power, (scores**2).sum() / power**2)
-    clock = x * _rate_sd(data) if effect.effect.needs_seconds else 0.0
+    law = effect.effect
+    clock = x * _rate_sd(data) if isinstance(law, ActuationEffect) and law.needs_seconds else 0.0
     sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2 + clock**2)
     reach = NORMAL * SYSTEMATIC * sd
     ends = [parameter.value(float(v)) for v in (x - reach, x + reach)]

@@ -25,6 +25,7 @@ from serpenoid.diagnose.data.observation import Observation, across, lying
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.measure.links import link_of_edge, marker_angles
+from serpenoid.measure.servo_alignment import QUANTISATION_SD
 
 FRAMES_PER_TRIAL = 250
 AVERAGED_S = 0.09  # markers are looked at over this time: as the poses at a window's ends are
@@ -35,7 +36,8 @@ LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narr
 class Sample:
     """Frames of all trials, thinned: markers (F, N, 2), readings (F, m), labels (F,) of gaits, noise [m].
 
-    trials: of each trial all readings and the joint angles that markers show (frames, m), and which frames were taken;
+    frame_s, reading_s: between frames and between readings [s]. trials: of each trial all readings and the joint angles
+    that markers show (frames, m), and which frames were taken;
     names: of the trials.
     """
 
@@ -45,6 +47,7 @@ class Sample:
     labels: np.ndarray
     noise: float
     frame_s: float
+    reading_s: float
     trials: tuple[tuple[Floats, Floats, np.ndarray], ...]
     names: tuple[str, ...]
 
@@ -76,9 +79,12 @@ class Sample:
 
     @cached_property
     def levels(self) -> Floats:
-        """Noise of the averaged markers' joint angles [rad], then of link lengths [m] (m + N - 1,)."""
+        """Noise of the averaged markers' joint angles beside readings that are rounded [rad], then of link lengths [m]
+        (m + N - 1,)."""
         averaged = self.noise / np.sqrt(max(AVERAGED_S / self.frame_s, 1.0))
-        return averaged * np.concatenate([angle_leverage(self.body), np.full(self.body.vertices - 1, np.sqrt(2))])
+        rounded = QUANTISATION_SD / np.sqrt(max(AVERAGED_S / self.reading_s, 1.0))
+        angles = np.hypot(averaged * angle_leverage(self.body), rounded)
+        return np.concatenate([angles, np.full(self.body.vertices - 1, np.sqrt(2) * averaged)])
 
     @cached_property
     def sums(self) -> dict[bytes, Evidence]:
@@ -121,10 +127,11 @@ def sample(recordings: Sequence[Recording]) -> Sample:
         readings.append(r.angles[some])
         trials.append((r.angles, marker_angles(body, r.markers), some))
         labels.append(np.full(len(some), gaits[r.gait]))
-    noise = float(np.median([r.marker_noise for r in recordings]))
+    noise, frame_s = (float(np.median(x)) for x in zip(*((r.marker_noise, r.frame_s) for r in recordings), strict=True))
+    reading_s = float(np.median([np.median(np.diff(r.log_time)) for r in recordings]))
     return Sample(
-        body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise,
-        float(np.median([r.frame_s for r in recordings])), tuple(trials), tuple(r.name for r in recordings),
+        body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise, frame_s, reading_s,
+        tuple(trials), tuple(r.name for r in recordings),
     )  # fmt: skip
 
 
