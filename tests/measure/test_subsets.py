@@ -8,6 +8,7 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
+from serpenoid.diagnose.data.shapes_from_points import from_points
 from serpenoid.measure.bends import bends_in_time
 from serpenoid.measure.chain import completed, estimate_chain
 from serpenoid.measure.consistency.signals import Signal
@@ -157,3 +158,15 @@ def test_rows_that_are_far_apart_are_not_enough_to_be_laid_over_anything():
     assert Signal(TIME, angles).enough
     few = np.where((np.arange(FRAMES) % 6 == 0)[:, None], angles, np.nan)
     assert not Signal(TIME, few).enough
+
+
+def test_a_diagnosis_sees_a_body_with_hidden_points_as_it_bends():
+    """Straight lines over what is hidden were taken for the body's shape: drag alone was then "unexplained"."""
+    body, _, angles, points = crawling(0.5)
+    markers = seen(points, 0.0, 4)
+    for k in range(20):
+        markers[8 * k : 8 * k + 6, k % POINTS] = np.nan
+    motion, _, _ = build_motion(body, TIME, markers, None, ((), ()))
+    near = chain_vertices(body, motion.smooth_poses, motion.smooth_angles)
+    found = from_points(body, TIME, markers, near).states
+    assert np.sqrt(np.mean((found.angles - angles) ** 2)) < 2 * SD * (POINTS - 1)
