@@ -21,6 +21,7 @@ from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain_start import start, within_half_a_turn
 from serpenoid.measure.links import link_directions, link_of_edge, vertices_by_links
+from serpenoid.measure.whole_bends import whole_bends
 
 Flags = NDArray[np.bool_]
 OF_FRAMES = ("poses", "joint_angles", "covariance", "vertices", "determined", "marker_residual")
@@ -29,6 +30,7 @@ ITERATIONS = 60
 FEW = 4  # of these, after which links that fit are fitted, but for the last digits
 CONVERGED = 1e-9  # rad and body lengths: far below any marker noise
 SINGULAR = 1e-9  # smallest eigenvalue of the information over its largest: no more than rounding
+LINEAR = 0.03  # rad: cosines of angles so well known are right to half a thousandth, whatever the markers' noise
 VAGUE_SD = 1.0  # rad and body lengths: what is known of a state that nothing measured
 UNCERTAIN = (
     4.0  # a frame whose least certain direction is this much worse than usual is not determined: a hidden vertex
@@ -87,21 +89,44 @@ def estimate_chain(
 def completed(body: Body, vertices: Floats, time_s: Floats, by_markers: ChainEstimate) -> ChainEstimate:
     """The same where frames that markers alone leave open have bends of the frames about them; others as they are.
 
-    The nearer they are, and the smoother the motion, the better they are known (`serpenoid.measure.bends`).
+    The nearer they are, and the smoother the motion, the better they are known (`serpenoid.measure.bends`). An animal's
+    hidden points are found by what the rest of the frame shows, too (`serpenoid.measure.whole_bends`).
     """
-    left = np.flatnonzero(~by_markers.determined)
+    hidden = body.is_animal & ~np.isfinite(vertices).all(axis=(1, 2))
+    left = np.flatnonzero(~by_markers.determined | hidden)
     if not len(left) or not by_markers.determined.any():
         return by_markers
     variance = np.diagonal(by_markers.covariance[:, 3:, 3:], axis1=1, axis2=2)
     said = bends_in_time(body, time_s, vertices, by_markers.joint_angles, variance, by_markers.determined)
+    if body.is_animal:
+        said = whole_bends(body, vertices, by_markers.marker_sd, said)
     fit = _fit(body, vertices[left], said.of_rows(left), by_markers.marker_sd)
-    told = _uncertainty(fit[1]) <= by_markers.vague
+    _where_better(body, vertices[left], said.of_rows(left), by_markers, left, fit)
+    vague = np.fmax(by_markers.vague, LINEAR / by_markers.marker_sd) if body.is_animal else by_markers.vague
+    told = (_uncertainty(fit[1]) <= vague) | by_markers.determined[left]
     part = _assemble(body, *fit, told, by_markers.marker_sd, by_markers.vague)
     whole = replace(by_markers, **{name: getattr(by_markers, name).copy() for name in OF_FRAMES})
     for name in OF_FRAMES:
         getattr(whole, name)[left] = getattr(part, name)
     whole.poses[whole.determined, 2] = np.unwrap(whole.poses[whole.determined, 2])
     return whole
+
+
+def _where_better(
+    body: Body, vertices: Floats, said: Bends, by_markers: ChainEstimate, rows: NDArray[np.int64], fit: tuple
+) -> None:
+    """Puts into a fit to frames (F, N, 2) beside bends, in place, what is found from where their markers alone led:
+    where that costs less. Bends that are hardly known are no place to begin."""
+    own = np.flatnonzero(by_markers.determined[rows])
+    if not len(own):
+        return
+    weighted = _weighted(said, own, by_markers.marker_sd)
+    unknowns = link_directions(body, by_markers.poses[rows[own]], by_markers.joint_angles[rows[own]])
+    found = (unknowns, *_descended(body, vertices[own], weighted, unknowns))
+    costs = [_normal(body, vertices[own], weighted, each)[0] for each in (fit[0][own], unknowns)]
+    better = costs[1] < costs[0]
+    for kept, new in zip(fit, found, strict=True):
+        kept[own[better]] = new[better]
 
 
 def fitted_beside(body: Body, vertices: Floats, said: Bends, marker_sd: float) -> tuple[Floats, Floats, Floats]:
@@ -167,7 +192,7 @@ def _room(unknowns: Floats, vertices: Floats) -> tuple[Floats, Floats]:
     return np.empty((*unknowns.shape, unknowns.shape[1])), np.empty_like(vertices)
 
 
-def _weighted(said: Bends | None, block: slice, marker_sd: float) -> Weighted | None:
+def _weighted(said: Bends | None, block: slice | NDArray[np.int64], marker_sd: float) -> Weighted | None:
     """Angles of a block (F, m), 0 where nothing says them, and their weights beside a marker's."""
     if said is None:
         return None

@@ -86,7 +86,7 @@ class BendFinder:
     @classmethod
     def of(cls, body: Body, time_s: Floats) -> BendFinder:
         """Of a body's frames at times (R,) [s]."""
-        return cls(np.asarray(np.linalg.cholesky(_noise_pattern(body))), smoothers(time_s))
+        return cls(np.asarray(np.linalg.cholesky(noise_pattern(body))), smoothers(time_s))
 
     def bends(self, angles: Floats) -> PrincipalBends:
         """Of joint angles (R, m) that points of the body show."""
@@ -134,7 +134,7 @@ def _axes(root: Floats, angles: Floats) -> tuple[Floats, Floats]:
     return np.linalg.solve(root.T, principal.T), principal @ root.T
 
 
-def _noise_pattern(body: Body) -> Floats:
+def noise_pattern(body: Body) -> Floats:
     """Covariance (m, m) of joint angles, per variance of a point over the square of a body length."""
     links = np.diff(np.concatenate([[0.0], np.cumsum(body.edges)])[body.corners])
     directions = np.diff(np.eye(len(links) + 1), axis=0) / links[:, None]

@@ -74,10 +74,11 @@ class Smoothed:
 
 
 def from_points(body: Body, time: Floats, markers: Floats, near: Floats) -> Smoothed:
-    """Smooth states of points (F, N, 2) [m], short holes bridged; near (F, N, 2): a smooth chain about which angles are
-    linear in the points, whatever their noise."""
+    """Smooth states of points (F, N, 2) [m]; near (F, N, 2): a smooth chain about which angles are linear in the
+    points, whatever their noise, and which has the bends that hidden points do not show."""
     rows = np.arange(float(len(markers)))
-    angles = bridged(rows, angles_about(body, near, markers))
+    shown = angles_about(body, near, markers)
+    angles = np.where(np.isfinite(shown), shown, unwrapped(marker_angles(body, near)))
     finder = BendFinder.of(body, time)
     bends = finder.bends(angles)
     smooth_angles = bends.smoothed(angles)
