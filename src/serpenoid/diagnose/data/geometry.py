@@ -55,3 +55,8 @@ def turn(angle: Floats, vectors: Floats) -> Floats:
     c, s = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def way(body: Body, squares: Floats) -> float:
+    """RMS [m] over a straight body's points of a displacement whose mean squares are (3,) [m^2, m^2, rad^2]."""
+    return float(np.sqrt(squares[0] + squares[1] + (GYRATION * body.total_length_m) ** 2 * squares[2]))

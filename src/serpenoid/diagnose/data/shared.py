@@ -15,6 +15,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import GAUSSIAN, largest_ratio
+from serpenoid.diagnose.data.geometry import way
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import repeats
@@ -76,15 +77,25 @@ def discrepancy(motion: Motion, predictions: Sequence[Prediction]) -> float:
     """RMS [m] of what repeats share of a window's displacement, and of what trials that were not laid alike differ by
     (untold.py); 0 where that is no more than chance and doubt.
 
-    m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2.
+    m and d as above: E m^2 = D^2 + s^2 / 2, E d^2 = 2 s^2, so D^2 is the mean of m^2 - d^2 / 4 in each direction; and
+    no less than the mean in which a window counts by 1 / s^2, as it does in the ratio: what is news has a size. A turn
+    counts as the way of the body's points.
     """
     left = residuals(motion.tracks, predictions)
     room = untold(motion, left)
     apart = 0.0 if room is None else room.size
     if not repeatable(motion, left).news:
         return apart
-    squares = [x**2 - motion.noise.of(t) ** 2 for t, x in zip(motion.tracks, left, strict=True) if t.noise is not None]
-    for repeat in [] if squares else repeats(motion.tracks):
+    parts = [
+        (x**2 - motion.noise.of(t) ** 2, motion.noise.of(t))
+        for t, x in zip(motion.tracks, left, strict=True)
+        if t.noise is not None
+    ]
+    for repeat in [] if parts else repeats(motion.tracks):
         one, other = repeat.both(left)
-        squares.append(one * other)  # m^2 - d^2 / 4
-    return float(np.sqrt(max(0.0, float(np.nanmean(np.concatenate(squares), axis=0)[:2].sum())) + apart**2))
+        parts.append((one * other, motion.noise.of(motion.tracks[repeat.one])[repeat.here]))  # m^2 - d^2 / 4
+    squares, noise = (np.concatenate(x) for x in zip(*parts, strict=True))
+    certain = np.where(np.isfinite(squares), noise**-2.0, 0.0)
+    weighed = (certain * np.nan_to_num(squares)).sum(axis=0) / certain.sum(axis=0)
+    missed = np.maximum(np.maximum(np.nanmean(squares, axis=0), weighed), 0.0)
+    return float(np.hypot(way(motion.tracks[0].recording.body, missed), apart))

@@ -20,6 +20,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import GAUSSIAN, largest_factor
+from serpenoid.diagnose.data.geometry import way
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import FEW
 from serpenoid.diagnose.data.repeats import Repeat, by_setting, cycles, none_alike, repeats
@@ -77,8 +78,8 @@ def untold(motion: Motion, left: Sequence[Floats]) -> Untold | None:
     ratio = float(np.exp(np.average(np.log(more).ravel(), weights=certain) / 2))
     if ratio <= largest_factor(float(1 / np.sqrt(certain.sum())) / 2):
         return None
-    beyond = np.maximum(between.squares - within.squares, 0.0)[:, :2].sum(axis=1)
-    return Untold(ratio, by_cycles, float(np.sqrt(beyond.mean())))
+    beyond = np.maximum(between.squares - within.squares, 0.0).mean(axis=0)
+    return Untold(ratio, by_cycles, way(motion.tracks[0].recording.body, beyond))
 
 
 def _differences(motion: Motion, left: Sequence[Floats], again: Sequence[Repeat]) -> Floats:

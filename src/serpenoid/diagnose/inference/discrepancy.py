@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import way
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import by_setting
@@ -61,9 +62,9 @@ def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> li
 
 
 def size_done(motion: Motion, found: Fit) -> float:
-    """RMS [m] of what a fit's effects do to a window's displacement."""
+    """RMS [m] of what a fit's effects do to a window's displacement, turns as in `shared.discrepancy`."""
     moved = np.concatenate([m[t.usable] for t, m in zip(motion.tracks, done(motion, found), strict=True)])
-    return float(np.sqrt(np.nanmean(moved[:, :2] ** 2, axis=0).sum()))
+    return way(motion.tracks[0].recording.body, np.nanmean(moved**2, axis=0))
 
 
 def least_deviance(mean: Floats, effect: Floats) -> float:
