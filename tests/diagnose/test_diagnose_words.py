@@ -76,6 +76,13 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})
 
 
+@pytest.mark.parametrize("verdict", ["nothing", "explained"])
+def test_a_verdict_says_that_a_cause_may_hide_in_chance_that_is_no_noise_of_the_markers(verdict: str) -> None:
+    record = {"verdict": verdict, "reference": None, "noise_from": "trials", "law": {"name": "viscous"}}
+    assert "hides in it" in meaning(record | {"noise_over_markers": 12.0})
+    assert "hides" not in meaning(record | {"noise_over_markers": 1.1}) + meaning(record | {"noise_over_markers": None})
+
+
 def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None:
     (said,) = chance({"noise_over_markers": 79.6})
     assert said.startswith("what was played again differs 80 times as much as the markers' noise makes it")

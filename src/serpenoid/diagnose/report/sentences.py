@@ -23,9 +23,11 @@ UNREPEATED = {
     "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
     "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
 }
-UNREPEATED = {
-    "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
-    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
+OTHER_CHANCE = 2**0.5  # times the markers' noise: of chance that is larger, most is of another origin
+HIDING = "; most of chance is no noise of the markers: a cause that acts on one repeat alone hides in it"
+UNSEEN = {
+    "nothing": "{law} alone explains all beyond chance" + HIDING,
+    "explained": "what is named accounts for all beyond chance" + HIDING,
 }
 
 
@@ -35,7 +37,9 @@ def meaning(record: Record) -> str:
         return UNREPEATED[record["verdict"]]
     if record["verdict"] == "nothing" and record["reference"]:
         return "nothing has changed since the reference beyond the noise of either"
-    return MEANINGS[record["verdict"]].format(law=law(record))
+    hiding = (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
+    words = UNSEEN if hiding and record["verdict"] in UNSEEN else MEANINGS
+    return words[record["verdict"]].format(law=law(record))
 
 
 def inadequacy(record: Record) -> list[str]:

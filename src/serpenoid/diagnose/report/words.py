@@ -17,11 +17,6 @@ SCALES = {
 }  # fmt: skip
 SMALL_M = 1e-5
 LAWS = {"viscous": "drag", "coulomb": "dry friction"}
-SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
-UNREPEATED = {
-    "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
-    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
-}
 STAND_IN = ", perhaps a stand-in"
 
 
