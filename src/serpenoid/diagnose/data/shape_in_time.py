@@ -17,6 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -70,16 +72,40 @@ def worth(values: Floats, tick: float) -> Floats:
 
 @dataclass(frozen=True)
 class ShapeInTime:
-    """The angles' spline, held constant beyond its ends, and what it is added to."""
+    """The angles' spline, held constant beyond its ends, and what it is added to; what it is a fit to, and how stiff
+    each joint's is (m,)."""
 
     spline: BSpline
+    sources: tuple[Source, ...]
+    stiffness: Floats
     carrier: Course | None = None
 
     def at(self, time: Floats) -> Floats:
         """Joint angles (R, m) [rad]."""
-        knots = self.spline.t
-        own = np.asarray(self.spline(np.clip(time, knots[0], knots[-1])))
+        own = np.asarray(self.spline(self._within(time)))
         return own if self.carrier is None else own + self.carrier.at(time)
+
+    def covariance(self, times: Floats) -> Floats:
+        """Of each joint's means over some times (R, T): (m, R, R) [rad^2], as readings scatter about the spline, which
+        is s^2 B N^-1 B^t, N the normal matrix of the fit, stiffness included (Wahba, J. R. Stat. Soc. B 45, 133, 1983).
+        """
+        base = BSpline.design_matrix(self._within(times.ravel()), self.spline.t, DEGREE).toarray()
+        here = base.reshape(*times.shape, -1).mean(axis=1)
+        found = np.zeros((self.spline.c.shape[1], len(times), len(times)))
+        left = [s.values - self.at(s.time) for s in self.sources]
+        for stiff in np.unique(self.stiffness):
+            for alike in _alike(self.sources):
+                mine = [j for j in alike if self.stiffness[j] == stiff]
+                told = _Told.of(self.sources, self.spline.t, mine, left) if mine else None
+                if told is not None and told.enough:
+                    normal = told.normal(stiff)
+                    shape = here @ solveh_banded(normal, here.T, lower=True)
+                    freedom = told.freedom(normal)
+                    found[mine] = shape * ((told.said**2).sum(axis=0) / freedom)[:, None, None]
+        return found
+
+    def _within(self, time: Floats) -> Floats:
+        return np.clip(time, self.spline.t[0], self.spline.t[-1])
 
 
 def spacing(cycle_s: float) -> float:
@@ -95,18 +121,22 @@ def fitted(
     first, last = min(s.time[0] for s in sources), max(s.time[-1] for s in sources)
     inside = corners[(corners > first) & (corners < last)]
     knots = _knots(np.array([first, *inside, last]), apart)
+    joints = sources[0].values.shape[1]
     if carrier is None:
-        return ShapeInTime(BSpline(knots, _tried(sources, knots, STIFFER if choose else (STIFF,)).chosen(), DEGREE))
-    tried, joints = _tried([_both(s, carrier) for s in sources], knots, STIFFER), sources[0].values.shape[1]
+        plain = _tried(sources, knots, STIFFER if choose else (STIFF,))
+        stiff = np.full(joints, STIFFER[plain.best])
+        return ShapeInTime(BSpline(knots, plain.chosen(), DEGREE), tuple(sources), stiff)
+    tried = _tried([_both(s, carrier) for s in sources], knots, STIFFER)
     tried = tried if choose else tried.least_stiff()
     plain, about = tried.of(slice(joints)), tried.of(slice(joints, None))
     believed = ~about.refuted_by(plain)
-    columns = np.empty((tried.columns.shape[1], joints))
+    columns, stiff = np.empty((tried.columns.shape[1], joints)), np.empty(joints)
     for t, those in zip((plain, about), (~believed, believed), strict=True):
         if those.any():
-            columns[:, those] = t.of(those).chosen()
+            own = t.of(those)
+            columns[:, those], stiff[those] = own.chosen(), STIFFER[own.best]
     angles = np.where(believed, carrier.angles, 0.0)
-    return ShapeInTime(BSpline(knots, columns, DEGREE), replace(carrier, angles=angles))
+    return ShapeInTime(BSpline(knots, columns, DEGREE), tuple(sources), stiff, replace(carrier, angles=angles))
 
 
 def _both(source: Source, carrier: Course) -> Source:
@@ -161,34 +191,66 @@ class _Tried:
         return np.asarray(gain > chdtri(1, ERROR / len(self.count)))
 
 
-def _tried(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float]) -> _Tried:
-    """Splines of every stiffness."""
-    bases = [BSpline.design_matrix(s.time, knots, DEGREE) for s in sources]
-    count, joints = bases[0].shape[1], sources[0].values.shape[1]
-    bend = np.diff(np.eye(count), 2, axis=0)
-    curved = _band(bend.T @ bend)
-    columns, scores = np.empty((len(stiffness), count, joints)), np.empty((len(stiffness), joints))
-    for alike in _alike(sources):
+@dataclass(frozen=True)
+class _Told:
+    """What sources say of joints that are alike, whitened: base (R, K), said (R, J), square (K, K) = base^t base; count
+    of the values; sd: the smallest of a source."""
+
+    base: Any
+    said: Floats
+    square: Floats
+    count: float
+    sd: float
+
+    @classmethod
+    def of(cls, sources: Sequence[Source], knots: Floats, alike: Sequence[int], values: Sequence[Floats]) -> _Told:
+        """values (R, m) of each source, which may be others than its own."""
         known = [np.isfinite(s.values[:, alike[0]]) for s in sources]
         sds = [s.sd[alike[0]] for s in sources]
         roots = [np.sqrt(s.worth[k])[:, None] / sd for s, sd, k in zip(sources, sds, known, strict=True)]
-        base = vstack([b[np.flatnonzero(k)].multiply(w).tocsr() for b, w, k in zip(bases, roots, known, strict=True)])
-        said = np.concatenate([s.values[k][:, alike] * w for s, w, k in zip(sources, roots, known, strict=True)])
-        if len(said) < DEGREE:  # nothing is known of it
-            columns[:, :, alike], scores[:, alike] = 0.0, 0.0
+        bases = [BSpline.design_matrix(s.time[k], knots, DEGREE) for s, k in zip(sources, known, strict=True)]
+        base = vstack([b.multiply(w).tocsr() for b, w in zip(bases, roots, strict=True)])
+        said = np.concatenate([v[k][:, alike] * w for v, w, k in zip(values, roots, known, strict=True)])
+        count = float(sum(s.worth[k].sum() for s, k in zip(sources, known, strict=True)))
+        return cls(base, said, (base.T @ base).toarray(), count, min(sds))
+
+    @property
+    def enough(self) -> bool:
+        """Whether anything is known of them."""
+        return len(self.said) >= DEGREE
+
+    def normal(self, stiff: float) -> Floats:
+        """The normal matrix of a stiffness, as a band."""
+        return np.asarray(_band(self.square) + stiff / self.sd**2 * _curved(len(self.square)))
+
+    def freedom(self, normal: Floats) -> float:
+        """How many of the values the fit does not take."""
+        return max(self.count - float(np.trace(solveh_banded(normal, self.square, lower=True))), 1.0)
+
+
+def _tried(sources: Sequence[Source], knots: Floats, stiffness: Sequence[float]) -> _Tried:
+    """Splines of every stiffness."""
+    coefficients, joints = len(knots) - DEGREE - 1, sources[0].values.shape[1]
+    columns, scores = np.zeros((len(stiffness), coefficients, joints)), np.zeros((len(stiffness), joints))
+    for alike in _alike(sources):
+        told = _Told.of(sources, knots, alike, [s.values for s in sources])
+        if not told.enough:
             continue
-        square, right = (base.T @ base).toarray(), base.T @ said
-        told = _band(square)
+        right = told.base.T @ told.said
         for i, stiff in enumerate(stiffness):
-            normal = told + stiff / min(sds) ** 2 * curved
+            normal = told.normal(stiff)
             found = solveh_banded(normal, right, lower=True)
+            freedom = told.freedom(normal) if len(stiffness) > 1 else told.count
             columns[i][:, alike] = found
-            count = float(sum(s.worth[k].sum() for s, k in zip(sources, known, strict=True)))
-            freedom = count
-            if len(stiffness) > 1:
-                freedom = max(freedom - float(np.trace(solveh_banded(normal, square, lower=True))), 1.0)
-            scores[i, alike] = count * ((said - base @ found) ** 2).sum(axis=0) / freedom**2
+            scores[i, alike] = told.count * ((told.said - told.base @ found) ** 2).sum(axis=0) / freedom**2
     return _Tried(columns, scores, np.sum([s.worth @ np.isfinite(s.values) for s in sources], axis=0))
+
+
+@lru_cache(maxsize=64)
+def _curved(count: int) -> Floats:
+    """Squares of the second differences of so many coefficients, as a band."""
+    bend = np.diff(np.eye(count), 2, axis=0)
+    return _band(bend.T @ bend)
 
 
 def _band(matrix: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Tracks: a recording's trials on meshes of their own, cut into windows.
 
 Each cycle is cut into windows, each pause into two. Marker noise enters at their boundaries only, where poses are
-averaged over a few frames about the predicted path.
+averaged over a few frames about the predicted path; and so does the rounding of servos' readings.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
 from serpenoid.diagnose.data.meshes import COARSER, Mesh, evenly, mesh_of
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.readings_noise import by_readings
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
 from serpenoid.group import compose, inverse, relative
@@ -66,7 +67,8 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     run, anew = _mesh_error(model, vertices, time, guess, path, bounds)
     return Track(
         r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
-        path[some], r.time, plan, gaps, anew, least=_least(r, counts), strayed=run - anew,
+        path[some], r.time, plan, gaps, anew, strayed=run - anew,
+        least=np.hypot(_least(r, counts), by_readings(r, model, time[bounds], half_average(r))),
     )  # fmt: skip
 
 
@@ -99,8 +101,7 @@ def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats
 
     Frames after the last boundary are left out: what is done after its end, a trial does not promise.
     """
-    half = max(HALF_AVERAGE_S, HALF_AVERAGE_FRAMES * r.frame_s)
-    half = min(half, MOST_OF_WINDOW * r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE)
+    half = half_average(r)
     needed = max(1.0, LEAST_SHARE * 2 * half / r.frame_s)
     around, counts = np.full((len(times), 3), np.nan), np.ones(len(times))
     last = int(np.searchsorted(r.time, times[-1], side="right"))
@@ -110,6 +111,12 @@ def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats
         if good.sum() >= needed:
             around[i], counts[i] = miss[a:b][good].mean(axis=0), good.sum()
     return around, counts
+
+
+def half_average(r: Recording) -> float:
+    """Of the time over which poses at a boundary are averaged [s]."""
+    half = max(HALF_AVERAGE_S, HALF_AVERAGE_FRAMES * r.frame_s)
+    return min(half, MOST_OF_WINDOW * r.schedule.cycle_duration_s / WINDOWS_PER_CYCLE)
 
 
 def _least(r: Recording, counts: Floats) -> Floats:
