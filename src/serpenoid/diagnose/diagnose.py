@@ -124,14 +124,21 @@ def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, O
 
 
 def beside_changes(found: MotionFinding, above: Sequence[Stage], baseline: Baseline) -> MotionFinding:
-    """With a reference: beside a change of the body's shapes that a stage above names, names of the floor may mend the
-    law about it, where that is known to be wrong, as they may beside a larger one of the floor."""
+    """Names of the floor beside what the stages above name. What markers show by a law that is not known, poses and
+    lengths show, too: names of the floor may stand for it. With a reference, beside a change of the body's shapes, they
+    may mend the law about it, where that is known to be wrong, as they may beside a larger one of the floor."""
+    if any(n.stand_in and n.effect.effect.site == "observation" for stage in above for n in stage.named):
+        return replace(found, stage=replace(found.stage, named=tuple(_stand_in(n) for n in found.stage.named)))
     shapes = any(n.effect.effect.site == "actuation" for stage in above for n in stage.named)
     wrong = baseline.inadequate or found.stage.discrepancy_m > 0
     if baseline.ratio is None or not shapes or not wrong:
         return found
-    named = [replace(n, stand_in=n.stand_in or n.effect.effect.site == "medium") for n in found.stage.named]
-    return replace(found, stage=replace(found.stage, named=tuple(named)))
+    return replace(found, stage=replace(found.stage, named=tuple(_stand_in(n) for n in found.stage.named)))
+
+
+def _stand_in(named: Named) -> Named:
+    """What is named of the floor is perhaps a stand-in."""
+    return replace(named, stand_in=named.stand_in or named.effect.effect.site == "medium")
 
 
 def diagnose_tracked(

@@ -208,7 +208,7 @@ class _Told:
         known = [np.isfinite(s.values[:, alike[0]]) for s in sources]
         sds = [s.sd[alike[0]] for s in sources]
         roots = [np.sqrt(s.worth[k])[:, None] / sd for s, sd, k in zip(sources, sds, known, strict=True)]
-        bases = [BSpline.design_matrix(s.time[k], knots, DEGREE) for s, k in zip(sources, known, strict=True)]
+        bases = [BSpline.design_matrix(s.time, knots, DEGREE)[k] for s, k in zip(sources, known, strict=True)]
         base = vstack([b.multiply(w).tocsr() for b, w in zip(bases, roots, strict=True)])
         said = np.concatenate([v[k][:, alike] * w for v, w, k in zip(values, roots, known, strict=True)])
         count = float(sum(s.worth[k].sum() for s, k in zip(sources, known, strict=True)))

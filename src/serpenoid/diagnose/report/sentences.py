@@ -45,20 +45,27 @@ def meaning(record: Record) -> str:
 def inadequacy(record: Record) -> list[str]:
     """Where names may be stand-ins: by how much the model is inadequate, before all else."""
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
-    servos = [title(e) for e in stand_ins if e["site"] == "actuation"]
+    servos, seen = ([title(e) for e in stand_ins if e["site"] == site] for site in ("actuation", "observation"))
+    moves = len(stand_ins) > len(servos) + len(seen)
     said = []
-    if len(stand_ins) > len(servos) and record["discrepancy_m"] == 0:
+    if moves and record["discrepancy_m"] == 0 and seen:
+        said.append("names of the floor that are marked as stand-ins rest on markers whose errors are not understood")
+    elif moves and record["discrepancy_m"] == 0:
         said.append(
             "the reference followed a law that the catalogue does not hold: names marked as stand-ins may mend it "
             "where the change moves it"
         )
-    elif len(stand_ins) > len(servos):
+    elif moves:
         size = shown(record["discrepancy_m"], record["length_unit"], 2)
         said.append(
             f"the model is inadequate by {size} a window beyond chance: names marked as stand-ins take a "
             "part of that away, but may be there for a cause that the catalogue does not hold"
         )
-    return [*said, *(f"{name} is a part of what the servos do: their law is another" for name in servos)]
+    said += [f"{name} is a part of what the servos do: their law is another" for name in servos]
+    if seen:
+        parts = "is a part" if len(seen) == 1 else "are parts"
+        said.append(f"{', '.join(seen)} {parts} of what markers show beside the servos: its law is another")
+    return said
 
 
 def rival_law(record: Record) -> list[str]:

@@ -24,6 +24,7 @@ from serpenoid.diagnose.stages.marker_evidence import (
     sample,
     structure,
 )
+from serpenoid.diagnose.stages.told_lengths import other_lengths
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find, marking
 from serpenoid.files.store import remembered
@@ -53,13 +54,16 @@ def choose_observation(
     best = _beside_play(best)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     beyond = _beyond_bounds(best)
-    every = [_named(best, key) for key in best.keys if key not in beyond]
+    other = other_lengths(best)
+    instead = () if other is None else other.instead_of
+    every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words = _left_over(best)
+    words += () if other is None or not any(n.stand_in for n in named) else (other.words,)
     return Stage("observation", named, rivals, undetected, left, (*words, *beyond.values(), *refused)), best.now
 
 
@@ -168,8 +172,9 @@ def rivals_of(best: Looked, key: Key) -> list[Rival]:
     return found
 
 
-def _named(best: Looked, key: Key) -> Named:
-    """Intervals from the curvature, and no less than what gaits disagree about."""
+def _named(best: Looked, key: Key, stand_in: bool) -> Named:
+    """Intervals from the curvature, and no less than what gaits disagree about. What the whole body shares, and leaves
+    as much of what it does as no effect at a place may (law_error.py), is a stand-in, too."""
     spread = SYSTEMATIC * best.priced.spread
     covariance = best.sums.covariance(best.own, spread)
     effect = effect_of(best, key)
@@ -180,7 +185,8 @@ def _named(best: Looked, key: Key) -> Named:
             bound.append(p.name)
         half = NORMAL * float(np.sqrt(covariance[at, at])) + p.resolution
         ends[p.name] = interval((effect.parameters[p.name] - half, effect.parameters[p.name] + half))
-    return Named(effect, ends, best.strength(key), tuple(bound))
+    partly = effect.place is None and _law_error(best, effect) > LAW_ERROR
+    return Named(effect, ends, best.strength(key), tuple(bound), stand_in or partly)
 
 
 def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:

@@ -140,6 +140,11 @@ def misfit(data: Sample, now: Observation) -> float:
     return float((_left_by(data, now, data.angles(now))[1] ** 2).sum())
 
 
+def left_over(data: Sample, now: Observation) -> Floats:
+    """What an observation model leaves of all coordinates (2 F N,), in units of marker noise; 0 of hidden ones."""
+    return _left_by(data, now, data.angles(now))[1].ravel()
+
+
 def misfit_beside(data: Sample, now: Observation, joints: Sequence[int]) -> float:
     """The same where the angles of these joints are free in every frame."""
     angles = data.angles(now)

@@ -1,0 +1,77 @@
+"""Are markers beside their places, or edges of other lengths than told?
+
+Every edge may be a little longer or shorter than `edge_lengths` says. Offsets along the body, or a scale, then stand in
+for it, one after the other. So where any are found, edges that are all free are their rival, by the same price: the
+Bayesian information criterion of prices.py. A marker beside its place bends what its neighbours show, and no edges do.
+
+Legend: N vertices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Body, Floats
+from serpenoid.diagnose.inference.prices import Priced, cheapest
+from serpenoid.diagnose.stages.looked import Key, Looked, solved
+from serpenoid.diagnose.stages.marker_evidence import Sample, left_over, misfit
+from serpenoid.effects.catalogue import find
+
+ALONG = frozenset({"markers", "ahead", "scale"})  # marks of what moves markers along the body
+LONGER = 1e-3  # of an edge: a small step; markers are linear in it
+ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class OtherLengths:
+    """Edges (N - 1,) [m] that explain markers for less than some effects, and these."""
+
+    edges: Floats
+    instead_of: tuple[Key, ...]
+
+    @property
+    def words(self) -> str:
+        """What to do."""
+        lengths = ", ".join(f"{1e3 * e:.4g}" for e in self.edges)
+        return (
+            "edges of other lengths than told explain the markers better than markers beside their places or a scale: "
+            f"[{lengths}] mm. Measure the links, and mend `edge_lengths`"
+        )
+
+
+def other_lengths(best: Looked) -> OtherLengths | None:
+    """Edges that do for less what effects along the body do; None: the effects do it for less, or there are none."""
+    keys = tuple(k for k in best.keys if find(k[0]).marks in ALONG)
+    if not keys:
+        return None
+    rest = best
+    for key in keys:
+        rest = rest.without_one(rest.keys.index(key))
+    data, now = rest.data, rest.now
+    for _ in range(ROUNDS):
+        data = _lengthened(replace(rest, data=data, now=now))
+        now = solved(data, now, rest.keys) if rest.keys else now
+    free = Priced(misfit(data, now), len(rest.own) + len(data.body.edges_m), data.count)
+    return OtherLengths(data.body.edges_m, keys) if cheapest(best.priced, [free], 1) is not None else None
+
+
+def _lengthened(found: Looked) -> Sample:
+    """The sample of a body with the edges that leave least of it, one step of Gauss and Newton."""
+    data, edges = found.data, found.data.body.edges_m
+    steps = LONGER * edges
+    left = left_over(data, found.now)
+    longer = [left_over(_with_edges(data, edges + s), found.now) for s in np.diag(steps)]
+    slopes = np.stack([(other - left) / s for other, s in zip(longer, steps, strict=True)], axis=1)
+    change = np.linalg.lstsq(slopes, -left, rcond=None)[0]
+    return _with_edges(data, np.maximum(edges + change, edges / 2))
+
+
+def _with_edges(data: Sample, edges: Sequence[float] | Floats) -> Sample:
+    return replace(data, body=_body_with(data.body, np.asarray(edges)))
+
+
+def _body_with(body: Body, edges: Floats) -> Body:
+    return body.changed(length_m=None, edge_lengths=tuple(edges.tolist()))

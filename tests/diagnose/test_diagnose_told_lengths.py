@@ -1,0 +1,56 @@
+"""Edges of other lengths than told are told apart from markers beside their places."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.catalogue import Effect
+from blind.folder import write
+from blind.snake import SNAKE10
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.inference.finding import Stage
+from serpenoid.diagnose.stages.choose_observation import choose_observation
+
+RULER = 0.012  # of a length: what it is told wrong by
+COUNT = SNAKE10.vertices
+
+
+def seen(folder: Path, hidden: list[Effect], wrong: bool) -> Stage:
+    """The stage of observation of a campaign whose edges are told as they are, or a little wrong."""
+    write(make(3, hidden, "short", COMBINATIONS[:3]), folder)
+    if wrong:
+        toml, rng = folder / "campaign.toml", np.random.default_rng(1)
+        told = SNAKE10.edges * np.exp(RULER * rng.normal(size=len(SNAKE10.edges)))
+        lengths = f"edge_lengths = [{', '.join(f'{e:.6f}' for e in told)}]"
+        toml.write_text(re.sub(r"edge_lengths = .*", lengths, toml.read_text()))
+    recordings = read_recordings(folder)[1]
+    return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
+
+
+def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for_them(tmp_path: Path) -> None:
+    stage = seen(tmp_path / "short", [], wrong=True)
+    assert stage.named
+    assert all(n.stand_in for n in stage.named)
+    (said,) = [w for w in stage.words if "edge_lengths" in w]
+    found = np.array([float(x) for x in re.findall(r"[\d.]+", said[said.index("[") : said.index("]")])])
+    np.testing.assert_allclose(found, 1e3 * SNAKE10.edges, atol=0.1)  # mm; the ruler is off by a millimetre
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        [Effect("marker_offset", 4, {"along": 4e-3, "left": 0.0})],
+        [Effect("marker_offset", 4, {"along": 3e-3, "left": 2e-3}), Effect("length_scale", None, {"error": 0.02})],
+    ],
+)
+def test_markers_beside_their_places_and_a_scale_are_what_they_are(tmp_path: Path, hidden: list[Effect]) -> None:
+    stage = seen(tmp_path / "short", hidden, wrong=False)
+    assert {n.effect.name for n in stage.named} == {e.name for e in hidden}
+    assert not any(n.stand_in for n in stage.named)
+    assert stage.settled, stage.words
