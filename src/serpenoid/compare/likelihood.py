@@ -123,10 +123,15 @@ def _normal_equations(left: tuple[Whitened, ...]) -> tuple[Floats, Floats, float
 
 def _whiten(model: Model, segment: Segment, along: Floats, noise: Model | None, degree: int) -> Whitened:
     lin = linearise(model, segment.smooth_angles, segment.smooth_poses, segment.weights, degree)
+    spread = lin if noise is None else linearise(noise, segment.smooth_angles, segment.smooth_poses, segment.weights)
+    return whitened(lin, segment, along, spread)
+
+
+def whitened(lin: Linearised, segment: Segment, along: Floats, spread: Linearised) -> Whitened:
+    """A segment's white defects, linear about its smooth path; along (2 N, P): of the parameters; spread: of S."""
     pose_away = segment.poses - segment.smooth_poses
     away = np.concatenate([pose_away, segment.joint_angles - segment.smooth_angles], axis=1)
     shifted = np.einsum("siq,sq->si", lin.by_before, away[:-1]) + np.einsum("siq,sq->si", lin.by_after, away[1:])
-    spread = lin if noise is None else linearise(noise, segment.smooth_angles, segment.smooth_poses, segment.weights)
     lower = cholesky_banded(_banded(spread, segment.covariance), lower=True)
     right = np.concatenate([(lin.defect + shifted)[..., None], lin.by_parameters @ along], axis=2)
     white = np.asarray(solve_banded((BAND, 0), lower, right.reshape(-1, right.shape[2]))).reshape(right.shape)
@@ -141,11 +146,16 @@ def _unseen(model: Model, segment: Segment) -> float:
     along S + t G C P C G'.
     """
     lin = linearise(model, segment.smooth_angles, segment.smooth_poses, segment.weights)
-    unit = np.eye(segment.covariance.shape[1])
-    believed = segment.covariance @ link_directions(model.body, unit[:, :3], unit[:, 3:]) / VAGUE_SD
-    spread, along = _banded(lin, segment.covariance), _banded(lin, believed @ believed.transpose(0, 2, 1))
+    root = believed(model, segment)
+    spread, along = _banded(lin, segment.covariance), _banded(lin, root @ root.transpose(0, 2, 1))
     more, less = (_log_determinant(spread + step * along) for step in (NEAR, -NEAR))
     return (more - less) / (2 * NEAR)
+
+
+def believed(model: Model, segment: Segment) -> Floats:
+    """Root (R, q, q) of C P C: of the part of the covariance that is no error, as nothing measured it."""
+    unit = np.eye(segment.covariance.shape[1])
+    return np.asarray(segment.covariance @ link_directions(model.body, unit[:, :3], unit[:, 3:]) / VAGUE_SD)
 
 
 def _log_determinant(band: Floats) -> float:

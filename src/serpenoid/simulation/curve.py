@@ -2,9 +2,9 @@
 
 The curve (`serpenoid.body_curve`) and splines through time are cut into `finer` times as many links and steps, which
 are simulated; with g_r the curve's pose (centroid, mean direction) in the frame of the chain, the chain's pose is (pose
-of the curve) o g_r^-1. Drag sits amid the pieces, whatever the model says: then what cutting misses goes with even powers
-of a link's length and of a step's duration alone (at vertices the two end ones add a third power), and the motion
-between two rows is extrapolated twice, by Romberg's rule:
+of the curve) o g_r^-1. Drag sits amid the pieces, whatever the model says: then what cutting misses goes with even
+powers of a link's length and of a step's duration alone (at vertices the two end ones add a third power), and the
+motion between two rows is extrapolated twice, by Romberg's rule:
 
     s_12 = s_2 + (s_2 - s_1) / 3,     s_24 = s_4 + (s_4 - s_2) / 3,     s = s_24 + (s_24 - s_12) / 15
 
