@@ -10,7 +10,7 @@ Intervals answer different questions:
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -23,7 +23,7 @@ from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.plain import refuse_effects
-from serpenoid.compare.redraw import redrawn
+from serpenoid.compare.redraw import redrawn_sd
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.spread import spread_half
 from serpenoid.compare.three import simulate_path
@@ -52,7 +52,7 @@ class Estimate:
     noise_scale: float
     autocorrelation: Floats  # of the white defects, lags 1..
     warnings: tuple[str, ...]
-    solution: Solution  # before its bias was taken away (`redraw.py`)
+    solution: Solution
 
 
 @dataclass(frozen=True)
@@ -146,22 +146,19 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
     lengths = lengths_sd(others, solution)
-    bias, more = redrawn(model, segments, solution)
-    least, most = bounds(names, model)
-    moved = replace(solution, values=np.clip(solution.values - bias, least, most))
-    beside = np.hypot(lengths, more)
+    beside = np.hypot(lengths, redrawn_sd(model, segments, solution))
     unknown = np.hypot(curve_sd(model, segments, solution), beside)
     noise = np.sqrt(np.diag(solution.covariance))
     silent = np.where(noise > 0, 0.0, np.inf)  # of what the data do not say, an error may have any size
     sd = np.hypot(noise * scale, unknown) + silent
-    interval = likelihood_intervals(model, segments, moved, sd)
+    interval = likelihood_intervals(model, segments, solution, sd)
     trials = [segment.trial for segment in segments]
     correlation = solution.covariance / np.outer(*(2 * [np.where(noise > 0, noise, 1.0)]))
     differ = np.hypot(spread_half(solution, trials), Z95 * unknown)
     return Estimate(
-        names, moved.values, sd, interval, np.hypot(robust_sd(solution), beside) + silent, differ, correlation,
+        names, solution.values, sd, interval, np.hypot(robust_sd(solution), beside) + silent, differ, correlation,
         solution.noise_scale, autocorrelation(solution.segments),
-        complaints(moved, model, sd, interval, correlation), solution,
+        complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip
 
 
@@ -204,9 +201,8 @@ def profile_likelihood(
     """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors: (K, 2)."""
     low, high = (ends[0] for ends in bounds(names, model))
     sd = float(np.sqrt(best.solution.covariance[0, 0])) * max(1.0, best.noise_scale)  # of noise alone
-    fitted = best.solution.values
-    grid = fitted[0] + sd * np.linspace(-3, 3, points)
-    noise = changed(model, names, fitted)  # chi2 values are comparable only under one noise
+    grid = best.values[0] + sd * np.linspace(-3, 3, points)
+    noise = changed(model, names, best.values)  # chi2 values are comparable only under one noise
     least = fit(noise, segments, (), np.empty(0)).chi2
     rows = []
     for value in grid[(grid >= low) & (grid <= high)]:

@@ -45,6 +45,8 @@ class Segment:
     weights: Floats  # (N,) of the recorded body: poses are of its centroid
     trial: str = ""
     phase: Floats | None = None  # (R,) cycles
+    markers: Floats | None = None  # (R, N, 2) that the states were estimated from, NaN hidden
+    marker_sd: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -146,16 +148,11 @@ def _unseen(model: Model, segment: Segment) -> float:
     along S + t G C P C G'.
     """
     lin = linearise(model, segment.smooth_angles, segment.smooth_poses, segment.weights)
-    root = believed(model, segment)
-    spread, along = _banded(lin, segment.covariance), _banded(lin, root @ root.transpose(0, 2, 1))
+    unit = np.eye(segment.covariance.shape[1])
+    believed = segment.covariance @ link_directions(model.body, unit[:, :3], unit[:, 3:]) / VAGUE_SD
+    spread, along = _banded(lin, segment.covariance), _banded(lin, believed @ believed.transpose(0, 2, 1))
     more, less = (_log_determinant(spread + step * along) for step in (NEAR, -NEAR))
     return (more - less) / (2 * NEAR)
-
-
-def believed(model: Model, segment: Segment) -> Floats:
-    """Root (R, q, q) of C P C: of the part of the covariance that is no error, as nothing measured it."""
-    unit = np.eye(segment.covariance.shape[1])
-    return np.asarray(segment.covariance @ link_directions(model.body, unit[:, :3], unit[:, 3:]) / VAGUE_SD)
 
 
 def _log_determinant(band: Floats) -> float:
