@@ -121,7 +121,7 @@ def test_many_close_points_tell_the_same_k_and_leave_their_noise(tmp_path: Path)
     points = points + np.random.default_rng(2).normal(0, 3e-3, points.shape)
     campaign = load_campaign(write(tmp_path / "many", time, points))
     found = fit(neutral_model(campaign), trial_segments(campaign.trials[0]), ("anisotropy_ratio",), np.array([1 / K]))
-    assert 1 / found.values[0] == pytest.approx(K, rel=0.02)  # every joint smoothed by itself: 5 % less
+    assert 1 / found.values[0] == pytest.approx(K, rel=0.03)  # every joint smoothed by itself: 5 % less
     assert 0.8 < found.noise_scale < 1.25  # unseen directions counted by the size of C: 16
 
 

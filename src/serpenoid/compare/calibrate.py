@@ -23,6 +23,7 @@ from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.plain import refuse_effects
+from serpenoid.compare.redraw import redrawn_sd
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.spread import spread_half
 from serpenoid.compare.three import simulate_path
@@ -145,7 +146,8 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
     lengths = lengths_sd(others, solution)
-    unknown = np.hypot(curve_sd(model, segments, solution), lengths)  # of the body
+    beside = np.hypot(lengths, redrawn_sd(model, segments, solution))
+    unknown = np.hypot(curve_sd(model, segments, solution), beside)
     noise = np.sqrt(np.diag(solution.covariance))
     silent = np.where(noise > 0, 0.0, np.inf)  # of what the data do not say, an error may have any size
     sd = np.hypot(noise * scale, unknown) + silent
@@ -154,7 +156,7 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     correlation = solution.covariance / np.outer(*(2 * [np.where(noise > 0, noise, 1.0)]))
     differ = np.hypot(spread_half(solution, trials), Z95 * unknown)
     return Estimate(
-        names, solution.values, sd, interval, np.hypot(robust_sd(solution), lengths) + silent, differ, correlation,
+        names, solution.values, sd, interval, np.hypot(robust_sd(solution), beside) + silent, differ, correlation,
         solution.noise_scale, autocorrelation(solution.segments),
         complaints(solution, model, sd, interval, correlation), solution,
     )  # fmt: skip

@@ -26,7 +26,7 @@ from serpenoid.mechanics import functions
 from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Model, Structure
 from serpenoid.simulation import simulate_joint_angles
-from serpenoid.simulation.curve import simulate_curve
+from serpenoid.simulation.curve import amid_edges, simulate_curve
 from serpenoid.simulation.newton import implicit_derivative
 
 FINER = 2  # steps between two rows, from which one without error is extrapolated
@@ -84,6 +84,7 @@ def linearise(
     weights (N,), sum 1: of the centroid whose poses these are; default the model's.
     """
     weights = model.body.vertex_weights if weights is None else weights
+    model = amid_edges(model) if model.body.is_animal else model  # nearer to what drag along its curve does
     steps = len(poses) - 1
     relative = relative_poses(poses)
     motion = simulate_joint_angles(model, joint_angles, closed=False)
