@@ -15,6 +15,8 @@ from serpenoid.effects.scan import Grid, Scan
 
 RADII, MARGIN = (0.14, 0.24, 0.38), 0.27  # body lengths: sizes that are tried, and how far beyond the visited floor
 
+AT_MOST = 300  # places along an axis: of a floor of 40 body lengths and more, every place is not tried
+
 
 class FrictionPatch(MediumEffect):
     """A wet, dusty or rough place."""
@@ -34,7 +36,7 @@ def grids(low: Floats, high: Floats, length: float) -> list[Grid]:
 
 def grid(radius: float, low: Floats, high: Floats) -> Grid:
     """Of one radius [m]: exp(-|p - (x, y)|^2 / (2 radius^2)) is a product of one of x and one of y."""
-    counts = np.maximum(np.ceil((high - low) / radius).astype(int), 2)
+    counts = np.clip(np.ceil((high - low) / radius), 2, AT_MOST).astype(int)
     x, y = (np.linspace(low[i], high[i], counts[i]) for i in range(2))
 
     def felt(places: Floats) -> tuple[Floats, Floats]:

@@ -9,6 +9,6 @@ Read in this order: `signals` (angles over time), `match` (one hypothesis laid o
 late or slow servos play it), `claim` (what a trial promises, and who witnesses it), `hypotheses` (the rivals), `rivals`
 (all of them beside the contract), `geometry` (the same for markers on rigid links, wherever they sit: `reach` is how
 far apart a body allows them, `layout` how well they keep to it), `exchanged` (names that a tracker exchanges for a
-while), `fallen` (markers that fell off), `lengths` (one body in all trials), `clock_steps` (of a log), `check` (a
-trial, then a campaign), `claims` (a folder).
+while), `fallen` (markers that fell off), `leaps` (bodies that move by many lengths in a frame), `lengths` (one body in
+all trials), `clock_steps` (of a log), `check` (a trial, then a campaign), `claims` (a folder).
 """

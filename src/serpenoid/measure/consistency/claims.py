@@ -24,6 +24,7 @@ from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
+from serpenoid.measure.consistency.leaps import leap
 from serpenoid.measure.consistency.lengths import other_bodies
 from serpenoid.measure.consistency.lost_frames import Lost, set_on
 from serpenoid.measure.consistency.reach import reach
@@ -135,7 +136,7 @@ def _likeliest(file: CampaignFile, body: Body, files: Files, lost: Contradiction
 
 def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradiction], Claim | None]:
     """What is wrong with a trial's markers; else what it claims, its witnesses' periods known."""
-    faults = _exchanged(body, files) or _fallen(body, files) or _markers(file, body, files)
+    faults = _leaps(files) or _exchanged(body, files) or _fallen(body, files) or _markers(file, body, files)
     if faults:
         return faults, None
     claim = _claim(body, files)
@@ -143,6 +144,17 @@ def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradict
         if signal is not None and signal.enough:
             _ = signal.period_s  # goes with it
     return [], claim
+
+
+def _leaps(files: Files) -> list[Contradiction]:
+    """All markers somewhere else from one frame to the next."""
+    if files.tracks is None or files.labelled is None:
+        return []
+    words = leap(files.labelled.vertices, files.tracks.time_s)
+    cure = (
+        "was another body tracked, or did positions run away? Leave such cells empty, or end the trial before: `to_s`"
+    )
+    return [] if words is None else [Contradiction(files.entry.name, "leap", f"its markers {words}", cure, np.inf)]
 
 
 def _exchanged(body: Body, files: Files, odds: float = ODDS) -> list[Contradiction]:
