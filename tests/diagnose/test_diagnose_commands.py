@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +17,7 @@ from blind.folder import write
 from blind.schedule import lagged
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.clocks import Clock
-from serpenoid.diagnose.data.played import by_their_commands
+from serpenoid.diagnose.data.played import _words, by_their_commands
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.told import Distances, told_by_commands
@@ -167,6 +170,25 @@ def test_cycles_are_as_long_on_a_wrong_film_as_the_log_has_them_and_no_servo_is_
     assert low is not None
     assert high is not None
     assert low < 0.05 / (1 + FILM) < high  # in seconds of the film
+
+
+def test_a_trial_whose_commands_do_not_say_when_rows_were_due_follows_the_others(trial: Recording) -> None:
+    one, unclear = filmed(trial, FILM, 1e-5), replace(filmed(trial, FILM, 1e-5), told=None)
+    own, found = by_their_commands([one, replace(unclear, commands=one.position)])
+    assert found.schedule.cycle_duration_s == own.schedule.cycle_duration_s != trial.schedule.cycle_duration_s
+    assert found.remarks == own.remarks
+    _, without = by_their_commands([one, replace(unclear, commands=None)])
+    assert without.schedule is unclear.schedule
+
+
+@pytest.mark.parametrize("rate", [-0.03, 2.4e-5])
+def test_cycles_on_a_film_are_told_with_as_many_digits_as_tell_them_from_the_promise(rate: float) -> None:
+    recording: Any = SimpleNamespace(by_servos=True, clock=Clock(0.0, 0.0, 0.0, 0.0))
+    said = _words(recording, rate, [6.0, 8.0])
+    on_film, promised = re.findall(r"[\d.]+, [\d.]+", said)[:2]
+    for film, asked in zip(on_film.split(", "), promised.split(", "), strict=True):
+        assert float(film) / float(asked) - 1 == pytest.approx(rate, rel=0.1)
+    assert f"{100 * abs(rate):.2g} % " in said
 
 
 def test_a_rate_that_noisy_markers_make_is_no_wrong_film(trial: Recording) -> None:

@@ -48,12 +48,13 @@ def at_played_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
 
 
 def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Schedules as the log's clock has them on the film, where commands follow it and nowhere the film's alone."""
+    """Schedules as the log's clock has them on the film, where commands follow it and nowhere the film's alone. One
+    clock gives all commands: trials whose own do not say when rows were due follow those that do."""
     told = [r for r in recordings if r.told is not None and r.clock.rate_sd > 0]
     if not told or not all(r.told is not None and r.told.by_log for r in told):
         return tuple(recordings)
     rate = 1 / (1 + pooled([r.clock for r in told])[0]) - 1
-    lasting = sorted({r.schedule.cycle_duration_s for r in told})
+    lasting = sorted({r.schedule.cycle_duration_s for r in recordings if r.clock.rate_sd > 0})
     seen = _beyond_chance([r.clock for r in told])
     seen = seen and _beyond_chance([r.clock.told_apart for r in told])
     seen = seen and any(_seen(r, rate) for r in told)
@@ -62,7 +63,8 @@ def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
         words = (_words(r, rate, lasting),) if seen else ()
         return replace(_at_rate(r, rate), remarks=(*r.remarks, *words))
 
-    return tuple(on_film(r) if r.told is not None and r.clock.rate_sd > 0 else r for r in recordings)
+    follow = [r.clock.rate_sd > 0 and (r.told is not None or (seen and r.commands is not None)) for r in recordings]
+    return tuple(on_film(r) if own else r for r, own in zip(recordings, follow, strict=True))
 
 
 def _beyond_chance(clocks: Sequence[Clock]) -> bool:
@@ -132,7 +134,8 @@ def _at_rate(r: Recording, rate: float) -> Recording:
 def _words(r: Recording, rate: float, lasting: Sequence[float]) -> str:
     """One clock, one sentence, whatever cycles last [s] in the trials it is said of."""
     which = "more" if rate < 0 else "fewer"
-    on_film, promised = (", ".join(f"{f * duration:.4g}" for duration in lasting) for f in (1 + rate, 1.0))
+    digits = max(4, 2 - int(np.floor(np.log10(abs(rate)))))  # as many as tell them apart
+    on_film, promised = (", ".join(f"{f * duration:.{digits}g}" for duration in lasting) for f in (1 + rate, 1.0))
     each = ", in this order" if len(lasting) > 1 else ""
     said = f"a cycle lasts {on_film} s on the film's clock, and `cycle_duration_s` says {promised}{each}: "
     on_log = (1 + rate) * (1 + r.clock.rate) - 1
@@ -141,6 +144,6 @@ def _words(r: Recording, rate: float, lasting: Sequence[float]) -> str:
     else:
         said += "the film's clock or the player's is wrong; check the"
     return (
-        f"{said} frame rate (a film with {abs(rate):.2%} {which} seconds would agree). Cycles are taken as they were "
-        "filmed; speeds and times are those of the film"
+        f"{said} frame rate (a film with {100 * abs(rate):.2g} % {which} seconds would agree). Cycles are taken as "
+        "they were filmed; speeds and times are those of the film"
     )
