@@ -23,13 +23,15 @@ from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
+from serpenoid.diagnose.diagnose import verdict
+from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.witness import of_servos, unlike_told
+from serpenoid.diagnose.stages.witness import WrongLog, _said, of_servos, unlike_told
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import TICK
@@ -252,6 +254,20 @@ def test_markers_that_are_finer_than_readings_accuse_no_log_of_its_noise(recordi
         [replace(first, markers=shape + fine)], Baseline(Model(first.body, Medium(anisotropy_ratio=0.2)))
     )[2]
     assert stage.words == ()
+
+
+def test_a_log_that_is_wrong_at_every_joint_is_told_once(recordings: tuple[Recording, ...]) -> None:
+    every = tuple(WrongLog(joint, None) for joint in range(1, recordings[0].body.joint_count + 1))
+    servos = plays(recordings[:1])
+    (said,) = _said(every, servos)
+    assert "every joint" in said
+    assert len(_said(every[1:], servos)) == len(every) - 1
+
+
+def test_names_that_stand_for_another_law_explain_nothing(recordings: tuple[Recording, ...]) -> None:
+    lag = Named(ActiveEffect.of("servo_lag", None, lag=0.05), {}, 3.0)
+    assert verdict([Stage("actuation", (lag,))]) == "explained"
+    assert verdict([Stage("actuation", (replace(lag, stand_in=True),))]) == "partly explained"
 
 
 def test_what_is_nearest_to_a_fault_that_is_no_law_is_told(recordings: tuple[Recording, ...]) -> None:

@@ -184,9 +184,11 @@ def concluded(
 
 
 def verdict(stages: Sequence[Stage]) -> str:
-    """One of four: only what has no structure left on any stage is explained."""
+    """One of four: only what has no structure left on any stage is explained, and not by names that stand for what
+    servos do, or markers show, by another law."""
     named = any(stage.named for stage in stages)
-    settled = all(stage.settled for stage in stages)
+    partly = any(n.stand_in and n.effect.effect.site != "medium" for stage in stages for n in stage.named)
+    settled = all(stage.settled for stage in stages) and not partly
     if settled:
         return "explained" if named else "nothing"
     return "partly explained" if named else "unexplained"

@@ -55,9 +55,16 @@ def of_servos(recordings: Sequence[Recording], baseline: Baseline) -> tuple[tupl
         stage = choose_actuation(servos)
         wrong = wrong_log(recordings, servos, stage, [w.joint for w in every])
         if wrong is None:
-            return tuple(recordings), servos, replace(stage, words=(*(w.words for w in every), *stage.words))
+            return tuple(recordings), servos, replace(stage, words=(*_said(every, servos), *stage.words))
         every += (wrong,)
         recordings = mended(recordings, servos, stage, wrong)
+
+
+def _said(wrong: Sequence[WrongLog], servos: Plays) -> tuple[str, ...]:
+    """Of each joint whose log is wrong; of all together where there is no other."""
+    if len(wrong) > 1 and len(wrong) == servos.readings.shape[1]:
+        return ("the log is wrong at every joint, or too slow: markers show that servos do as they are told",)
+    return tuple(w.words for w in wrong)
 
 
 def wrong_log(
