@@ -127,11 +127,11 @@ def beside_changes(found: MotionFinding, above: Sequence[Stage], baseline: Basel
     """Names of the floor beside what the stages above name. What markers show by a law that is not known, poses and
     lengths show, too: names of the floor may stand for it. With a reference, beside a change of the body's shapes, they
     may mend the law about it, where that is known to be wrong, as they may beside a larger one of the floor."""
-    if any(n.stand_in and n.effect.effect.site == "observation" for stage in above for n in stage.named):
-        return replace(found, stage=replace(found.stage, named=tuple(_stand_in(n) for n in found.stage.named)))
-    shapes = any(n.effect.effect.site == "actuation" for stage in above for n in stage.named)
+    named = [n for stage in above for n in stage.named]
+    unknown = any(n.stand_in and n.effect.effect.site == "observation" for n in named)
+    shapes = any(n.effect.effect.site == "actuation" for n in named)
     wrong = baseline.inadequate or found.stage.discrepancy_m > 0
-    if baseline.ratio is None or not shapes or not wrong:
+    if not unknown and not (baseline.ratio is not None and shapes and wrong):
         return found
     return replace(found, stage=replace(found.stage, named=tuple(_stand_in(n) for n in found.stage.named)))
 

@@ -137,7 +137,7 @@ def sample(recordings: Sequence[Recording]) -> Sample:
 
 def misfit(data: Sample, now: Observation) -> float:
     """Chi squared of the sample at an observation model."""
-    return float((_left_by(data, now, data.angles(now))[1] ** 2).sum())
+    return float((left_over(data, now) ** 2).sum())
 
 
 def left_over(data: Sample, now: Observation) -> Floats:

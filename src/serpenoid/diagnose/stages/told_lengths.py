@@ -9,12 +9,11 @@ Legend: N vertices.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.body import Body, Floats
+from serpenoid.body import Floats
 from serpenoid.diagnose.inference.prices import Priced, cheapest
 from serpenoid.diagnose.stages.looked import Key, Looked, solved
 from serpenoid.diagnose.stages.marker_evidence import Sample, left_over, misfit
@@ -69,9 +68,5 @@ def _lengthened(found: Looked) -> Sample:
     return _with_edges(data, np.maximum(edges + change, edges / 2))
 
 
-def _with_edges(data: Sample, edges: Sequence[float] | Floats) -> Sample:
-    return replace(data, body=_body_with(data.body, np.asarray(edges)))
-
-
-def _body_with(body: Body, edges: Floats) -> Body:
-    return body.changed(length_m=None, edge_lengths=tuple(edges.tolist()))
+def _with_edges(data: Sample, edges: Floats) -> Sample:
+    return replace(data, body=data.body.changed(length_m=None, edge_lengths=tuple(edges.tolist())))

@@ -14,7 +14,6 @@ from serpenoid.effects.medium import load
 from serpenoid.effects.scan import Grid, Scan
 
 RADII, MARGIN = (0.14, 0.24, 0.38), 0.27  # body lengths: sizes that are tried, and how far beyond the visited floor
-
 AT_MOST = 300  # places along an axis: of a floor of 40 body lengths and more, every place is not tried
 
 
