@@ -116,21 +116,24 @@ def _ground(**values: Callable[[int, Parameters], object]) -> Apply:
     return apply
 
 
-def _servos(**values: Callable[[int, Parameters], object]) -> Apply:
+def _parts(part: str, values: dict[str, Callable[[int, Parameters], object]]) -> Apply:
+    """Change values of a part of the world; add to those that are kept by place."""
+
     def apply(world: World, place: int, p: Parameters) -> World:
-        old = world.servos
+        old = getattr(world, part)
         new = {k: f(place, p) for k, f in values.items()}
         merged = {k: {**getattr(old, k), **v} if isinstance(v, dict) else v for k, v in new.items()}
-        return replace(world, servos=replace(old, **merged))  # type: ignore[arg-type]
+        return replace(world, **{part: replace(old, **merged)})
 
     return apply
+
+
+def _servos(**values: Callable[[int, Parameters], object]) -> Apply:
+    return _parts("servos", values)
 
 
 def _cameras(**values: Callable[[int, Parameters], object]) -> Apply:
-    def apply(world: World, place: int, p: Parameters) -> World:
-        return replace(world, cameras=replace(world.cameras, **{k: f(place, p) for k, f in values.items()}))  # type: ignore[arg-type]
-
-    return apply
+    return _parts("cameras", values)
 
 
 def _merge(name: str, parameter: str) -> Apply:

@@ -253,6 +253,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         },
         "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
+        "parts_differ_by": d.motion.stage.unlike or None,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
         "left_open_m": total(open_m), "left_open_by_gait_m": of_each_gait(found.motion, open_m),

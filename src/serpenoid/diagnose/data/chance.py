@@ -10,7 +10,8 @@ from serpenoid.body import Floats
 
 ERROR = 0.01  # false alarms of a test: stated
 LEFT = ERROR / 3  # of each way to ask whether chance is all that is left: what repeats share, where paths end, pushes
-NORMAL = 1.96  # standard deviations that an interval reaches: 95 %, stated
+CONFIDENCE = 0.95  # of an interval: stated
+NORMAL = 1.96  # standard deviations that it reaches
 GAUSSIAN = 3.0  # fourth moment over the squared second
 SYSTEMATIC = 1.15  # noise of shapes, a little of which is alike in all trials of a gait, beside what repeats tell
 

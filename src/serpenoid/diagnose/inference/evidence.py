@@ -51,6 +51,11 @@ class Evidence:
             np.array([float(len(r)) for r, _ in parts]),
         )
 
+    def of_columns(self, chosen: Sequence[int]) -> Evidence:
+        """The same sums of some columns, in their order."""
+        index = list(chosen)
+        return replace(self, matrix=self.matrix[:, index][:, :, index], vector=self.vector[:, index])
+
     def without(self, column: int) -> Evidence:
         """The same sums with a column that says nothing."""
         matrix, vector = self.matrix.copy(), self.vector.copy()

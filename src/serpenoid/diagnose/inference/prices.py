@@ -77,13 +77,14 @@ def outweighed(bare: Priced, best: Priced) -> bool:
     return bool(bare.chi2 - best.chi2 < best.chi2 - best.count)
 
 
-def earned(best: E, bare: E, each_without: Callable[[E], Sequence[E]], needed: Callable[[E], float]) -> E:
+def earned(best: E, bare: E, each_without: Callable[[E], Sequence[E | None]], needed: Callable[[E], float]) -> E:
     """Without effects that gain no more, beside the others, than the null of what is left; the least first.
 
-    bare: no effect at all; each_without: fits without each of its effects.
+    bare: no effect at all; each_without: fits without each of its effects; None: it is plainly a cause.
     """
     while best.size:
-        bases = [bare] if best.size == 1 else each_without(best)
+        doubtful = [bare] if best.size == 1 else each_without(best)
+        bases = [b for b in doubtful if b is not None]
         idle = least_idle(best.priced, [b.priced for b in bases], needed(best))
         if idle is None:
             break

@@ -50,6 +50,11 @@ def inadequacy(record: Record) -> list[str]:
     said = []
     if moves and record["discrepancy_m"] == 0 and seen:
         said.append("names of the floor that are marked as stand-ins rest on markers whose errors are not understood")
+    elif moves and record["discrepancy_m"] == 0 and record.get("parts_differ_by"):
+        said.append(
+            f"parts that each differ a little (`{record['parts_differ_by']}`) do as well as names of the floor that "
+            "are marked as stand-ins"
+        )
     elif moves and record["discrepancy_m"] == 0:
         said.append(
             "the reference followed a law that the catalogue does not hold: names marked as stand-ins may mend it "

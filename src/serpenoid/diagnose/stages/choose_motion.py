@@ -20,18 +20,19 @@ from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_o
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
+from serpenoid.diagnose.inference.differing import differing
 from serpenoid.diagnose.inference.discrepancy import size_done
 from serpenoid.diagnose.inference.explanations import acts, another, likely
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
-from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
+from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, widest, yielding
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.middles import drag_amid_edges
-from serpenoid.diagnose.inference.names import Refused, Weak, seen
+from serpenoid.diagnose.inference.names import Key, Refused, Weak, seen
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Selection, select
 from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
@@ -169,9 +170,11 @@ def finding(
     before = path_error(motion, found.null.predictions)
     missed_m = discrepancy(motion, found.settled.predictions)
     wrong = explained(found, inadequate, beside)
-    doubt = doubted(wrong)
+    parts = differing(found)
+    doubt = widest(doubted(wrong), {} if parts is None else parts.doubt)
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
-    named = [in_its_range(motion, found.settled, n, wrong) for n in named]
+    doubtful = frozenset[Key]() if parts is None else parts.as_well
+    named = [n if n.effect.key in doubtful else in_its_range(motion, found.settled, n, wrong) for n in named]
     swaps = groups(found)
     jumps = find_jumps(motion, found.settled.predictions, noise_level, missed_m, len(candidates_of(best)))
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
@@ -180,14 +183,19 @@ def finding(
     words = _left_over(found, mend=jumps is not None)
     if words:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
+    if parts is not None and parts.told:
+        words = (*words, parts.words)
+        named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
     if wrong:
         named = with_stand_ins(found, named)
     if wrong and motion.ratio is not None:
         share = missed_m / size_done(motion, found.settled)
         named = [of_a_law(n, share, doubt) for n in named]
     after = strayed(found, jumps is not None and jumps in named)
-    rivals = tuple(s.rival for s in swaps)
-    stage = Stage("motion", tuple(named), rivals, tuple(undetected), after / noise_level, words, discrepancy_m=missed_m)
+    unlike = parts.kind if parts is not None and parts.told else ""
+    rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
+    left = after / noise_level
+    stage = Stage("motion", tuple(named), rivals, weak, left, words, discrepancy_m=missed_m, unlike=unlike)
     return MotionFinding(stage, found, swaps, before, after)
 
 

@@ -29,7 +29,6 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find, marking
 from serpenoid.files.store import remembered
 
-AT_MOST = 7
 FULL_FITS = 6
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
 
@@ -43,10 +42,7 @@ def choose_observation(
     without: effects that are no candidates.
     """
     bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
-    for _ in range(AT_MOST):
-        found = _next(best)
-        if found is None:
-            break
+    while (found := _next(best)) is not None:
         best = found
         if best.strength(best.keys[-1]) < VISIBLE:
             break
@@ -149,7 +145,7 @@ def _next(best: Looked) -> Looked | None:
     priced = [Priced(chi2, len(own) + len(columns_of(best.data.body, *k)), best.data.count) for chi2, k in left]
     if cheapest(best.priced, priced, len(others)) is None:
         return None
-    tries = [best.beside(k) for _, k in sorted(left, key=lambda pair: pair[0])[:FULL_FITS]]
+    tries = best.beside_each([k for _, k in sorted(left, key=lambda pair: pair[0])[:FULL_FITS]])
     found = cheapest(best.priced, [t.priced for t in tries], len(others))
     return None if found is None else tries[found]
 

@@ -17,8 +17,10 @@ from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced
 from serpenoid.diagnose.stages.marker_evidence import Sample, evidence, misfit, signature
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.parallel import in_processes
 
 CONVERGED = 1e-4  # chi squared: the step that gains it is a hundredth of a standard deviation, the next far smaller
+PLAINLY = 10.0  # times what is needed: first order is not off by as much
 Key = tuple[str, int | None]
 
 
@@ -67,16 +69,20 @@ class Looked:
     def needed(self) -> float:
         """Chi squared that an effect must take away: the best of all candidates takes as much by chance."""
         body, order = self.data.body, [*self.own, *(c for k in self.others for c in columns_of(self.data.body, *k))]
-        matrix = self.sums.matrix[:, order][:, :, order]
-        summed = replace(self.sums, matrix=matrix, vector=self.sums.vector[:, order])
+        summed = self.sums.of_columns(order)
         ends = np.cumsum([len(self.own), *(len(columns_of(body, *k)) for k in self.others)])
         groups = tuple(tuple(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
         return largest_by_chance([Scored(summed, len(self.own), groups)])
 
     def beside(self, key: Key) -> Looked:
         """One more effect, all fitted."""
-        keys = (*self.keys, key)
-        return replace(self, now=solved(self.data, self.now, keys), keys=keys)
+        return self.beside_each([key])[0]
+
+    def beside_each(self, several: Sequence[Key]) -> list[Looked]:
+        """The same of each of several."""
+        every = [(*self.keys, key) for key in several]
+        found = in_processes([(solved, (self.data, self.now, keys, self.sums)) for keys in every])
+        return [replace(self, now=now, keys=keys) for now, keys in zip(found, every, strict=True)]
 
     def without_one(self, index: int) -> Looked:
         """One less, the others fitted again."""
@@ -84,9 +90,18 @@ class Looked:
         now = self._cleared(self.keys[index])
         return replace(self, now=solved(self.data, now, kept) if kept else now, keys=kept)
 
-    def each_without(self) -> list[Looked]:
-        """One less, each in turn."""
-        return [self.without_one(i) for i in range(self.size)]
+    def each_without(self) -> list[Looked | None]:
+        """One less, each in turn; None of one that to first order takes away far more than is needed."""
+        return [None if self._worth(i) > PLAINLY * self.needed else self.without_one(i) for i in range(self.size)]
+
+    def _worth(self, index: int) -> float:
+        """Chi squared that an effect takes away, to first order."""
+        body, key = self.data.body, self.keys[index]
+        at = [self.own.index(c) for c in columns_of(body, *key)]
+        now, former = (np.array(values_of(body, model, *key)) for model in (self.now, self.before))
+        away = now - former
+        covariance = self.sums.solve(self.own)[1][np.ix_(at, at)]
+        return float(away @ np.linalg.solve(covariance, away))
 
     def _cleared(self, key: Key) -> Observation:
         """The model with one effect's numbers as they were before."""
@@ -119,11 +134,14 @@ def gained_beyond(found: Looked, key: Key) -> float:
     return misfit(found.data, now) - found.priced.chi2
 
 
-def solved(data: Sample, now: Observation, keys: Sequence[Key], rounds: int = 4) -> Observation:
-    """Gauss-Newton in the numbers of the given effects, until a step gains next to nothing."""
+def solved(
+    data: Sample, now: Observation, keys: Sequence[Key], begun: Evidence | None = None, rounds: int = 4
+) -> Observation:
+    """Gauss-Newton in the numbers of the given effects, until a step gains next to nothing; begun: evidence of all
+    columns about the model with which it begins."""
     columns = [c for k in keys for c in columns_of(data.body, *k)]
-    for _ in range(rounds):
-        sums = evidence(data, now, columns)
+    for i in range(rounds):
+        sums = begun.of_columns(columns) if begun is not None and not i else evidence(data, now, columns)
         step, _ = sums.solve(range(len(columns)))
         for column, amount in zip(columns, step, strict=True):
             now = now.with_column(column, float(amount))
