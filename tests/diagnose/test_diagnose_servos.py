@@ -289,7 +289,7 @@ def test_a_servo_that_is_dead_in_one_of_two_repeats_is_no_stuck_joint(recordings
     assert not stage.settled
 
 
-@pytest.mark.parametrize("said", [True, False])
+@pytest.mark.parametrize("said", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_trial_in_which_servos_are_weak_is_seen_beside_its_repeat_and_named(
     recordings: tuple[Recording, ...], said: bool
 ) -> None:
@@ -429,7 +429,7 @@ def test_a_gap_remembers_where_a_trial_came_to_rest_from_and_what_follows_does_n
     np.testing.assert_allclose(plain.angles[:, 1], 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("loss", [0.15, 0.2])
+@pytest.mark.parametrize("loss", [0.15, pytest.param(0.2, marks=pytest.mark.slow)])
 def test_rows_that_run_do_so_for_servos_that_are_all_weak(loss: float, tmp_path: Path) -> None:
     """Rows that are held beside a lag come nearer to a smaller swing than rows that run."""
     weak = [Effect("gain_loss", joint, {"loss": loss}) for joint in range(1, 11)]

@@ -6,6 +6,7 @@ Legend: C times of a course, R readings, m joints.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -24,12 +25,24 @@ class Course:
 
     def at(self, time: Floats) -> Floats:
         """Joint angles (R, m) [rad]."""
-        return np.stack([np.interp(time, self.time, column) for column in self.angles.T], axis=1)
+        if len(self.time) == 1:
+            return np.repeat(self.angles, len(time), axis=0)
+        inside = np.clip(time, self.time[0], self.time[-1])
+        row = np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, len(self.time) - 2)
+        found = self.angles[row]
+        share = (inside - self.time[row]) / np.maximum(self.time[row + 1] - self.time[row], 1e-12)
+        found += share[:, None] * self._steps[row]
+        return found
+
+    @cached_property
+    def _steps(self) -> Floats:
+        """From each time to the next (C - 1, m) [rad]."""
+        return np.diff(self.angles, axis=0)
 
     def late(self, time: Floats, readings: Floats, near: float) -> float:
         """By how much later [s], no more than `near`, the course is read best (R, m), NaN unknown, at time (R,)."""
         known = np.isfinite(readings)
-        rates = np.diff(self.angles, axis=0) / np.diff(self.time)[:, None]
+        rates = self._steps / np.diff(self.time)[:, None]
         late = 0.0
         for _ in range(MEETINGS):
             at = time - late
