@@ -20,6 +20,7 @@ BEGIN = "# --- made up: `serpenoid campaign add` takes this trial out again ---"
 END = "# --- end of what is made up ---"
 CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
+STEP_S = 5e-3  # four in a frame of the film
 BY_NAME = ("motive", "c3d", "deeplabcut", "sleap")  # formats whose points have names
 AXES = {"motive": ['up_axis = "y"                # motive: usually "y"'], "c3d": ['up_axis = "z"']}
 METRES = ['length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl']
@@ -41,19 +42,21 @@ def write(path: Path, answers: Answers) -> str:
     """Write campaign.toml (or the named file) with the example's files; returns a command to begin with."""
     from serpenoid.lifting import flat_only
     from serpenoid.problem import load
-    from serpenoid.simulation.problem import simulate
+    from serpenoid.simulation.problem import gait_table
+    from serpenoid.simulation.rollout import simulate_joint_angles
 
     problem = load(answers["problem"] or examples() / "snake10.toml")
     flat_only(problem.lift, problem.name)
-    result = simulate(problem)
-    if not result.trajectory.status.ok:
-        raise InputError(f"{problem.name}: its gait cannot be simulated: {result.trajectory.status.value}.")
-    folder, duration = path.parent, problem.task.cycle_duration_s or 5.0
+    table, folder, duration = gait_table(problem), path.parent, problem.task.cycle_duration_s or 5.0
+    closed = not problem.task.transient
+    motion = simulate_joint_angles(problem.model, _run_through(table, duration, closed), closed=closed)
+    if not motion.status.ok:
+        raise InputError(f"{problem.name}: its gait cannot be simulated: {motion.status.value}.")
     if not problem.body.is_animal:
-        write_table(folder / EXAMPLE / "joint_table.csv", result.table)
-    steps = result.trajectory.steps_per_cycle
-    cycle = result.trajectory.vertices[: steps + 1] * problem.body.total_length_m
-    poses = result.trajectory.poses[[0, steps]]
+        write_table(folder / EXAMPLE / "joint_table.csv", table)
+    steps = motion.steps_per_cycle
+    cycle = motion.vertices[: steps + 1] * problem.body.total_length_m
+    poses = motion.poses[[0, steps]]
     shown = cycle[:, _marked(problem.body, problem.medium)]
     _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, problem.body.total_length_m)
     hint = write_schema(folder, "campaign")
@@ -61,8 +64,18 @@ def write(path: Path, answers: Answers) -> str:
     return f"serpenoid measure {folder}"
 
 
+def _run_through(table: Floats, duration: float, closed: bool) -> Floats:
+    """A table (T, m) as a robot plays it, on straight lines from row to row, in steps so short that they are none;
+    closed: from the last row to the first, too."""
+    parts = int(np.ceil(duration / len(table) / STEP_S))
+    share = (np.arange(parts) / parts)[:, None]
+    pairs = zip(table, np.roll(table, -1, axis=0), strict=True)
+    played = np.concatenate([(1 - share) * row + share * after for row, after in pairs])
+    return played if closed else played[: (len(table) - 1) * parts + 1]
+
+
 def _write_motion(path: Path, cycle: Floats, poses: Floats, duration: float, length: float) -> None:
-    """Vertices of a simulated cycle (T + 1, N, 2) [m], played with pauses, as a tidy CSV at the table's own rows."""
+    """Vertices of a simulated cycle (K + 1, N, 2) [m], played with pauses, as a tidy CSV."""
     turn = poses[1, 2] - poses[0, 2]
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     begin, end = poses[:, :2] * length
