@@ -27,6 +27,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE, ERROR, NORMAL
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import strength
+from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import at_values
 from serpenoid.diagnose.inference.evidence import SILENT, Evidence
@@ -52,13 +53,15 @@ SIZES = np.exp(np.arange(-24.0, 6.0, 0.25))  # t, in squares of what the data te
 class Differing:
     """Parts of a kind, an effect's name, that differ by more than chance makes it seem.
 
-    size: SD of its parameter; doubt: what is settled on beside them; as_well: names that parts which differ do without;
-    told: whether paths show it, or a name is in doubt for it.
+    size: SD of its parameter; ratio, doubt: eps and what is settled on beside them; predictions: with them. as_well:
+    names that parts which differ do without; told: whether paths show it, or a name is in doubt for it.
     """
 
     kind: str
     size: float
+    ratio: Doubted
     doubt: Mapping[Coordinate, Doubted]
+    predictions: Sequence[Prediction]
     as_well: frozenset[Key] = frozenset()
     told: bool = False
 
@@ -73,26 +76,32 @@ class Differing:
         )
 
 
-def differing(found: Selection) -> Differing | None:
-    """The kind of which that is likeliest beside what is settled on; None: no parts differ by more than chance.
+def differing(found: Selection, inadequate: bool = False) -> Differing | None:
+    """The kind of which that is likeliest beside what is settled on; None: no parts differ by more than chance, or what
+    is left repeats with them, too: then they are not what is missing.
 
-    With a reference parts differ as they did then.
+    With a reference parts differ as they did then. inadequate: the law is known to be another.
     """
     motion, settled = found.motion, found.settled
-    kinds = [k for k in medium_effects() if motion.ratio is None and _all_over(k, motion, settled)]
+    if motion.ratio is not None or inadequate:
+        return None
+    kinds = [k for k in medium_effects() if _all_over(k, motion, settled)]
     several = [_beside(motion, settled, _unnamed(settled, k)) for k in kinds]
     best = max(several, key=lambda d: d.gained, default=None)
     if best is None or best.gained <= best.by_chance((1 - CONFIDENCE) / len(several)):
         return None
+    every = _settled(motion, best)
+    if discrepancy(motion, every.predictions) > 0:
+        return None
     sure = best.gained > best.by_chance(ERROR / len(several))
-    return _in_full(found, kinds[several.index(best)], best, sure)
+    return _beside_names(found, kinds[several.index(best)], every, sure)
 
 
-def _in_full(found: Selection, kind: MediumEffect, first: _Drawn, sure: bool) -> Differing:
-    """The same with every part fitted, beside what is named and without each name of another kind; sure: whether parts
-    are known to differ beside what is named."""
+def _beside_names(found: Selection, kind: MediumEffect, every: _Drawn, sure: bool) -> Differing:
+    """The same beside what is named and without each name of another kind; sure: whether parts are known to differ
+    beside what is named."""
     motion, settled = found.motion, found.settled
-    every, tries = _settled(motion, first), len(candidates_of(settled))
+    tries = len(candidates_of(settled))
     doubt, as_well, size = _doubt(every, settled), set(), every.size
     for e in found.best.effects:
         if e.effect.site != "medium":
@@ -106,7 +115,8 @@ def _in_full(found: Selection, kind: MediumEffect, first: _Drawn, sure: bool) ->
                 as_well.add(e.key)
                 size = max(size, rest.size)
     seen = sure and strength(motion, every.predictions, settled.predictions) >= VISIBLE * found.noise_level_m
-    return Differing(kind.name, size, doubt, frozenset(as_well), seen or bool(as_well))
+    ratio = Doubted(float(every.likeliest[0]), float(every.deviations[0]))
+    return Differing(kind.name, size, ratio, doubt, every.predictions, frozenset(as_well), seen or bool(as_well))
 
 
 def _idle(effect: ActiveEffect, doubt: Mapping[Coordinate, Doubted]) -> bool:
@@ -167,8 +177,8 @@ class _Drawn:
 
     @cached_property
     def spread(self) -> float:
-        """What is left of a residual, in units of chance."""
-        return max(1.0, self.chi2 / float(self.evidence.count.sum()))
+        """What is left of a residual where all columns are free, in units of chance."""
+        return max(1.0, self.evidence.chi2(range(len(self.coordinates))) / float(self.evidence.count.sum()))
 
     @cached_property
     def matrix(self) -> Floats:

@@ -77,7 +77,7 @@ class Stage:
     left: remaining misfit over the noise level (1 = chance alone); words: its pattern, empty where there is none.
     skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
     candidates, and why. law, drag_at: how dry friction, how drag in the middles of edges does, where it does better.
-    unlike: the effect by which parts of a kind differ from one another, where they do.
+    unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     """
 
     name: str
@@ -92,6 +92,7 @@ class Stage:
     law: str = ""
     drag_at: str = ""
     unlike: str = ""
+    ratio: tuple[float, float] | None = None
 
     @property
     def settled(self) -> bool:

@@ -75,12 +75,6 @@ def _together(several: Sequence[tuple[Doubted, float]]) -> Doubted:
     return Doubted(mean, float(np.sqrt(np.average(variances, weights=weights) + between)))
 
 
-def widest(one: Mapping[Coordinate, Doubted], other: Mapping[Coordinate, Doubted]) -> dict[Coordinate, Doubted]:
-    """Of two doubts about a value, the larger."""
-    both = {**one, **other}
-    return {key: max((d[key] for d in (one, other) if key in d), key=lambda d: d.deviation) for key in both}
-
-
 def yielding(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:
     """A change with intervals that hold how far the body may give way to what it does on the floor's own law.
 

@@ -124,10 +124,49 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
             hidden = (*hidden, added.key)
         if idle == IDLE:
             break
+    if unclear(best) and (several := all_at_once(motion, best, len(candidates_of(null)))) is not best:
+        motion, best = settled(placed(retracked(motion, retrack, several.model), several), several, about, retrack)
+        null = fit_guided(motion, null, STEPS)
     noise_level = path_noise(motion, best.predictions)
     best = resited(motion, best)
     found = kept(motion, null, best, noise_level, hidden)
     return Selection(**vars(found), motion=motion, null=null, noise_level_m=noise_level, scores=scores)
+
+
+def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
+    """With all places of one effect, less those that earn nothing, if that is likelier: of several wheels that are worn
+    together the first that is found may be a place between two."""
+    least = best.priced.chi2
+    for kind in sorted({c.name for c in candidates_of(best) if c.place is not None and len(c.effect.parameters) == 1}):
+        others = [e for e in best.effects if e.name != kind]
+        there = {e.key: e for e in best.effects}
+        every = [there.get(c.key, c) for c in _everywhere(best) if c.name == kind]
+        start = np.array([best.coordinates[0], *(c for e in (*others, *every) for c in e.coordinates[:-1])])
+        found = fit(motion, best.model, [*others, *every], start, TO_THE_END, best.predictions)
+        found = pruned(motion, _told(motion, found, tries), tries)
+        if found.priced.chi2 < least:
+            least, best = found.priced.chi2, found
+    return best
+
+
+def _everywhere(found: Fit) -> list[ActiveEffect]:
+    """Every effect that the motion shows at every place, those that are fitted, too."""
+    return [*candidates_of(found), *found.effects]
+
+
+def _told(motion: Motion, found: Fit, tries: int) -> Fit:
+    """Without effects that to first order gain no more than their price, all at once."""
+    covariance = found.evidence.covariance(range(len(found.coordinates)))
+    price = found.evidence.toll(1) + gained_by_chance(tries)
+    kept, at = [], 1
+    for e in found.effects:
+        own = slice(at, at + len(e.effect.parameters))
+        away = np.array(e.coordinates[:-1]) - [p.resting for p in e.effect.parameters]
+        at = own.stop
+        if float(away @ np.linalg.pinv(covariance[own, own]) @ away) > price:
+            kept.append(e)
+    x = np.array([found.coordinates[0], *(c for e in kept for c in e.coordinates[:-1])])
+    return fit(motion, found.model, kept, x, TO_THE_END, found.predictions)
 
 
 def resited(motion: Motion, best: Fit) -> Fit:

@@ -18,15 +18,15 @@ from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
-from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
-from serpenoid.diagnose.inference.differing import differing
+from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
 from serpenoid.diagnose.inference.explanations import acts, another, likely
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
-from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, widest, yielding
+from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
@@ -96,9 +96,11 @@ def choose_on_tracks(
     asked = baseline.ratio is None  # with a reference it is known
     law = dry_friction(chosen) if asked else ""
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
-    chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
+    parts = differing(chosen, baseline.inadequate)
+    if parts is None:
+        chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
     searched(chosen)  # what this alone shows can be drawn while rivals are fitted
-    found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline))
+    found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     barred = not_looked_for(baseline, untestable)
     return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at), baseline=baseline)
 
@@ -162,16 +164,19 @@ def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, F
 
 
 def finding(
-    found: Selection, inadequate: bool = False, beside: Sequence[tuple[Motion, Fit, float]] = ()
+    found: Selection,
+    inadequate: bool = False,
+    beside: Sequence[tuple[Motion, Fit, float]] = (),
+    parts: Differing | None = None,
 ) -> MotionFinding:
     """The selection in words and intervals; inadequate: its baseline's law is known to be another than the floor's;
-    beside: what is settled on, fitted beside other explanations of what the baseline's law misses."""
+    beside: what is settled on, fitted beside other explanations of what the baseline's law misses; parts: that differ,
+    so that what is left is no error of the law."""
     motion, best, noise_level = found.motion, found.best, found.noise_level_m
     before = path_error(motion, found.null.predictions)
-    missed_m = discrepancy(motion, found.settled.predictions)
-    wrong = explained(found, inadequate, beside)
-    parts = differing(found)
-    doubt = widest(doubted(wrong), {} if parts is None else parts.doubt)
+    missed_m = 0.0 if parts is not None else discrepancy(motion, found.settled.predictions)
+    wrong = () if parts is not None else explained(found, inadequate, beside)
+    doubt = doubted(wrong) if parts is None else parts.doubt
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     doubtful = frozenset[Key]() if parts is None else parts.as_well
     named = [n if n.effect.key in doubtful else in_its_range(motion, found.settled, n, wrong) for n in named]
@@ -180,10 +185,11 @@ def finding(
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
-    words = _left_over(found, mend=jumps is not None)
-    if words:
+    words = _left_over(found, parts, mend=jumps is not None)
+    told = parts is not None and (parts.told or bool(_left_over(found, None, mend=jumps is not None)))
+    if words and parts is None:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
-    if parts is not None and parts.told:
+    if parts is not None and told:
         words = (*words, parts.words)
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
     if wrong:
@@ -191,11 +197,12 @@ def finding(
     if wrong and motion.ratio is not None:
         share = missed_m / size_done(motion, found.settled)
         named = [of_a_law(n, share, doubt) for n in named]
-    after = strayed(found, jumps is not None and jumps in named)
-    unlike = parts.kind if parts is not None and parts.told else ""
+    after = strayed(found, parts, jumps is not None and jumps in named)
+    unlike = parts.kind if parts is not None and told else ""
+    ends = None if parts is None else _ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     left = after / noise_level
-    stage = Stage("motion", tuple(named), rivals, weak, left, words, discrepancy_m=missed_m, unlike=unlike)
+    stage = Stage("motion", tuple(named), rivals, weak, left, words, discrepancy_m=missed_m, unlike=unlike, ratio=ends)
     return MotionFinding(stage, found, swaps, before, after)
 
 
@@ -207,10 +214,14 @@ def of_a_law(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) ->
     return yielding(named, share, doubt) if acts(named.effect) else named
 
 
-def strayed(found: Selection, mend: bool) -> float:
-    """Path error [m] of what is named; mend: of steps across gaps, too, which are judged beside what is below
-    detection."""
-    return path_error(found.motion, (found.settled if mend else found.best).predictions, mend)
+def strayed(found: Selection, parts: Differing | None, mend: bool) -> float:
+    """Path error [m] of all that is there, as the verdict takes it; mend: of steps across gaps, too."""
+    return path_error(found.motion, _predicted(found, parts), mend)
+
+
+def _predicted(found: Selection, parts: Differing | None) -> Sequence[Prediction]:
+    """By what is named, what is below detection, and parts that differ."""
+    return found.settled.predictions if parts is None else parts.predictions
 
 
 def explained(
@@ -252,9 +263,10 @@ def undetected_of(t: Weak, noise_level_m: float) -> Named:
     return Named(t.fitted, {}, t.strength_m / noise_level_m)
 
 
-def _left_over(found: Selection, mend: bool) -> tuple[str, ...]:
-    """What neither the effects named nor one too weak to be named account for; mend: steps across gaps are known."""
-    motion, predictions = found.motion, found.settled.predictions
+def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[str, ...]:
+    """What neither the effects named nor one too weak to be named, nor parts that differ, account for; mend: steps
+    across gaps are known."""
+    motion, predictions = found.motion, _predicted(found, parts)
     eps = found.settled.model.medium.anisotropy_ratio
     words, floors = (
         pattern(motion, predictions, path_error(motion, predictions, mend)),
@@ -305,10 +317,16 @@ def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
 def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
     """95 % interval of eps with what is there. Names that may be stand-ins may take a part of what resists, or
     give it: then eps is known no better than with and without them."""
-    unsure = found.motion.ratio is None and any(n.stand_in for n in stage.named)
+    unsure = found.motion.ratio is None and not stage.unlike and any(n.stand_in for n in stage.named)
     fits = [found.settled, found.null] if unsure else [found.settled]
-    low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), strict=True)
+    low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
     return min(low), max(high)
+
+
+def _ratio_beside(parts: Differing, settled: Fit) -> tuple[float, float]:
+    """The same beside parts that differ."""
+    half, limits = NORMAL * parts.ratio.deviation, settled.model.medium.limits(LEAST_EPS, MOST_EPS)
+    return _clipped(parts.ratio.value - half, *limits), _clipped(parts.ratio.value + half, *limits)
 
 
 def _ratio_ends(motion: Motion, found: Fit) -> tuple[float, float]:

@@ -55,12 +55,23 @@ def choose_observation(
     every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
+    nameless = [f"{n.effect.called} is not named: its values may be anything" for n in every if _open(n)]
+    every = [n for n in every if not _open(n)]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words = _left_over(best)
     words += () if other is None or not any(n.stand_in for n in named) else (other.words,)
-    return Stage("observation", named, rivals, undetected, left, (*words, *beyond.values(), *refused)), best.now
+    words = (*words, *beyond.values(), *nameless, *refused)
+    return Stage("observation", named, rivals, undetected, left, words), best.now
+
+
+def _open(named: Named) -> bool:
+    """Whether intervals of all of its parameters hold what changes nothing, though it takes much away."""
+    ends = [(p.neutral, *named.intervals[p.name]) for p in named.effect.effect.parameters]
+    return all(
+        low is not None and high is not None and low <= rest <= high for rest, low, high in ends if rest is not None
+    )
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:
