@@ -1,4 +1,5 @@
-"""Parts that are all a little different: what they do to values and names, and how often chance is taken for them."""
+"""Parts that are all a little different: what they do to values and names, and how often chance is taken for them; and
+several that differ much."""
 
 from __future__ import annotations
 
@@ -7,14 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blind.campaign import make
+from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.random_protocols import draw_protocol
 from serpenoid.body import Body
 from serpenoid.diagnose.campaign import diagnose_campaign
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.differing import _Drawn
 from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.medium import TO_THE_END, candidates_of, fit
+from serpenoid.diagnose.inference.select import all_at_once, calibrated
+from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -60,3 +68,18 @@ def test_a_healthy_robot_whose_wheels_differ_has_no_name_without_a_mark(tmp_path
     assert found.named
     assert all(n.stand_in or n.effect.name == "worn_wheel" for n in found.named)
     assert any("parts are not alike: `worn_wheel` varies" in w for w in found.words)
+
+
+def test_several_worn_wheels_are_found_at_once_where_the_first_that_was_found_is_none_of_them(tmp_path: Path) -> None:
+    worn = {2: 0.85, 7: 0.82, 9: 0.85, 10: 0.73}
+    campaign = make(5, [Effect("worn_wheel", k, {"seizure": s}) for k, s in worn.items()], "short", COMBINATIONS[:4])
+    write(campaign, tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
+    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
+    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    between = [ActiveEffect.of("worn_wheel", 8, seizure=0.5), ActiveEffect.of("wheel_mount", share=0.2)]
+    motion, begun = calibrated(motion, fit(motion, model, between, np.array([campaign.eps, 0.5, 0.2]), TO_THE_END))
+    found = all_at_once(motion, begun, len(candidates_of(begun)))
+    assert found.chi2 < 0.1 * begun.chi2
+    assert {e.place: e.parameters["seizure"] for e in found.effects} == pytest.approx(worn, abs=0.1)

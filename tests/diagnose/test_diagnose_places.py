@@ -112,12 +112,12 @@ def test_what_a_mesh_misses_of_windows_is_not_what_it_misses_of_a_run() -> None:
     assert missed[0] < 0.1 * min(missed[1:])
 
 
-def test_where_steps_across_gaps_are_named_the_path_is_that_of_the_fit_they_are_judged_beside(tmp_path: Path) -> None:
+def test_the_path_is_that_of_all_that_is_there_with_steps_across_gaps_where_they_are_named(tmp_path: Path) -> None:
     _, motion, found = fitted(tmp_path, PATCH, JUMPS)
     bare = fit(motion, found.model, [], found.coordinates[:1], TO_THE_END)
     chosen = cast("Selection", SimpleNamespace(motion=motion, best=bare, settled=found))
-    assert strayed(chosen, mend=True) == path_error(motion, found.predictions, mend=True)
-    assert strayed(chosen, mend=True) < strayed(chosen, mend=False) == path_error(motion, bare.predictions)
+    assert strayed(chosen, None, mend=True) == path_error(motion, found.predictions, mend=True)
+    assert strayed(chosen, None, mend=True) < strayed(chosen, None, mend=False) == path_error(motion, found.predictions)
     for track, p in zip(motion.tracks, found.predictions, strict=True):
         shown, alone = (np.hypot(*(predicted(track, p, m) - track.poses)[-1, :2]) for m in (True, False))
         if track.gap_windows.any():

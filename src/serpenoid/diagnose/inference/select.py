@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.paths import path_noise
@@ -155,18 +156,34 @@ def _everywhere(found: Fit) -> list[ActiveEffect]:
 
 
 def _told(motion: Motion, found: Fit, tries: int) -> Fit:
-    """Without effects that to first order gain no more than their price, all at once."""
-    covariance = found.evidence.covariance(range(len(found.coordinates)))
-    price = found.evidence.toll(1) + gained_by_chance(tries)
-    kept, at = [], 1
-    for e in found.effects:
-        own = slice(at, at + len(e.effect.parameters))
-        away = np.array(e.coordinates[:-1]) - [p.resting for p in e.effect.parameters]
-        at = own.stop
-        if float(away @ np.linalg.pinv(covariance[own, own]) @ away) > price:
-            kept.append(e)
-    x = np.array([found.coordinates[0], *(c for e in kept for c in e.coordinates[:-1])])
-    return fit(motion, found.model, kept, x, TO_THE_END, found.predictions)
+    """Without effects that to first order gain no more than their price beside those that are left, the least first."""
+    toll, chance = found.evidence.toll(1), gained_by_chance(tries)
+    ends = np.cumsum([1, *(len(e.effect.parameters) for e in found.effects)])
+    columns = [range(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    away = found.coordinates - [0.0, *(p.resting for e in found.effects for p in e.effect.parameters)]
+    kept, lost = list(range(len(columns))), 0.0
+    while kept:
+        gains = [_lost(found, away, columns, [k for k in kept if k != i]) - lost for i in kept]
+        excess = [gain - chance - toll * len(columns[i]) for gain, i in zip(gains, kept, strict=True)]
+        least = int(np.argmin(excess))
+        if excess[least] > 0:
+            break
+        lost += gains[least]
+        del kept[least]
+    effects = [found.effects[i] for i in kept]
+    x = np.array([found.coordinates[0], *(c for e in effects for c in e.coordinates[:-1])])
+    return fit(motion, found.model, effects, x, TO_THE_END, found.predictions)
+
+
+def _lost(found: Fit, away: Floats, columns: Sequence[range], kept: Sequence[int]) -> float:
+    """Chi squared that is lost, to first order about a fit, where all effects but those kept are neutral, which is as
+    far away (P,) as that."""
+    matrix = found.evidence.matrix.sum(axis=0)
+    free = [0, *(c for i in kept for c in columns[i])]
+    gone = [c for c in range(len(away)) if c not in free]
+    shared = matrix[np.ix_(gone, free)]
+    told = matrix[np.ix_(gone, gone)] - shared @ np.linalg.pinv(matrix[np.ix_(free, free)], hermitian=True) @ shared.T
+    return float(away[gone] @ told @ away[gone])
 
 
 def resited(motion: Motion, best: Fit) -> Fit:

@@ -55,14 +55,15 @@ def choose_observation(
     every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
-    nameless = [f"{n.effect.called} is not named: its values may be anything" for n in every if _open(n)]
-    every = [n for n in every if not _open(n)]
+    nameless = [n for n in every if n.strength >= VISIBLE and _open(n)]
+    every = [n for n in every if n not in nameless]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words = _left_over(best)
     words += () if other is None or not any(n.stand_in for n in named) else (other.words,)
-    words = (*words, *beyond.values(), *nameless, *refused)
+    unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
+    words = (*words, *beyond.values(), *unknown, *refused)
     return Stage("observation", named, rivals, undetected, left, words), best.now
 
 
