@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -109,14 +110,7 @@ def _exponent(rng: np.random.Generator, place: int | None, robot: Robot) -> Para
     return {"exponent": float(np.exp(rng.choice([-1, 1]) * _log(rng, 0.03, 0.6)))}
 
 
-def _ground(**values: Callable[[int, Parameters], object]) -> Apply:
-    def apply(world: World, place: int, p: Parameters) -> World:
-        return replace(world, ground=replace(world.ground, **{k: f(place, p) for k, f in values.items()}))  # type: ignore[arg-type]
-
-    return apply
-
-
-def _parts(part: str, values: dict[str, Callable[[int, Parameters], object]]) -> Apply:
+def _change(part: str, **values: Callable[[int, Parameters], object]) -> Apply:
     """Change values of a part of the world; add to those that are kept by place."""
 
     def apply(world: World, place: int, p: Parameters) -> World:
@@ -128,22 +122,7 @@ def _parts(part: str, values: dict[str, Callable[[int, Parameters], object]]) ->
     return apply
 
 
-def _servos(**values: Callable[[int, Parameters], object]) -> Apply:
-    return _parts("servos", values)
-
-
-def _cameras(**values: Callable[[int, Parameters], object]) -> Apply:
-    return _parts("cameras", values)
-
-
-def _merge(name: str, parameter: str) -> Apply:
-    """Add {place: value} to a dictionary of the ground."""
-
-    def apply(world: World, place: int, p: Parameters) -> World:
-        merged = {**getattr(world.ground, name), place: p[parameter]}
-        return replace(world, ground=replace(world.ground, **{name: merged}))
-
-    return apply
+_ground, _servos, _cameras = (partial(_change, part) for part in ("ground", "servos", "cameras"))
 
 
 CATALOGUE: dict[str, Kind] = {
@@ -162,8 +141,8 @@ CATALOGUE: dict[str, Kind] = {
     "slow_joint": Kind(
         ACTUATION, AT_JOINT, _one("max_speed", 0.2, 2.0), _servos(speeds=lambda k, p: {k: p["max_speed"]})
     ),
-    "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.15, 1.0), _merge("seizure", "seizure")),
-    "load": Kind(MEDIUM, AT_VERTEX, _load, _merge("share", "share")),
+    "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.15, 1.0), _ground(seizure=lambda k, p: {k: p["seizure"]})),
+    "load": Kind(MEDIUM, AT_VERTEX, _load, _ground(share=lambda k, p: {k: p["share"]})),
     "dry_friction": Kind(
         MEDIUM, GLOBAL, _one("crossover_speed", 0.003, 0.5), _ground(crossover_speed=lambda k, p: p["crossover_speed"])
     ),

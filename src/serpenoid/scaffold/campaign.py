@@ -10,6 +10,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
 from serpenoid.measure.readers import NAMES
+from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of
@@ -68,10 +69,9 @@ def _run_through(table: Floats, duration: float, closed: bool) -> Floats:
     """A table (T, m) as a robot plays it, on straight lines from row to row, in steps so short that they are none;
     closed: from the last row to the first, too."""
     parts = int(np.ceil(duration / len(table) / STEP_S))
-    share = (np.arange(parts) / parts)[:, None]
-    pairs = zip(table, np.roll(table, -1, axis=0), strict=True)
-    played = np.concatenate([(1 - share) * row + share * after for row, after in pairs])
-    return played if closed else played[: (len(table) - 1) * parts + 1]
+    steps = len(table) * parts
+    played = steps if closed else steps - parts + 1
+    return Schedule(table, duration, cycles=1, pause_s=0.0).commanded(np.arange(played) / steps * duration)
 
 
 def _write_motion(path: Path, cycle: Floats, poses: Floats, duration: float, length: float) -> None:

@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE, ERROR, NORMAL
@@ -30,10 +29,10 @@ from serpenoid.diagnose.data.paths import strength
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import at_values
-from serpenoid.diagnose.inference.evidence import SILENT, Evidence
+from serpenoid.diagnose.inference.evidence import SILENT, Evidence, inverted
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted
-from serpenoid.diagnose.inference.medium import Fit, candidates_of, linearised, with_values
+from serpenoid.diagnose.inference.medium import Fit, candidates_of, coordinates_of, linearised, with_values
 from serpenoid.diagnose.inference.names import Key
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.select import Selection
@@ -142,8 +141,7 @@ def _unnamed(found: Fit, kind: MediumEffect) -> list[ActiveEffect]:
 @dataclass(frozen=True)
 class _Drawn:
     """Parts that are drawn, to second order about a model: evidence of eps, of what is free, and of the parts, which
-    are the last `parts` of the effects.
-    """
+    are the last `parts` of the effects."""
 
     model: Model
     effects: tuple[ActiveEffect, ...]
@@ -159,21 +157,13 @@ class _Drawn:
     @property
     def coordinates(self) -> Floats:
         """Of eps and all effects (P,)."""
-        return np.array([self.model.medium.anisotropy_ratio, *(c for e in self.effects for c in e.coordinates[:-1])])
+        return coordinates_of(self.model, self.effects)
 
     @cached_property
-    def about(self) -> Floats:
+    def beyond(self) -> Floats:
         """What parts have beyond their neutral values (P,); 0 of what is free."""
         resting = [p.resting for e in self.effects[-self.parts :] for p in e.effect.parameters]
-        beyond = self.coordinates
-        beyond[: self.flat] = 0.0
-        beyond[self.flat :] -= resting
-        return beyond
-
-    @cached_property
-    def chi2(self) -> float:
-        """Of the model."""
-        return float(self.evidence.constant.sum())
+        return np.concatenate([np.zeros(self.flat), self.coordinates[self.flat :] - resting])
 
     @cached_property
     def spread(self) -> float:
@@ -181,24 +171,20 @@ class _Drawn:
         return max(1.0, self.evidence.chi2(range(len(self.coordinates))) / float(self.evidence.count.sum()))
 
     @cached_property
-    def matrix(self) -> Floats:
-        """Of chi squared (P, P), in units of what is left."""
-        return np.asarray(self.evidence.matrix.sum(axis=0) / self.spread)
-
-    @cached_property
-    def vector(self) -> Floats:
-        """The same (P,)."""
-        return np.asarray(self.evidence.vector.sum(axis=0) / self.spread)
+    def _sums(self) -> tuple[Floats, Floats, float]:
+        """Matrix (P, P), vector (P,) and constant of chi squared where no part differs, in units of what is left."""
+        alike = self.evidence.about(self.beyond)
+        matrix, vector, constant = (x.sum(axis=0) / self.spread for x in (alike.matrix, alike.vector, alike.constant))
+        return matrix, vector, float(constant)
 
     @cached_property
     def _reduced(self) -> tuple[Floats, Floats, float]:
         """What is told of the parts along their principal axes (K,), the pull there, and chi squared where none
         differs, each less by what is free."""
-        a, b, free = self.matrix, self.vector + self.matrix @ self.about, self.flat
-        inverse = _inverse(a[:free, :free])
+        (a, b, none), free = self._sums, self.flat
+        inverse = inverted(a[:free, :free])
         told, axes = np.linalg.eigh(a[free:, free:] - a[free:, :free] @ inverse @ a[:free, free:])
         pull = axes.T @ (b[free:] - a[free:, :free] @ inverse @ b[:free])
-        none = self.chi2 / self.spread + self.about @ self.matrix @ self.about + 2 * self.vector @ self.about
         return np.maximum(told, 0.0), pull, float(none - b[:free] @ inverse @ b[:free])
 
     @cached_property
@@ -226,36 +212,34 @@ class _Drawn:
         """The likeliest SD."""
         return float(np.sqrt(SIZES[int(self._gains(self._reduced[1]).argmax())] / self._unit))
 
-    def by_chance(self, error: float) -> float:
-        """What is gained where none differs, but for an error."""
+    @cached_property
+    def _chance(self) -> Floats:
+        """What is gained where none differs (DRAWS,)."""
         told = self._reduced[0]
         pull = np.random.default_rng(0).normal(size=(DRAWS, len(told))) * np.sqrt(told)
-        return float(np.quantile(np.maximum(self._gains(pull).max(axis=-1), 0.0), 1 - error))
+        return np.maximum(self._gains(pull).max(axis=-1), 0.0)
+
+    def by_chance(self, error: float) -> float:
+        """The most of that, but for an error."""
+        return float(np.quantile(self._chance, 1 - error))
 
     @cached_property
     def _posterior(self) -> tuple[Floats, Floats]:
-        """How far all columns (P,) are from the fit's, and their deviations (P,)."""
-        held = np.zeros(len(self.about))
-        held[self.flat :] = 1 / self.size**2
-        covariance = _inverse(self.matrix + np.diag(held))
-        return covariance @ (self.vector - held * self.about), np.sqrt(np.diag(covariance))
+        """How far all columns (P,) are from where no part differs, and their deviations (P,)."""
+        matrix, vector, _ = self._sums
+        held = np.concatenate([np.zeros(self.flat), np.full(self.parts, 1 / self.size**2)])
+        covariance = inverted(matrix + np.diag(held))
+        return covariance @ vector, np.sqrt(np.diag(covariance))
 
     @property
     def likeliest(self) -> Floats:
         """Coordinates (P,)."""
-        return np.asarray(self.coordinates + self._posterior[0])
+        return np.asarray(self.coordinates - self.beyond + self._posterior[0])
 
     @property
     def deviations(self) -> Floats:
         """Of all coordinates (P,)."""
         return self._posterior[1]
-
-
-def _inverse(matrix: Floats) -> Floats:
-    """Of sums in units of their columns; silent ones stay where they are."""
-    scale = np.sqrt(np.maximum(np.diag(matrix), SILENT))
-    outer = np.outer(scale, scale)
-    return np.asarray(solve(matrix / outer + SILENT * np.eye(len(scale)), np.eye(len(scale))) / outer)
 
 
 def _beside(motion: Motion, settled: Fit, parts: Sequence[ActiveEffect]) -> _Drawn:
@@ -267,8 +251,7 @@ def _beside(motion: Motion, settled: Fit, parts: Sequence[ActiveEffect]) -> _Dra
 def _without(motion: Motion, drawn: _Drawn, effect: ActiveEffect) -> _Drawn:
     """The same without an effect, the others and the parts as they are."""
     kept = [e for e in drawn.effects if e.key != effect.key]
-    x = np.array([drawn.coordinates[0], *(c for e in kept for c in e.coordinates[:-1])])
-    return _at(motion, drawn, kept, x)
+    return _at(motion, drawn, kept, coordinates_of(drawn.model, kept))
 
 
 def _settled(motion: Motion, drawn: _Drawn) -> _Drawn:

@@ -56,6 +56,11 @@ class Evidence:
         index = list(chosen)
         return replace(self, matrix=self.matrix[:, index][:, :, index], vector=self.vector[:, index])
 
+    def about(self, away: Floats) -> Evidence:
+        """The same sums about values from which these are `away` (P,)."""
+        moved = self.matrix @ away
+        return Evidence(self.matrix, self.vector + moved, self.constant + (2 * self.vector + moved) @ away, self.count)
+
     def without(self, column: int) -> Evidence:
         """The same sums with a column that says nothing."""
         matrix, vector = self.matrix.copy(), self.vector.copy()
@@ -69,7 +74,7 @@ class Evidence:
         if without is not None and self.neutral is not None and self.certainty is not None:
             matrix = matrix + np.diag(self.certainty[index])
             vector = vector + self.certainty[index] * self.neutral[index]
-        inverse = _inverted(matrix)
+        inverse = inverted(matrix)
         return inverse @ vector, inverse
 
     def _sums(self, index: list[int], without: int | None) -> tuple[Floats, Floats]:
@@ -95,7 +100,7 @@ class Evidence:
     def _best(self, index: np.ndarray) -> tuple[Floats, Floats]:
         """Chi squared (K,) after the best fit of each row of columns (K, C), and their values (K, C)."""
         matrix, vector = self._total[0][index[:, :, None], index[:, None]], self._total[1][index]
-        inverse = _inverted(matrix)
+        inverse = inverted(matrix)
         values = (inverse @ vector[..., None])[..., 0]
         moved = (matrix @ values[..., None])[..., 0]
         return float(self.constant.sum()) + (values * (moved - 2 * vector)).sum(axis=1), values
@@ -161,7 +166,7 @@ class Evidence:
         return total
 
 
-def _inverted(matrix: Floats) -> Floats:
+def inverted(matrix: Floats) -> Floats:
     """Inverse of sums (..., C, C), in units of their columns: of a silent one rounding leaves less than nothing, and it
     stays at zero."""
     scale = np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 0.0))

@@ -50,7 +50,7 @@ class Fit:
     @property
     def coordinates(self) -> Floats:
         """eps and the coordinates of all fitted effects."""
-        return _coordinates(self.model, self.effects)
+        return coordinates_of(self.model, self.effects)
 
     @property
     def priced(self) -> Priced:
@@ -70,7 +70,7 @@ class Fit:
         """
         there = {e.key: e for e in model.effects}
         others = [there.get(e.key, ActiveEffect.neutral(e.name, e.place)) for e in self.effects]
-        apart = self.coordinates - _coordinates(model, others)
+        apart = self.coordinates - coordinates_of(model, others)
         spread = max(1.0, self.chi2 / float(self.evidence.count.sum()))
         return float(np.sqrt(apart @ self.evidence.matrix.sum(axis=0) @ apart / spread))
 
@@ -195,19 +195,19 @@ def fit_eps(motion: Motion, start: Model, near: Sequence[Prediction] | None = No
 def fit_without(motion: Motion, found: Fit, effect: ActiveEffect) -> Fit:
     """A fit with one effect left out and everything else fitted again."""
     kept = _others(found, effect)
-    return fit(motion, found.model, kept, _coordinates(found.model, kept), near=found.predictions)
+    return fit(motion, found.model, kept, coordinates_of(found.model, kept), near=found.predictions)
 
 
 def predicted_without(motion: Motion, found: Fit, effect: ActiveEffect) -> tuple[Prediction, ...]:
     """What a fit predicts with one effect taken out and nothing fitted again."""
     kept = _others(found, effect)
-    model = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
+    model = with_values(found.model, kept, coordinates_of(found.model, kept), motion.held)
     return linearised(motion, model, kept, near=found.predictions)[1]
 
 
 def predicted_bare(motion: Motion, found: Fit, kept: Sequence[ActiveEffect] = ()) -> tuple[Prediction, ...]:
     """What a fit predicts with its effects, but for those kept, taken out and nothing fitted again."""
-    model = with_values(found.model, kept, _coordinates(found.model, kept), motion.held)
+    model = with_values(found.model, kept, coordinates_of(found.model, kept), motion.held)
     return linearised(motion, model, kept, near=found.predictions)[1]
 
 
@@ -215,7 +215,7 @@ def _others(found: Fit, effect: ActiveEffect) -> list[ActiveEffect]:
     return [e for e in found.effects if e.key != effect.key]
 
 
-def _coordinates(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
+def coordinates_of(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
     """eps and the coordinates of effects, as fits take them (1 + P,)."""
     return np.array([model.medium.anisotropy_ratio, *(c for e in effects for c in e.coordinates[:-1])])
 

@@ -20,7 +20,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.diagnose.inference.law_doubt import doubted
 from serpenoid.diagnose.inference.left_open import Explained
-from serpenoid.diagnose.inference.medium import STEPS, Fit, fit, linearised
+from serpenoid.diagnose.inference.medium import STEPS, Fit, coordinates_of, fit, linearised
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.base import Parameter
 
@@ -85,6 +85,6 @@ def _held_at(motion: Motion, found: Fit, effect: ActiveEffect, x: float) -> floa
     is known."""
     held = replace(motion, held=joined(motion.held, [effect.with_coordinates([x])]))
     others = [e for e in found.effects if e.key != effect.key]
-    start = np.array([found.coordinates[0], *(c for e in others for c in e.coordinates[:-1])])
+    start = coordinates_of(found.model, others)
     again = fit(held, found.model, others, start, STEPS, found.predictions)
     return again.chi2 if again.evidence.count.sum() >= found.evidence.count.sum() else found.chi2

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.paths import path_noise
@@ -24,6 +23,7 @@ from serpenoid.diagnose.inference.medium import (
     TO_THE_END,
     Fit,
     candidates_of,
+    coordinates_of,
     fit,
     fit_eps,
     fit_guided,
@@ -138,13 +138,14 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
     """With all places of one effect, less those that earn nothing, if that is likelier and foretells gaits better: of
     several wheels that are worn together the first that is found may be a place between two. So many numbers fit any
     law on one gait alone."""
+    if len(best.evidence.constant) < 2:
+        return best
     everywhere = [c for c in (*best.effects, *candidates_of(best)) if c.name not in motion.untestable]
     alone = {c.name for c in everywhere if c.place is not None and len(c.effect.parameters) == 1}
     for name in sorted(alone):
         others = [e for e in best.effects if e.name != name]
         effects = [*others, *(c for c in everywhere if c.name == name)]
-        start = np.array([best.coordinates[0], *(c for e in effects for c in e.coordinates[:-1])])
-        found = fit(motion, best.model, effects, start, TO_THE_END, best.predictions)
+        found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
         found = pruned(motion, _told(motion, found, tries), tries)
         if choose(best, [found], tries) is not None and _foretold(found) < _foretold(best):
             best = found
@@ -152,40 +153,32 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
 
 
 def _foretold(found: Fit) -> float:
-    """Chi squared of each gait by what the others tell, to first order; infinite where there is one gait alone."""
-    gaits = len(found.evidence.constant)
-    return found.evidence.held_out(range(len(found.coordinates))) if gaits > 1 else np.inf
+    """Chi squared of each gait by what the others tell, to first order."""
+    return found.evidence.held_out(range(len(found.coordinates)))
 
 
 def _told(motion: Motion, found: Fit, tries: int) -> Fit:
     """Without effects that to first order gain no more than their price beside those that are left, the least first."""
-    toll, chance = found.evidence.toll(1), gained_by_chance(tries)
+    resting = [p.resting for e in found.effects for p in e.effect.parameters]
+    bare = found.evidence.about(
+        found.coordinates - [found.coordinates[0], *resting]
+    )  # chi squared of some, others none
     ends = np.cumsum([1, *(len(e.effect.parameters) for e in found.effects)])
-    columns = [range(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-    away = found.coordinates - [0.0, *(p.resting for e in found.effects for p in e.effect.parameters)]
-    kept, lost = list(range(len(columns))), 0.0
+    columns = {e.key: range(a, b) for e, a, b in zip(found.effects, ends[:-1], ends[1:], strict=True)}
+    kept = list(found.effects)
+
+    def left(effects: Sequence[ActiveEffect]) -> float:
+        return bare.chi2([0, *(c for e in effects for c in columns[e.key])])
+
     while kept:
-        gains = [_lost(found, away, columns, [k for k in kept if k != i]) - lost for i in kept]
-        excess = [gain - chance - toll * len(columns[i]) for gain, i in zip(gains, kept, strict=True)]
+        now = left(kept)
+        gains = [left([other for other in kept if other is not e]) - now for e in kept]
+        excess = [gain - bare.toll(len(columns[e.key])) for gain, e in zip(gains, kept, strict=True)]
         least = int(np.argmin(excess))
-        if excess[least] > 0:
+        if excess[least] > gained_by_chance(tries):
             break
-        lost += gains[least]
         del kept[least]
-    effects = [found.effects[i] for i in kept]
-    x = np.array([found.coordinates[0], *(c for e in effects for c in e.coordinates[:-1])])
-    return fit(motion, found.model, effects, x, TO_THE_END, found.predictions)
-
-
-def _lost(found: Fit, away: Floats, columns: Sequence[range], kept: Sequence[int]) -> float:
-    """Chi squared that is lost, to first order about a fit, where all effects but those kept are neutral, which is as
-    far away (P,) as that."""
-    matrix = found.evidence.matrix.sum(axis=0)
-    free = [0, *(c for i in kept for c in columns[i])]
-    gone = [c for c in range(len(away)) if c not in free]
-    shared = matrix[np.ix_(gone, free)]
-    told = matrix[np.ix_(gone, gone)] - shared @ np.linalg.pinv(matrix[np.ix_(free, free)], hermitian=True) @ shared.T
-    return float(away[gone] @ told @ away[gone])
+    return fit(motion, found.model, kept, coordinates_of(found.model, kept), TO_THE_END, found.predictions)
 
 
 def resited(motion: Motion, best: Fit) -> Fit:

@@ -186,11 +186,11 @@ def finding(
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words = _left_over(found, parts, mend=jumps is not None)
-    told = parts is not None and (parts.told or bool(_left_over(found, None, mend=jumps is not None)))
+    unlike = ""
     if words and parts is None:
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
-    if parts is not None and told:
-        words = (*words, parts.words)
+    if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)):
+        words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
     if wrong:
         named = with_stand_ins(found, named)
@@ -198,11 +198,10 @@ def finding(
         share = missed_m / size_done(motion, found.settled)
         named = [of_a_law(n, share, doubt) for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
-    unlike = parts.kind if parts is not None and told else ""
     ends = None if parts is None else _ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
-    left = after / noise_level
-    stage = Stage("motion", tuple(named), rivals, weak, left, words, discrepancy_m=missed_m, unlike=unlike, ratio=ends)
+    stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
+    stage = replace(stage, unlike=unlike, ratio=ends)
     return MotionFinding(stage, found, swaps, before, after)
 
 

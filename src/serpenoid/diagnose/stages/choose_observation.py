@@ -10,7 +10,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.data.columns import columns_of
-from serpenoid.diagnose.data.observation import Observation, values_of
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
@@ -108,9 +108,7 @@ def _law_error(best: Looked, effect: ActiveEffect) -> float:
     it does; 0 of one that is below detection."""
     if best.strength(effect.key) < VISIBLE:
         return 0.0
-    body, columns = best.data.body, columns_of(best.data.body, *effect.key)
-    now, former = (np.array(values_of(body, model, *effect.key)) for model in (best.now, best.before))
-    left, done = along(best.data, best.now, columns, now - former)
+    left, done = along(best.data, best.now, columns_of(best.data.body, *effect.key), best.changed_by(effect.key))
     return float(np.sqrt(left / max(done, 1e-12)))
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.observation import Observation, values_of
 from serpenoid.diagnose.inference.evidence import Evidence
@@ -96,19 +96,21 @@ class Looked:
 
     def _worth(self, index: int) -> float:
         """Chi squared that an effect takes away, to first order."""
-        body, key = self.data.body, self.keys[index]
-        at = [self.own.index(c) for c in columns_of(body, *key)]
-        now, former = (np.array(values_of(body, model, *key)) for model in (self.now, self.before))
-        away = now - former
+        key = self.keys[index]
+        at, away = [self.own.index(c) for c in columns_of(self.data.body, *key)], self.changed_by(key)
         covariance = self.sums.solve(self.own)[1][np.ix_(at, at)]
         return float(away @ np.linalg.solve(covariance, away))
 
+    def changed_by(self, key: Key) -> Floats:
+        """How far an effect's numbers are from what they were before."""
+        now, former = (np.array(values_of(self.data.body, model, *key)) for model in (self.now, self.before))
+        return np.asarray(now - former)
+
     def _cleared(self, key: Key) -> Observation:
         """The model with one effect's numbers as they were before."""
-        now, body = self.now, self.data.body
-        values, former = (values_of(body, model, *key) for model in (now, self.before))
-        for column, value, old in zip(columns_of(body, *key), values, former, strict=True):
-            now = now.with_column(column, old - value)
+        now = self.now
+        for column, change in zip(columns_of(self.data.body, *key), self.changed_by(key), strict=True):
+            now = now.with_column(column, -float(change))
         return now
 
     def strength(self, key: Key) -> float:
