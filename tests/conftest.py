@@ -43,6 +43,7 @@ def shared(item: pytest.Item) -> str | None:
     return item.nodeid.partition("::")[0] if any(f.scope == "module" for f in ours) else None
 
 
+@pytest.hookimpl(tryfirst=True)  # the runner reads groups in the same hook
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
         if (name := shared(item)) is not None:

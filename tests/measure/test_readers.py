@@ -162,7 +162,7 @@ def test_a_servo_log_has_its_own_names_and_units(tmp_path):
     np.testing.assert_allclose(log.command[0], np.radians([1, 2]))
     with pytest.raises(InputError, match=r"no column is called `position_\*`.*\[servo_log\]"):
         read_servo_log(path)
-    with pytest.raises(InputError, match=r"column D \(`deg_1`\): joint angles are in radians.*angle_unit = \"deg\""):
+    with pytest.raises(InputError, match=r"column D \(`deg_1`\): joint angles are within a turn.*angle_unit = \"deg\""):
         read_servo_log(path, ServoKeys(columns=columns))
     with pytest.raises(InputError, match="2 columns `deg_1`, ... and 1 `goal_1`.*one `command` is needed for every"):
         read_servo_log(path, ServoKeys(columns=columns.model_copy(update={"command": ("goal_1",)})))
@@ -226,7 +226,7 @@ def test_semicolons_tabs_and_decimal_commas_of_a_spreadsheet_are_read(tmp_path, 
 
 def test_servo_log_in_degrees_is_refused(tmp_path):
     write_servo_log(tmp_path / "s.csv", np.arange(3) / 50, np.full((3, 2), 30.0))
-    with pytest.raises(InputError, match=r"row 2, column B \(`position_1`\): joint angles are in radians"):
+    with pytest.raises(InputError, match=r"row 2, column B \(`position_1`\): joint angles are within a turn"):
         read_servo_log(tmp_path / "s.csv")
 
 

@@ -19,6 +19,7 @@ from serpenoid.medium import OpenMedium
 from serpenoid.model import Model
 
 ANEW = ("rate", "jumps")  # marks of what differs between recordings
+SAID = {"medium", "effects", "body"}  # what of a problem or model file a diagnosis begins from
 
 
 class _Known(Record):
@@ -58,6 +59,8 @@ def _model(path: str | Path) -> dict[str, Any]:
             f"{path}: is a {found} file, where --model takes a problem or model file. Leave --model out: the "
             "campaign's own [medium] is the baseline, or a first guess, and eps is calibrated either way."
         )
+    if not SAID & data.keys():
+        raise InputError(f"{path}: says nothing of a model: it has no [medium], no [[effects]] and no [body].")
     return data
 
 

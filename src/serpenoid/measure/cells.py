@@ -141,10 +141,11 @@ def increasing_times(times: Floats, rows: int | NDArray[np.int64], column: int, 
         raise InputError(f"{place(path, int(row_of[missing[0]]), column, name)}: time must not be empty.")
     back = np.flatnonzero(np.diff(times) <= 0)
     if back.size:
-        row = int(row_of[back[0] + 1])
+        row, again = int(row_of[back[0] + 1]), times[back[0] + 1] == times[back[0]]
+        twice = "Is a row there twice, or has its time too few digits? Leave it out, or write more digits."
         raise InputError(
             f"{place(path, row, column, name)}: times must increase, got {times[back[0] + 1]:g} after "
             f"{times[back[0]]:g}. "
-            "Two recordings in one file?"
+            f"{twice if again else 'Two recordings in one file? Give each trial its own.'}"
         )
     return times

@@ -14,9 +14,8 @@ from serpenoid.files.schema import Line, Record
 
 Names = Annotated[Line | tuple[Line, ...], Field(union_mode="left_to_right")]
 TimeUnit = Literal["s", "ms", "us", "ns"]
-AngleUnit = Literal["rad", "deg"]
+AngleUnit = Literal["rad", "deg", "ticks"]
 SECONDS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-RADIANS: dict[str, float] = {"rad": 1.0, "deg": 0.017453292519943295}
 NUMBERED = "a list of names, or one with `*` where their numbers stand"
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
-from serpenoid.measure.columns import RADIANS, SECONDS, ServoKeys, find_column, numbered, shown
+from serpenoid.measure.columns import SECONDS, ServoKeys, find_column, numbered, shown
 
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
@@ -19,6 +19,7 @@ LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
 EXTRA = ("voltage", "load", "temperature", "error")
 READ_AS_WRITTEN = ServoKeys()
 TICK = 2 * np.pi / 4096  # rad: the step of a servo's reading
+ANGLES = {"rad": (0.0, 1.0), "deg": (0.0, np.pi / 180), "ticks": (2048.0, TICK)}  # what is straight, and one [rad]
 OWN_NAMES = (
     'Own names and units: [servo_log] with `columns = { time = "millis", position = "angle_*" }`, '
     '`time_unit = "ms"`, `angle_unit = "deg"` (docs/your-csv.md).'
@@ -104,9 +105,10 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
     increasing_times(column[own.time][once], 1 + once, header.index(own.time), path, own.time)
     times = column[own.time] * SECONDS[keys.time_unit]
     read = {role: np.stack([column[name] for name in names], axis=1) for role, names in groups.items() if names}
-    angles = {role: read[role] * RADIANS[keys.angle_unit] for role in ("position", "command") if role in read}
+    straight, one = ANGLES[keys.angle_unit]
+    angles = {role: (read[role] - straight) * one for role in ("position", "command") if role in read}
     for role, values in angles.items():
-        _check_radians(values, groups[role], header, path)
+        _check_turn(values, read[role], groups[role], keys.angle_unit, header, path)
     phase = tuple(row[header.index(own.phase)].strip() for row in rows[1:]) if own.phase in header else None
     if phase is not None:
         _check_labels(column, single, phase, header, path)
@@ -208,12 +210,15 @@ def _refuse_spike(power: Floats, path: Path, header: list[str]) -> None:
         )
 
 
-def _check_radians(values: Floats, called: list[str], header: list[str], path: Path) -> None:
-    beyond = np.argwhere(np.abs(values) > LIMIT_RAD)
+def _check_turn(angles: Floats, read: Floats, called: list[str], unit: str, header: list[str], path: Path) -> None:
+    """Angles (R, m) [rad], read (R, m) in `unit`, are within a turn."""
+    beyond = np.argwhere(np.abs(angles) > LIMIT_RAD)
     if beyond.size:
         row, joint = (int(i) for i in beyond[0])
         label = called[joint]
+        others = {"deg": "degrees", "ticks": "a servo's ticks (4096 a turn, 2048 is straight)", "rad": "radians"}
+        cures = [f'in {words} `angle_unit = "{other}"`' for other, words in others.items() if other != unit]
         raise InputError(
-            f"{place(path, row + 1, header.index(label), label)}: joint angles are in radians and within a turn, "
-            f'got {values[row, joint]:g}. Of a log in degrees [servo_log] says `angle_unit = "deg"`.'
+            f"{place(path, row + 1, header.index(label), label)}: joint angles are within a turn, got "
+            f'{read[row, joint]:g} with `angle_unit = "{unit}"`. [servo_log] says of a log {", of one ".join(cures)}.'
         )

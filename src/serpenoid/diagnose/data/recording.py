@@ -25,7 +25,8 @@ from serpenoid.measure.schedule import Schedule
 
 READING_SD = TICK / 2  # rad
 WINDOWS_PER_CYCLE = 8
-UNSURE_CYCLE = 0.1  # of a cycle: a lag of the servos looks like a late start
+UNSURE_CYCLE = 0.25  # of a cycle: slow servos look like a late start, and what follows a wave is no later than this
+SAID_CYCLE = 0.1  # of a cycle: a log whose readings are further apart does not say when a motion began
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class Recording:
     @property
     def start_said(self) -> bool:
         """Whether labels of a log say when the motion began."""
-        return self.t0_spread < UNSURE_CYCLE * self.schedule.cycle_duration_s
+        return self.t0_spread < SAID_CYCLE * self.schedule.cycle_duration_s
 
     @property
     def lag_untold(self) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.finding import VISIBLE, excludable
+from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.stages.plays import Plays
@@ -51,6 +51,9 @@ def plays(recordings: Sequence[Recording]) -> Plays:
         for kind in laws:
             played.append(_by_all(data, kind))
             if followed(data, data.alone(played[-1]), np.median):
+                simpler = _simplest([*found, (data, played)])
+                if simpler[0] is not data:
+                    return _measured(*simpler)
                 best = _told_apart(every, kind, data)
                 return _measured(best, [_by_all(best, k) for k in laws]) if best.held else best
         found.append((data, played))
@@ -60,11 +63,16 @@ def plays(recordings: Sequence[Recording]) -> Plays:
 def _simplest(found: Sequence[tuple[Plays, list[Floats]]]) -> tuple[Plays, list[Floats]]:
     """The first way in which set-points may be taken, and what servos play in it with each law, that readings do not
     exclude: about noise that is hardly known no way is followed, and what is best may be so by chance."""
-    misses = [min(float(np.median(data.chi2(data.alone(p)))) for p in played) for data, played in found]
-    first = found[0][0]
-    band = most_gained(1, len(shown(first)) * len(found))
-    often = float(np.median(first.often))
-    return next(way for way, miss in zip(found, misses, strict=True) if not excludable(miss, min(misses), often, band))
+    misses = [min(_cost(data, data.alone(p)) for p in played) for data, played in found]
+    band = most_gained(1, len(shown(found[0][0])) * len(found))
+    return next(way for way, miss in zip(found, misses, strict=True) if miss - min(misses) <= band)
+
+
+def _cost(data: Plays, played: Floats) -> float:
+    """Twice the negative log likelihood of the readings of all joints, but for a constant: where one strays by more
+    than noise, what it strays by is its noise, so that a joint that does something else decides nothing."""
+    ratio = data.chi2(played) / data.often
+    return float((data.often * np.where(ratio > 1, 1 + np.log(np.maximum(ratio, 1.0)), ratio)).sum())
 
 
 def _measured(data: Plays, every: Sequence[Floats]) -> Plays:
@@ -89,10 +97,10 @@ def _told_apart(every: Sequence[Plays], kind: ActuationEffect | None, first: Pla
     played = [_by_all(data, kind) for data in every]
     noise = np.min([data.measured(p).noise for data, p in zip(every, played, strict=True)], axis=0)
     measured = [replace(data, noise=noise) for data in every]
-    misses = [float(np.median(data.chi2(p))) for data, p in zip(measured, played, strict=True)]
+    misses = [_cost(data, p) for data, p in zip(measured, played, strict=True)]
     band = most_gained(1, len(shown(first)) * len(every))
     best, own = int(np.argmin(misses)), [data is first for data in every].index(True)
-    return measured[best if excludable(misses[own], misses[best], float(np.median(first.often)), band) else own]
+    return measured[best if misses[own] - misses[best] > band else own]
 
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:

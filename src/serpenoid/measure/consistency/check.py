@@ -46,6 +46,8 @@ SLOW_ENDS = 1.07 ** np.arange(4)  # of the time that is seen as motion; `match` 
 WEAK = 0.2  # joints of which most move by so much less or more than commanded are mentioned
 SCALED = 0.05  # commands of a log that differ so much from the table's are another's
 ALIKE = 0.1  # of a gain: those of one cause differ by less
+LOG_CURE = "name that file in `servo_log`"
+CURES = {"log": LOG_CURE, "markers": "are the recordings of two trials exchanged? Name each trial's own in `motion`"}
 PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
@@ -201,7 +203,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
     faults = [*turned(course, "the servo log"), *in_one_film(course, "the servo log")]
     for name, log in others:
         words = f"follow the servo log of trial `{name}`, not their own"
-        faults.append(Fault("log", words, "name that file in `servo_log`", logged(log, promised), share))
+        faults.append(Fault("log", words, LOG_CURE, logged(log, promised), share, cures=CURES))
     if own is not None and promised is not None and abs(np.log(own / promised)) > 0.05:
         words = f"last {rounded(own / promised)} times as long as in the servo log"
         cure = in_other_unit(own / promised) or "check the frame rate of the recording"
