@@ -34,6 +34,11 @@ class Schedule:
     held: bool = False
 
     @property
+    def jumps_every_s(self) -> float:
+        """Seconds from one jump to the next; 0 where no row jumps."""
+        return self.cycle_duration_s / len(self.table) if self.held else 0.0
+
+    @property
     def period_s(self) -> float:
         return self.cycle_duration_s + self.pause_s
 

@@ -46,7 +46,7 @@ def _met(
 def _late(r: Recording, course: Course) -> float:
     """How late [s] a trial's readings meet what servos do best."""
     inside = played_for_sure(r, begun=False) & (r.read_at < r.end)
-    return course.late(r.read_at[inside], r.position[inside], unsure_start(r))
+    return course.late(r.read_at[inside], r.position[inside], unsure_start(r), r.schedule.jumps_every_s)
 
 
 def _begun(r: Recording, late: float, course: Course) -> Recording:

@@ -168,7 +168,8 @@ class Plays:
         if self.begun(recording):
             return angles[self.where[number]]
         course = Course(self.meshes[number], angles)
-        late = course.late(time, self.readings[self._rows[number]], self.unsure_start(recording))
+        read, jumps_s = self.readings[self._rows[number]], recording.schedule.jumps_every_s
+        late = course.late(time, read, self.unsure_start(recording), jumps_s)
         return course.at(time - late)
 
     def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
