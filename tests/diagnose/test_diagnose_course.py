@@ -15,3 +15,19 @@ def test_angles_are_those_on_straight_lines_and_held_beyond(count: int) -> None:
     time = np.concatenate([rng.uniform(course.time[0] - 1, course.time[-1] + 1, 200), course.time])
     straight = np.stack([np.interp(time, course.time, column) for column in course.angles.T], axis=1)
     np.testing.assert_allclose(course.at(time), straight, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("late", [-0.71, -0.05, 0.0, 0.33, 0.9])
+def test_a_course_that_jumps_is_met_at_every_moment_of_a_row(late: float) -> None:
+    """Every row of 0.5 s is reached in a tenth of it: most readings stand still, and say no way."""
+    rng, apart = np.random.default_rng(4), 0.5
+    rows = np.cumsum(rng.normal(size=(60, 2)), axis=0)
+    begins = apart * np.arange(60)
+    course = Course(
+        np.ravel([begins, begins + 0.1 * apart], order="F"), np.stack([np.roll(rows, 1, axis=0), rows], 1).reshape(-1, 2)
+    )
+    time = np.arange(2.0, 28.0, 0.17)
+    readings = course.at(time - late) + 1e-4 * rng.normal(size=(len(time), 2))
+    assert course.late(time, readings, 1.0, apart) == pytest.approx(late, abs=1e-3)
+    if late == 0.33:  # two thirds of a row: the slopes' own steps end elsewhere
+        assert course.late(time, readings, 1.0) != pytest.approx(late, abs=1e-2)

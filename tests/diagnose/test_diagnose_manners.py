@@ -81,6 +81,14 @@ def test_wrong_words_are_refused_before_the_work(
     assert said in capsys.readouterr().err
 
 
+def test_a_model_file_that_says_nothing_is_refused(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty.toml").touch()
+    assert main(["diagnose", str(campaign), "--model", str(tmp_path / "empty.toml")]) == 2
+    assert "empty.toml: says nothing of a model" in capsys.readouterr().err
+
+
 def test_help_teaches(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["diagnose", "--help"])

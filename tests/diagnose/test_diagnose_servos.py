@@ -17,7 +17,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
-from blind.schedule import lagged
+from blind.schedule import lagged, rate_limited
 from serpenoid.body import Body
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.reading import read_recordings
@@ -162,6 +162,28 @@ def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     assert high is not None
     assert low < lag < high
     assert high - low < 0.2 * lag
+
+
+def test_servos_that_are_far_too_slow_begin_where_they_are_told_to(recordings: tuple[Recording, ...]) -> None:
+    """A triangle instead of a sine looks late by up to a quarter of a cycle; the film is laid where it looks alike."""
+    rng, slow, noise = np.random.default_rng(3), 0.5, 0.01
+
+    def filmed(r: Recording) -> Recording:
+        late = 0.18 * r.schedule.cycle_duration_s
+        time = np.arange(r.read_at[0], r.read_at[-1] + 1e-3, 1e-3)
+        true = Course(time, rate_limited(time, r.schedule.commanded(time + late), slow)).at(r.read_at)
+        unsure = UNSURE_CYCLE * r.schedule.cycle_duration_s
+        return replace(r, position=true + noise * rng.normal(size=true.shape), by_servos=False, t0_spread=unsure)
+
+    stage = choose_actuation(plays([filmed(r) for r in recordings]))
+    assert stage.settled
+    (named,) = stage.named
+    assert named.effect.name == "speed_saturation"
+    low, high = named.intervals["max_speed"]
+    assert low is not None
+    assert high is not None
+    assert low < slow < high
+    assert high - low < 0.02 * slow
 
 
 def test_what_servos_do_after_a_trial_without_a_pause_is_no_lag(recordings: tuple[Recording, ...]) -> None:

@@ -161,6 +161,18 @@ def test_a_servo_log_of_another_trial_is_recognised(valid, tmp_path):
         load_campaign(tmp_path / "c")
 
 
+def test_two_films_exchanged_accuse_the_films_and_not_the_logs(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    one, other = (tmp_path / "c" / name / "motion.csv" for name in ("gait-1-1", "gait-2-1"))
+    film = one.read_bytes()
+    one.write_bytes(other.read_bytes())
+    other.write_bytes(film)
+    with pytest.raises(InputError, match="follow the servo log of trial `gait-2-1`, not their own") as refusal:
+        load_campaign(tmp_path / "c")
+    assert "are the recordings of two trials exchanged? Name each trial's own in `motion`" in str(refusal.value)
+    assert "`servo_log`" not in str(refusal.value)
+
+
 def test_shapes_of_no_gait_of_the_campaign_are_refused(valid, tmp_path):
     shutil.copytree(valid, tmp_path / "c")
     without_logs(tmp_path / "c")

@@ -164,6 +164,12 @@ def test_a_servo_log_has_its_own_names_and_units(tmp_path):
         read_servo_log(path)
     with pytest.raises(InputError, match=r"column D \(`deg_1`\): joint angles are within a turn.*angle_unit = \"deg\""):
         read_servo_log(path, ServoKeys(columns=columns))
+    path.write_text("millis,deg_1,deg_2,goal_1,goal_2\n0,2048,3072,1024,0\n")
+    ticks = read_servo_log(path, ServoKeys(columns=columns, time_unit="ms", angle_unit="ticks"))
+    np.testing.assert_allclose(ticks.position[0], [0, np.pi / 2])
+    np.testing.assert_allclose(ticks.command[0], [-np.pi / 2, -np.pi])
+    with pytest.raises(InputError, match=r"got 2048 with `angle_unit = \"deg\".*servo's ticks.*`angle_unit = \"ticks\"`"):
+        read_servo_log(path, ServoKeys(columns=columns, angle_unit="deg"))
     with pytest.raises(InputError, match="2 columns `deg_1`, ... and 1 `goal_1`.*one `command` is needed for every"):
         read_servo_log(path, ServoKeys(columns=columns.model_copy(update={"command": ("goal_1",)})))
 
