@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
+from serpenoid.cli.main import main
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.compare.likelihood import fit
 from serpenoid.compare.segments import trial_segments
@@ -171,3 +172,18 @@ def test_an_animal_with_a_joint_table_is_asked_whether_it_is_a_robot(tmp_path: P
         else:
             with pytest.raises(InputError, match=r'is an animal, and has neither .* "swimming robot"'):
                 load_campaign_file(tmp_path)
+
+
+def test_drag_of_an_animal_has_no_elements_to_choose(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    time, points = Worm().film(1.0)
+    folder = write(tmp_path / "worm", time, points)
+    assert main(["fit", str(folder), "--dissipation", "edge", "--out", str(tmp_path / "out")]) == 2
+    assert "drag acts all along an animal's body" in capsys.readouterr().err
+
+
+def test_points_that_scatter_about_a_body_of_one_length_are_no_peristalsis(tmp_path: Path) -> None:
+    for seed, seconds in ((1, 0.6), (2, 2.0), (3, 4.0)):
+        time, points = Worm().film(seconds)
+        noisy = points + np.random.default_rng(seed).normal(0, 3e-3, points.shape)
+        (trial,) = load_campaign(write(tmp_path / str(seed), time, noisy)).trials
+        assert not [note for note in trial.notes if "peristalsis" in note]

@@ -65,6 +65,16 @@ def test_a_new_problem_file_is_valid_and_its_gait_moves_within_its_limits(tmp_pa
     assert np.degrees(np.abs(result.table).max()) <= (problem.joint_limit_deg or 0) or problem.body.joint_count < 6
 
 
+def test_edges_say_the_length_and_a_second_word_on_it_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edges = ["--joints", "2", "--edges", "0.1,0.2,0.1"]
+    new("problem", tmp_path / "three.toml", *edges)
+    assert "--length" not in capsys.readouterr().out
+    assert main(["new", "problem", str(tmp_path / "two.toml"), "--yes", *edges, "--length", "0.9"]) == 2
+    assert "--length: --edges says it already. Leave one of them out." in capsys.readouterr().err
+
+
 def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -> None:
     problem = load(new("problem", tmp_path / "mine.toml", *SIX))
     path = new(

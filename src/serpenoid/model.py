@@ -78,6 +78,11 @@ class Model:
         return (*(said for said in (self.body.odd_length, self.sparse_drag) if said), *self._odd_weights, *seen)
 
     @property
+    def where_drag_acts(self) -> str:
+        """In words: of an animal all along the curve through its points, whatever [medium] says."""
+        return "drag all along the body" if self.body.is_animal else f"dissipation at each {self.medium.dissipation}"
+
+    @property
     def sparse_drag(self) -> str | None:
         """See `Body.sparse_edges`; nothing where drag sits at vertices."""
         return self.body.sparse_edges if self.medium.dissipation == "edge" else None

@@ -24,7 +24,8 @@ def test_a_course_that_jumps_is_met_at_every_moment_of_a_row(late: float) -> Non
     rows = np.cumsum(rng.normal(size=(60, 2)), axis=0)
     begins = apart * np.arange(60)
     course = Course(
-        np.ravel([begins, begins + 0.1 * apart], order="F"), np.stack([np.roll(rows, 1, axis=0), rows], 1).reshape(-1, 2)
+        np.ravel([begins, begins + 0.1 * apart], order="F"),
+        np.stack([np.roll(rows, 1, axis=0), rows], 1).reshape(-1, 2),
     )
     time = np.arange(2.0, 28.0, 0.17)
     readings = course.at(time - late) + 1e-4 * rng.normal(size=(len(time), 2))

@@ -295,6 +295,7 @@ def test_rest_before_and_after_does_not_draw_the_period(rest, pause, cycles):
     shown = schedule.commanded(time)
     noise = np.random.default_rng(2).normal(0, 1e-3, shown.shape)
     assert Signal(time, shown + noise).period_s == pytest.approx(1.7 + pause, abs=0.02)  # a frame
+    assert Signal(time, shown + noise).repeats_s == pytest.approx(1.7 + pause, abs=0.005)
 
 
 @pytest.mark.parametrize("holes", [0.0, 0.1])

@@ -168,7 +168,9 @@ def test_a_servo_log_has_its_own_names_and_units(tmp_path):
     ticks = read_servo_log(path, ServoKeys(columns=columns, time_unit="ms", angle_unit="ticks"))
     np.testing.assert_allclose(ticks.position[0], [0, np.pi / 2])
     np.testing.assert_allclose(ticks.command[0], [-np.pi / 2, -np.pi])
-    with pytest.raises(InputError, match=r"got 2048 with `angle_unit = \"deg\".*servo's ticks.*`angle_unit = \"ticks\"`"):
+    with pytest.raises(
+        InputError, match=r"got 2048 with `angle_unit = \"deg\".*servo's ticks.*`angle_unit = \"ticks\"`"
+    ):
         read_servo_log(path, ServoKeys(columns=columns, angle_unit="deg"))
     with pytest.raises(InputError, match="2 columns `deg_1`, ... and 1 `goal_1`.*one `command` is needed for every"):
         read_servo_log(path, ServoKeys(columns=columns.model_copy(update={"command": ("goal_1",)})))

@@ -109,6 +109,18 @@ def test_a_limit_switched_off_in_the_problem_file_is_named_when_its_gait_is_chec
     assert "joint limit of 30 degrees switched off in the problem file" in done.stderr
 
 
+@pytest.mark.parametrize("verb", VERBS)
+def test_a_gait_that_solve_refused_is_played_with_a_warning(tmp_path, verb):
+    stated(tmp_path / "bad", held=False)
+    file = tmp_path / "bad" / "solution.json"
+    refused = {"kind": "optimum", "status": "infeasible", "message": "no start met all constraints"}
+    file.write_text(json.dumps(json.loads(file.read_text()) | refused | {"rows_that_cross": 5}))
+    done = serpenoid(*(str(word).format(tmp_path / "bad") for word in VERBS[verb]))
+    assert done.returncode == 0, done.stderr
+    assert "`solve` found no optimum, infeasible: no start met all constraints" in done.stderr
+    assert "the body crosses itself in 5 rows: links may hit each other" in done.stderr
+
+
 def transient(folder, rows):
     """A results folder of a transient."""
     folder.mkdir()

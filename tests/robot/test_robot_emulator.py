@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 import pytest
-from emulated import HIGHEST, LOWEST, make_chain
+from emulated import HIGHEST, LOWEST, make_chain, serpenoid
 
 from serpenoid.errors import InputError
 from serpenoid.robot.control_table import REGISTERS
@@ -223,3 +223,11 @@ def test_3000_random_instructions_with_a_right_checksum_never_crash():
             table = servo.table
             if servo.torque and not table["bus_watchdog"] < 0:
                 assert 0 <= table["present_position"] <= 4095
+
+
+def test_a_fault_of_a_servo_that_is_not_there_is_refused():
+    done = serpenoid("robot", "emulate", "--fault", "overheat:44@3")
+    assert done.returncode == 2
+    assert (
+        "--fault overheat:44@3: no emulated servo has this ID; there are [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]" in done.stderr
+    )

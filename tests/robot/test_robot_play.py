@@ -71,6 +71,7 @@ def test_a_transient_is_played_to_its_last_row_and_recorded_without_a_trial_sect
     assert rows[-1]["step"] == "10"
     assert not (tmp_path / "log" / "trial.toml").exists()
     recorded = json.loads((tmp_path / "log" / "play.json").read_text())
+    assert "torque is off on every servo" in serpenoid("show", tmp_path / "log").stdout
     again = read_table(tmp_path / "log")  # what was recorded may be played again, as it was
     assert (again.closed, again.steps) == (False, 10)
     assert again.stated.cycle_duration_s == recorded["cycle_duration_s"]
@@ -183,6 +184,7 @@ def test_servo_that_never_answered_is_no_emergency_as_nothing_was_switched_on(tm
         assert "CUT THE BATTERY" not in done.stderr
         assert not any(rig.torques)
     assert json.loads((tmp_path / "log" / "play.json").read_text())["torque_off"] is False
+    assert "TORQUE MAY STILL BE ON" in serpenoid("show", tmp_path / "log").stdout
 
 
 def test_servo_that_hears_nothing_is_stopped_by_its_watchdog_and_the_others_are_off(tmp_path):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import content_of_campaign
+from serpenoid.errors import InputError
 
 if TYPE_CHECKING:
     from serpenoid.measure.load import Campaign
@@ -29,7 +30,9 @@ def add_model(
     """--anisotropy-ratio, --dissipation; ratio: what the first is for."""
     parser.add_argument("--anisotropy-ratio", type=float, metavar="EPS", help=ratio)
     kinds = ("vertex", "edge")
-    parser.add_argument("--dissipation", choices=kinds, help="where elements sit (default: [medium], else vertex)")
+    parser.add_argument(
+        "--dissipation", choices=kinds, help="where a robot's drag elements sit (default: [medium], else vertex)"
+    )
 
 
 def read(args: argparse.Namespace) -> Campaign:
@@ -42,6 +45,12 @@ def read(args: argparse.Namespace) -> Campaign:
         campaign = load_campaign(args.campaign, lambda done, total, name: advance(done, name))
         advance(len(file.trial))
     return campaign
+
+
+def refuse_elements(args: argparse.Namespace, campaign: Campaign) -> None:
+    """InputError where --dissipation asks of an animal for what it has not."""
+    if args.dissipation is not None and campaign.body.is_animal:
+        raise InputError("--dissipation: drag acts all along an animal's body, at no vertices or edges. Leave it out.")
 
 
 def folder(args: argparse.Namespace, verb: str, *extra: Any) -> Path:

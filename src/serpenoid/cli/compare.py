@@ -36,6 +36,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.errors import InputError
 
     campaign = campaigns.read(args)
+    campaigns.refuse_elements(args, campaign)
     folder = campaigns.folder(args, "compare", args.anisotropy_ratio, args.dissipation)
     model, origin = compared_model(campaign, args.anisotropy_ratio, args.dissipation)
     with options.progress_bar(args, "comparing", len(campaign.trials)) as advance:
@@ -55,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 def lines(study: Study, origin: str) -> list[str]:
     """The summary."""
     medium = study.model.medium
-    found = [f"anisotropy ratio  {medium.anisotropy_ratio:.6g} ({origin}), dissipation at each {medium.dissipation}"]
+    found = [f"anisotropy ratio  {medium.anisotropy_ratio:.6g} ({origin}), {study.model.where_drag_acts}"]
     found += [f"{'gait':<24}{'Exp':>9}{'Resim':>9}{'Sim':>9}   [body lengths]"] if study.gaits else []
     for i, gait in enumerate(study.gaits):
         cells: list[Any] = [f"{study.displacement[k][i]:9.4f}" if k in study.displacement else f"{'-':>9}"

@@ -47,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
 
     names = tuple(args.parameter or ("anisotropy_ratio",))
     campaign = campaigns.read(args)
+    campaigns.refuse_elements(args, campaign)
     model = neutral_model(campaign, args.anisotropy_ratio, args.dissipation)
     start_values(names, model)
     folder = campaigns.folder(args, "fit", names, model.medium.model_dump())
@@ -86,7 +87,7 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
     from serpenoid.compare.parameters import bounds
 
     together, lows, highs = calibration.together, *bounds(calibration.names, model)
-    found = [f"dissipation at each {model.medium.dissipation}, {len(calibration.trials)} trial(s)"]
+    found = [f"{model.where_drag_acts}, {len(calibration.trials)} trial(s)"]
     for i, name in enumerate(calibration.names):
         value, (low, high) = together.values[i], together.interval[i]
         robust = np.clip(value + 1.96 * together.robust_sd[i] * np.array([-1, 1]), lows[i], highs[i])

@@ -163,7 +163,7 @@ def _body_words(trial: Trial, motion: Motion) -> str:
     """Length and period: where units of length or time are wrong, these two numbers show it."""
     from serpenoid.measure.consistency.signals import Signal
 
-    period = Signal(motion.time_s, motion.joint_angles).period_s
+    period = Signal(motion.time_s, motion.joint_angles).repeats_s
     length = f"{metric(trial.metres)} long" if trial.metres else "of unknown length (pixels)"
     return (
         f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period") + _promised(trial)

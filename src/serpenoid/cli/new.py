@@ -56,7 +56,10 @@ def run(args: argparse.Namespace) -> int:
     assumed = []
     for question in template.questions:
         given = getattr(args, question.name.replace("-", "_"))
-        wanted = given is None and answers.get(question.unless) is None
+        said = bool(answers.get(question.unless))
+        if said and given is not None:
+            raise InputError(f"--{question.name}: --{question.unless} says it already. Leave one of them out.")
+        wanted = given is None and not said
         if wanted and talks:
             answers[question.name] = _ask(question)
             continue

@@ -60,7 +60,12 @@ def run(args: argparse.Namespace) -> int:
     if args.link is not None and (args.link.exists() and not args.link.is_symlink()):
         raise InputError(f"--link {args.link}: a file is already there.")
     baud_rate, servos = _servos(args)
-    chain = Chain(servos, baud_rate, [parse_fault(text) for text in args.fault], args.seed)
+    faults = [parse_fault(text) for text in args.fault]
+    ids = {servo.id for servo in servos}
+    for text, fault in zip(args.fault, faults, strict=True):
+        if fault.servo is not None and fault.servo not in ids:
+            raise InputError(f"--fault {text}: no emulated servo has this ID; there are {sorted(ids)}.")
+    chain = Chain(servos, baud_rate, faults, args.seed)
     ground = _ground(args, servos)
     chain.ground = ground
     server = PtyServer(chain, baud_rate, args.link)

@@ -164,7 +164,8 @@ def _in_use_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
 
 def _play_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
     played = f"{record['cycles']} cycle(s) of {record['cycle_duration_s']:g} s, pauses of {record['pause_s']:g} s"
-    return [f"played on {record['robot']}: {record['status']} ({record['reason']})", played, record["torque_off"]]
+    off = "torque is off on every servo" if record["torque_off"] else "TORQUE MAY STILL BE ON: serpenoid robot off"
+    return [f"played on {record['robot']}: {record['status']} ({record['reason']})", played, off]
 
 
 def _campaign_lines(folder: Path) -> list[str]:

@@ -129,7 +129,12 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     options.report(args, record, lines, folder)
     if stopped:
         done = sum(s.status is not Status.STOPPED for s in result.solutions)
-        options.complain(f"stopped after {done} of {counted(args.starts, 'start')}; the best is in {folder}. {KEPT}")
+        what = f"the best is in {folder}"
+        if not best.status.ok:
+            what = f"none is solved, and {folder} has the last iterate, which is no optimum"
+        elif best.polishing_gain is None:
+            what += ", not yet polished (the last part of its certificate; the same command goes on to it)"
+        options.complain(f"stopped after {done} of {counted(args.starts, 'start')}; {what}. {KEPT}")
         return 130
     if not best.status.ok:
         options.complain(_why(best) or best.message)

@@ -58,8 +58,8 @@ def _lead(study: Study, campaign: Campaign, origin: str) -> list[str]:
     medium = study.model.medium
     lead = [campaign.file.description, f"Data: {campaign.file.source}" if campaign.file.source else ""]
     lead.append(
-        f"Anisotropy ratio {medium.anisotropy_ratio:.6g} ({origin}), dissipation at each "
-        f"{medium.dissipation}. Exp: measured. Sim: commanded shapes simulated. Resim: measured shapes simulated. "
+        f"Anisotropy ratio {medium.anisotropy_ratio:.6g} ({origin}), {study.model.where_drag_acts}. "
+        "Exp: measured. Sim: commanded shapes simulated. Resim: measured shapes simulated. "
         "Displacements in body lengths, over a cycle and half the pause after it."
     )
     return [text for text in lead if text]

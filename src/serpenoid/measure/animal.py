@@ -23,6 +23,9 @@ LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
 SLOWEST = 2.0  # seconds between frames: of an animal that moves slower films are asked about their clock
 FINER = {'milliseconds (`time_unit = "ms"`)': 1e-3, 'microseconds (`time_unit = "us"`)': 1e-6}
 SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and its points do not only scatter
+BOTH = 6.0  # over F: the variance of F lengths, 2, and of their noise by second differences, 35 / 9
+DRAWS = 20  # of white noise, smoothed as lengths are
+LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
 
 def leading(motion: Motion) -> float:
@@ -56,7 +59,7 @@ class Beat:
 def beat(motion: Motion) -> Beat | None:
     """None where nothing repeats. Sines of one period at a time, in the better half of the periods by frames seen:
     points that scatter in single frames bend neighbouring joints to opposite sides, which passes for short waves."""
-    period = Signal(motion.time_s, motion.joint_angles).period_s
+    period = Signal(motion.time_s, motion.joint_angles).repeats_s
     if period is None:
         return None
     rows = np.concatenate([np.arange(run.start, run.stop) for run in motion.runs])
@@ -97,11 +100,17 @@ def stretching(body: Body, motion: Motion) -> tuple[float, float, float]:
     crawl with it: forward by as much as it lengthens, never back,
 
         sum |dL| / 2 / sum |dx|      L: smoothed lengths, x: the centroid
+
+    less what white noise alone, smoothed as they are, would crawl.
     """
     lengths = shown_lengths(body, motion.markers).sum(axis=1)
     variance = float(Signal(motion.time_s, lengths[:, None]).noise_variance[0])
     runs = [r for run in motion.runs if len(r := np.arange(run.start, run.stop)[np.isfinite(lengths[run])])]
-    crawled = sum(float(np.abs(np.diff(_smoothed(motion.time_s[r], lengths[r], variance))).sum()) for r in runs) / 2
+    rng = np.random.default_rng(0)
+    noise = np.sqrt(variance) * rng.normal(size=(len(lengths), DRAWS))
+    drawn = np.column_stack([lengths, noise])
+    ways = sum((_way(motion.time_s[r], drawn[r], variance) for r in runs), start=np.zeros(1 + DRAWS))
+    crawled = max(float(ways[0] - ways[1:].mean()), 0.0) / 2
     path = sum(
         float(np.linalg.norm(np.diff(motion.smooth_poses[run, :2], axis=0), axis=1).sum()) for run in motion.runs
     )
@@ -109,10 +118,10 @@ def stretching(body: Body, motion: Motion) -> tuple[float, float, float]:
     return spread, float(np.sqrt(variance)), crawled / path if path > 0 else 0.0
 
 
-def _smoothed(time_s: Floats, lengths: Floats, variance: float) -> Floats:
-    column = lengths[:, None]
-    window = best_window(time_s, column, np.full_like(column, variance))
-    return smooth(column, *smoother(time_s, window))[:, 0]
+def _way(time_s: Floats, columns: Floats, variance: float) -> Floats:
+    """Sum of changes (K,) of columns (F, K), all smoothed as the first one asks it."""
+    window = best_window(time_s, columns[:, :1], np.full_like(columns[:, :1], variance))
+    return np.asarray(np.abs(np.diff(smooth(columns, *smoother(time_s, window)), axis=0)).sum(axis=0))
 
 
 def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
@@ -153,7 +162,7 @@ def _sampling(motion: Motion) -> list[str]:
 def _stretching(body: Body, motion: Motion) -> list[str]:
     spread, noise, share = stretching(body, motion)
     frames = sum(run.stop - run.start for run in motion.runs)
-    if spread**2 <= noise**2 * (1 + SURE * np.sqrt(2 / frames)):
+    if spread**2 <= noise**2 * (1 + SURE * np.sqrt(BOTH / frames)) or share < LEAST_SHARE:
         return []
     return [
         f"its length varies by {spread:.1%} (SD; noise {noise:.1%}), and links of the model are rigid: by lengthening "

@@ -41,13 +41,13 @@ def cost_of_transport(
     along = family.between()
     for p, colour in zip(idle_levels, CHAIN_MAP(np.linspace(0, 1, len(idle_levels))), strict=True):
         cost = normalised_cost_of_transport(family.displacement, family.dissipation, p)
-        least = int(cost.argmin())
-        inside = 0 < least < cost.size - 1
-        star: dict[str, Any] = {"color": colour, "markerfacecolor": colour if inside else "white"}
         curve = normalised_cost_of_transport(along.displacement, along.dissipation, p)
+        least = int(curve.argmin())
+        inside = 0 < least < curve.size - 1
+        star: dict[str, Any] = {"color": colour, "markerfacecolor": colour if inside else "white"}
         ax.plot(along.c, curve, color=colour, linewidth=1.6)
         ax.plot(family.c, cost, "o", color=colour, markersize=3)
-        ax.plot(family.c[least], cost[least], "*", markersize=12, markeredgecolor=colour, zorder=4, **star)
+        ax.plot(along.c[least], curve[least], "*", markersize=12, markeredgecolor=colour, zorder=4, **star)
         ax.annotate(
             f"p = {p:.3g}", (family.c[-1], cost[-1]), xytext=(9, 0), textcoords="offset points", color=INK,
             fontsize=SMALL, va="center", annotation_clip=False,

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
+from serpenoid.wording import counted
 
 LONGEST_CYCLE_S = 600.0
 RECORDS = "solution.json", "play.json"
@@ -43,6 +44,21 @@ class Stated(_Part):
     body: _Body = _Body()
     limits_held: _Held = _Held()
     transient: bool = False
+    kind: str | None = None
+    status: str | None = None
+    message: str = ""
+    rows_that_cross: int | None = None
+
+    @property
+    def doubts(self) -> list[str]:
+        """What is to be known of the gait before a robot plays it: it is no optimum, or the body crosses itself."""
+        refused = self.kind == "optimum" and self.status != "solved"
+        doubts = [f"`solve` found no optimum, {self.status}: {self.message}"] if refused else []
+        if self.rows_that_cross:
+            doubts.append(
+                f"the body crosses itself in {counted(self.rows_that_cross, 'row')}: links may hit each other"
+            )
+        return doubts
 
     @property
     def joint_limit_deg(self) -> float | None:

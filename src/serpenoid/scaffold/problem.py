@@ -27,7 +27,7 @@ QUESTIONS = (
     Question(
         "edges", "Edge lengths in metres, tail to head (empty: equal links, half as long at both ends)", "", numbers
     ),
-    Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000)),
+    Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000), "edges"),
     Question(
         "wheels",
         "Where do wheels (feet, scales) meet the floor: at the joints, or in the middles of links?",

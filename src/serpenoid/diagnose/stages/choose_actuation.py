@@ -63,9 +63,11 @@ def choose_actuation(data: Plays) -> Stage:
         found = cheapest(best.priced, one_more, len(tries))
         if found is None:
             break
-        best = Played(data, _refined(data, [*best.effects, tries[found].effect]))
-        if _strength(data, tries[found].effect) < VISIBLE:
+        new = tries[found].effect
+        best = Played(data, _refined(data, [*best.effects, new], new))
+        if _strength(data, new) < VISIBLE:
             break
+    best = Played(data, _refined(data, best.effects))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
@@ -109,20 +111,24 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
 
 
 def _each_without(best: Played) -> list[Played]:
-    kept = [[e for e in best.effects if e is not out] for out in best.effects]
-    return [Played(best.data, effects) for effects in in_processes([(_refined, (best.data, k)) for k in kept])]
+    tasks = [(_refined, (best.data, [e for e in best.effects if e is not out], out)) for out in best.effects]
+    return [Played(best.data, effects) for effects in in_processes(tasks)]
 
 
 def _without(best: Played, index: int) -> Played:
     kept = [e for i, e in enumerate(best.effects) if i != index]
-    return Played(best.data, _refined(best.data, kept))
+    return Played(best.data, _refined(best.data, kept, best.effects[index]))
 
 
-def _refined(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
-    """Fit each given the others, at its own joint alone, twice round."""
+def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | None = None) -> tuple[ActiveEffect, ...]:
+    """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
+    those at other joints stay as they are: no joint touches another, but by when a trial began."""
     chosen = list(chosen)
+    apart = new is not None and new.place is not None and all(data.begun(r) for r in data.recordings)
     for _ in range(2):
         for i, effect in enumerate(chosen):
+            if apart and new is not None and effect.place not in (None, new.place):
+                continue
             others = [e for e in chosen if e is not effect]
             start = np.full(data.readings.shape[1], effect.coordinates[0])
             (alone,) = fit_everywhere(data, effect.name, others, [start], effect.place)

@@ -24,6 +24,7 @@ ROUNDING = 1e-12  # rad^2: of numbers that never change
 CHANCE = 0.01  # of witnesses whose rows are in disorder that are taken for motion: stated
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 LEAST_OVERLAP = 1 / 3  # of the motion's sum of squares: a cycle and a half, two whatever the pause
+NEAR_PERIOD = 0.06  # of a period: rests that overlap draw its first estimate aside by less
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
 
@@ -73,6 +74,11 @@ class Signal:
     def period_s(self) -> float | None:
         """After what time it repeats: the first delay at which it agrees with itself nearly best; None: never."""
         return _period_s(self)
+
+    @property
+    def repeats_s(self) -> float | None:
+        """The same between frames: where what lies as much later is most like it [s]."""
+        return None if self.period_s is None else _likest(self, self.period_s)
 
 
 @dataclass(frozen=True)
@@ -161,6 +167,30 @@ def _period_s(signal: Signal) -> float | None:
     if best < 0.5 or not len(good):
         return None
     return float(whole.step_s * (below[0] + good[0]))
+
+
+def _likest(signal: Signal, period_s: float) -> float:
+    """Of delays near a period the one after which rows that move differ least, by a parabola between frames."""
+    whole = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
+    values, weight = _without_outliers(whole.values), whole.weight
+    moves = np.gradient(values, axis=0) if len(values) > 1 else values
+    moving = (moves**2).sum(axis=1)
+    near = round(period_s / whole.step_s)
+    reach = max(round(NEAR_PERIOD * near), 2)
+    delays = np.arange(max(near - reach, 1), min(near + reach, len(values) - 1) + 1)
+
+    def differ(k: int) -> float:
+        share = weight[k:] * weight[:-k] * (moving[k:] + moving[:-k])
+        return float(share @ ((values[k:] - values[:-k]) ** 2).sum(axis=1) / max(share.sum(), 1e-300))
+
+    found = np.array([differ(int(k)) for k in delays])
+    best = int(found.argmin()) if len(found) else -1
+    if not 0 < best < len(found) - 1:
+        return period_s
+    before, here, after = found[best - 1 : best + 2]
+    bend = before - 2 * here + after
+    between = 0.5 * (before - after) / bend if bend > 0 else 0.0
+    return float(whole.step_s * (delays[best] + between))
 
 
 def moving_s(signal: Signal) -> float:
