@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from serpenoid.body import Body
 from serpenoid.diagnose.data.clocks import Clock, align, beside_plan
 from serpenoid.diagnose.data.laid import Plan
+from serpenoid.errors import InputError
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import TICK, ServoLog
 
@@ -95,3 +97,16 @@ def test_without_a_plan_a_displaced_marker_is_no_rate_either() -> None:
         assert apart is not None
         far.append(apart[0] / apart[1])
     assert abs(np.mean(far)) < 3 / np.sqrt(DRAWS)
+
+
+def test_a_film_that_seldom_shows_all_markers_is_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    body, rng = Body(vertices=6, edge_lengths=(0.1,) * 5), np.random.default_rng(1)
+    film = np.arange(0, 4.0, 1 / 20)
+    markers = chain_vertices(body, np.zeros((len(film), 3)), bent(film, body.joint_count))
+    hidden = np.flatnonzero(np.arange(len(film)) % 8)
+    markers[hidden, rng.integers(0, 6, len(hidden))] = np.nan
+    log = ServoLog(film, bent(film, body.joint_count), None, None, None, None, {}, "log.csv")
+    assert align(body, film, markers, log).zero == pytest.approx(0.0, abs=0.01)  # ten frames do
+    monkeypatch.setattr("serpenoid.diagnose.data.clocks.find_offset", lambda *_: None)
+    with pytest.raises(InputError, match=r"in 12% of its frames enough markers are seen"):
+        align(body, film, markers, log)

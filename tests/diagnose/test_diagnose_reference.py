@@ -6,6 +6,8 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -17,10 +19,13 @@ from serpenoid.cli.main import main
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.finding import Stage
+from serpenoid.diagnose.inference.finding import Named, Stage
+from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.reference import Reference, in_other_cycles
+from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -146,3 +151,19 @@ def test_noise_of_the_earlier_readings_is_no_habit_and_counts_once(
     stage = choose_actuation(reference.plays([read_again(r, LATE, between) for r in followed]))
     assert [n.effect.name for n in stage.named] == ["servo_lag"]
     assert stage.settled
+
+
+@pytest.mark.parametrize(("inadequate", "marked"), [(False, True), (True, False)])
+def test_names_of_the_floor_are_marked_where_what_repeats_is_news(
+    inadequate: bool, marked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A reference that missed nothing makes no excuse for what is left; of one that did, the change is what takes away
+    most. A pull at one vertex beside a healthy reference was named `slope`, without a mark."""
+    monkeypatch.setattr(choose_motion, "untold", lambda *_: None)
+    monkeypatch.setattr(choose_motion, "residuals", lambda *_: [])
+    slope = ActiveEffect.typical("slope", None)
+    fit = SimpleNamespace(effects=[slope], chi2=1.0, predictions=())
+    motion = SimpleNamespace(ratio=0.2, tracks=())
+    found = SimpleNamespace(motion=motion, best=fit, bases=[SimpleNamespace(chi2=9.0)], settled=fit)
+    (named,) = choose_motion.with_stand_ins(cast(Selection, found), [Named(slope, {}, 5.0)], inadequate)
+    assert named.stand_in == marked

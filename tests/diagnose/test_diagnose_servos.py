@@ -164,6 +164,29 @@ def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     assert high - low < 0.2 * lag
 
 
+def test_a_start_that_labels_leave_open_moves_corners_and_is_no_lag(recordings: tuple[Recording, ...]) -> None:
+    """Rows of 60 ms on straight lines, a log of 25 Hz whose labels say when they were due to 5 ms: moved to first
+    order, every corner is missed by as much, which passed for noise, or a lag took a part of it away."""
+    rng, late = np.random.default_rng(6), [0.0048, -0.0042, 0.003, -0.001]
+
+    def read(r: Recording, late: float) -> Recording:
+        table = 0.6 * rng.uniform(-1, 1, size=(24, r.body.joint_count))
+        schedule = replace(r.schedule, table=table, cycle_duration_s=1.44, cycles=2, pause_s=0.5)
+        time = np.arange(-0.5, schedule.whole_s, 0.04)
+        position = np.round(schedule.commanded(time - late) / TICK) * TICK
+        return replace(
+            r, schedule=schedule, log_time=time, position=position, commands=None, told=None, t0_spread=0.005
+        )
+
+    data = plays([read(r, t) for r, t in zip(recordings, late, strict=True)])
+    assert not any(r.begins_known for r in data.recordings)
+    stage = choose_actuation(data)
+    assert not stage.named
+    assert stage.settled
+    np.testing.assert_array_less(data.noise, TICK)  # rounding alone; by slopes thirty times as much
+    assert data.channels(data.realised([])).max() < 1.3
+
+
 def test_servos_that_are_far_too_slow_begin_where_they_are_told_to(recordings: tuple[Recording, ...]) -> None:
     """A triangle instead of a sine looks late by up to a quarter of a cycle; the film is laid where it looks alike."""
     rng, slow, noise = np.random.default_rng(3), 0.5, 0.01

@@ -275,3 +275,22 @@ def test_where_markers_show_no_shape_is_said_and_not_fitted(rehearsed):
     angles[row] = np.nan
     with pytest.raises(InputError, match=f"no shape at {trial.motion.time_s[row]:.4g} s"):
         trial_segments(replace(trial, motion=replace(trial.motion, smooth_angles=angles)))
+
+
+def test_files_that_are_written_while_they_are_read_are_refused_and_not_kept(tmp_path, monkeypatch):
+    from serpenoid.measure import load
+
+    write_campaign(tmp_path, snake(), {"gait": serpenoid_table(40)}, LAB, 1, 0, cycle_duration_s=2.0, cycles=1)
+    film = next(tmp_path.rglob("motion.csv"))
+    whole, aligned = film.read_bytes(), load._aligned
+
+    def while_copied(*words):
+        read = aligned(*words)
+        film.write_bytes(whole + b"\n")
+        return read
+
+    monkeypatch.setattr(load, "_aligned", while_copied)
+    with pytest.raises(InputError, match="its files were written while they were read"):
+        load_campaign(tmp_path)
+    monkeypatch.setattr(load, "_aligned", aligned)
+    assert len(load_campaign(tmp_path).trials) == 1

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from serpenoid.measure.consistency.claims import Believed, Reader
     from serpenoid.parallel import Beside
 
+    Read = tuple[list[tuple[str, str]], Believed]
+
 
 def run_one(args: argparse.Namespace, campaign: str) -> int:
     """Diagnose, write, report; the campaign's files are read and checked while what judges them is imported."""
@@ -38,12 +40,13 @@ def run_one(args: argparse.Namespace, campaign: str) -> int:
         return _judged(args, campaign, reader.ask(_files, campaign))
 
 
-def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Believed]) -> int:
+def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) -> int:
     from serpenoid.diagnose.reference import reference_of, summary
     from serpenoid.diagnose.report.summary import lines
     from serpenoid.diagnose.report.write import write
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.measure.consistency.claims import read_believed
+    from serpenoid.measure.trial_files import unchanged
     from serpenoid.parallel import Beside
 
     wanted = [*([args.reference] if args.reference else []), campaign]
@@ -61,11 +64,15 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Believe
             file, then = _diagnosed(args, args.reference, None, work, artist, read_believed)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
 
+        def read_already(file: CampaignFile, place: Path) -> Believed:
+            then, believed = files()
+            return unchanged(file, place, then, believed)
+
         def searched(found: Selection) -> None:
             sign(args)
             pictures.of_motion(found)
 
-        file, found = _diagnosed(args, campaign, earlier, work, artist, lambda file, folder: files(), searched)
+        file, found = _diagnosed(args, campaign, earlier, work, artist, read_already, searched)
         pictures.of_rest(found)
         record = write(folder, file, found, before)
         if not args.no_figures:
@@ -106,8 +113,11 @@ def _diagnosed(
     return found
 
 
-def _files(campaign: str) -> Believed:
+def _files(campaign: str) -> Read:
+    """What the files were when they were read, and what was read and checked."""
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.measure.consistency.claims import read_believed
+    from serpenoid.measure.trial_files import content
 
-    return read_believed(*load_campaign_file(campaign))
+    read = load_campaign_file(campaign)
+    return content(*read), read_believed(*read)

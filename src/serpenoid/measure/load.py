@@ -25,6 +25,7 @@ from serpenoid.measure.trial_files import (
     of_every_trial,
     other_lengths,
     read_files,
+    unchanged,
 )
 from serpenoid.parallel import Workers, results
 
@@ -54,7 +55,12 @@ def load_campaign(path: str | Path, progress: Progress | None = None, workers: W
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
     """
     file, folder = load_campaign_file(path)
-    body, trials = remember(lambda: _aligned(file, folder, progress, workers), "campaign", file, content(file, folder))
+    now = content(file, folder)
+
+    def aligned() -> tuple[Body, tuple[Trial, ...]]:
+        return unchanged(file, folder, now, _aligned(file, folder, progress, workers))
+
+    body, trials = remember(aligned, "campaign", file, now)
     return Campaign(file, folder, body, not file.lengths_given, trials)
 
 

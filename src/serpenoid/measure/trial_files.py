@@ -125,6 +125,14 @@ def content(file: CampaignFile, folder: Path) -> list[tuple[str, str]]:
     return [(str(path), file_digest(path)) for path in paths]
 
 
+def unchanged(file: CampaignFile, folder: Path, then: list[tuple[str, str]], found: T) -> T:
+    """What was made of a campaign's files, if these still are what they were `then` (see `content`). InputError else: a
+    copy that still runs must not be kept as what it will have become."""
+    if content(file, folder) != then:
+        raise InputError(f"{folder}: its files were written while they were read. Run it again when they are complete.")
+    return found
+
+
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     """Read one trial's files."""
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)

@@ -27,6 +27,7 @@ from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN, seen_corners, seen_share
 
 ITERATIONS = 5
+MOSTLY = 0.9  # of frames: where more tell the angles, it is not for hidden markers that they are too few
 SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
 
 
@@ -56,6 +57,14 @@ def pooled(clocks: Sequence[Clock]) -> tuple[float, float]:
     return float(weight @ [c.rate for c in clocks] / weight.sum()), float(1 / np.sqrt(weight.sum()))
 
 
+def _too_little(cameras: Signal) -> str:
+    """What of a recording is too short to be found in a log."""
+    seen = float(cameras.known.mean())
+    if seen > MOSTLY:
+        return "one of them is too short"
+    return f"in {seen:.0%} of its frames enough markers are seen to tell the joint angles, and that is too little"
+
+
 def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     """The clock of a servo log against markers (F, N, 2), NaN hidden, at camera times (F,)."""
     corners = _corners(body, markers)
@@ -67,7 +76,7 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     if found is None:
         raise InputError(
             f"the servo log ({np.ptp(log.time_s):.3g} s) and the recording ({np.ptp(camera):.3g} s) cannot be laid "
-            "over each other: one of them is too short."
+            f"over each other: {_too_little(cameras)}."
         )
     if found.correlation < MIN_CORRELATION:
         raise InputError(

@@ -26,6 +26,7 @@ from serpenoid.measure.schedule import Schedule
 READING_SD = TICK / 2  # rad
 WINDOWS_PER_CYCLE = 8
 UNSURE_CYCLE = 0.25  # of a cycle: slow servos look like a late start, and what follows a wave is no later than this
+ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 SAID_CYCLE = 0.1  # of a cycle: a log whose readings are further apart does not say when a motion began
 
 
@@ -94,6 +95,27 @@ class Recording:
     def start_said(self) -> bool:
         """Whether labels of a log say when the motion began."""
         return self.t0_spread < SAID_CYCLE * self.schedule.cycle_duration_s
+
+    @property
+    def unsure_start(self) -> float:
+        """How far t0 may be off [s]."""
+        return self.t0_spread + ACTED_ON_S
+
+    @cached_property
+    def begins_known(self) -> bool:
+        """Whether what is left open of its beginning is little beside what is commanded meanwhile: a log says it, and
+        the command runs, by slopes that change by little. Where rows jump, a slow log says of a jump only that it was
+        between two readings; where slopes change much, a start that is moved to first order misses the corners, by
+
+            RMS = d D sqrt(d / 3 h)        d: how far t0 may be off, D: RMS change of slope, h: from row to row
+        """
+        s, off = self.schedule, self.unsure_start
+        if not self.start_said or s.held:
+            return False
+        apart = s.cycle_duration_s / len(s.table)
+        slopes = np.diff(s.table, axis=0, append=s.table[:1]) / apart
+        change = np.sqrt((np.diff(slopes, axis=0, append=slopes[:1]) ** 2).mean(axis=0)).max()
+        return bool(off * change * np.sqrt(min(off / (3 * apart), 1.0)) < TICK / np.sqrt(12))
 
     @property
     def lag_untold(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any
 
 from serpenoid.effects.active import ActiveEffect
@@ -23,6 +24,14 @@ class Named:
     strength: float
     at_bound: tuple[str, ...] = ()
     stand_in: bool = False
+
+    @property
+    def may_change_nothing(self) -> bool:
+        """Whether intervals of all of its parameters hold what changes nothing, however much it takes away."""
+        rests = [(p.neutral, *self.intervals[p.name]) for p in self.effect.effect.parameters if p.neutral is not None]
+        return bool(rests) and all(
+            (-inf if low is None else low) <= rest <= (inf if high is None else high) for rest, low, high in rests
+        )
 
     def record(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""

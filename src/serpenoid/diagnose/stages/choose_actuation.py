@@ -77,8 +77,8 @@ def choose_actuation(data: Plays) -> Stage:
         words = (f"joint {worst + 1} follows its command no better than {left:.1f} times the reading's noise",)
         words += (*trials_astray(data, best.angles, worst), *refused)
     every = [_named(best, e) for e in best.effects]
-    named = tuple(n for n in every if n.strength >= VISIBLE)
-    undetected = tuple(n for n in every if n.strength < VISIBLE)
+    named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
+    undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words)
 

@@ -193,7 +193,7 @@ def finding(
         words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
     if wrong:
-        named = with_stand_ins(found, named)
+        named = with_stand_ins(found, named, inadequate)
     if wrong and motion.ratio is not None:
         share = missed_m / size_done(motion, found.settled)
         named = [of_a_law(n, share, doubt) for n in named]
@@ -234,16 +234,17 @@ def explained(
     return ((motion, settled, 1.0), *alone, *beside)
 
 
-def with_stand_ins(found: Selection, named: Sequence[Named]) -> list[Named]:
+def with_stand_ins(found: Selection, named: Sequence[Named], inadequate: bool) -> list[Named]:
     """Names, and whether each may be there for a cause that the catalogue does not hold, if what the model misses
     repeats, or what its reference missed did.
 
-    Of the floor, or of the cameras' frame, that may be all of it. With a reference what that left is no news, and what
-    takes away most is the change; what stands beside it may mend the law about it, whose error is in proportion to what
-    the change does. What trials that were not laid alike differ by is news, with a reference, too.
+    Of the floor, or of the cameras' frame, that may be all of it; with a reference, too, if that missed nothing. What
+    a reference missed is no news, and what takes away most is the change; what stands beside it may mend the law about
+    it, whose error is in proportion to what the change does. What trials that were not laid alike differ by is news.
     """
     motion = found.motion
-    if motion.ratio is None or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
+    no_news = motion.ratio is not None and inadequate
+    if not no_news or untold(motion, residuals(motion.tracks, found.settled.predictions)) is not None:
         return [replace(n, stand_in=n.effect.effect.moves) for n in named]
     gains = {e.key: base.chi2 - found.best.chi2 for e, base in zip(found.best.effects, found.bases, strict=True)}
     most = max(gains.values(), default=0.0)

@@ -55,7 +55,7 @@ def choose_observation(
     every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
-    nameless = [n for n in every if n.strength >= VISIBLE and _open(n)]
+    nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
     every = [n for n in every if n not in nameless]
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
@@ -65,14 +65,6 @@ def choose_observation(
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *refused)
     return Stage("observation", named, rivals, undetected, left, words), best.now
-
-
-def _open(named: Named) -> bool:
-    """Whether intervals of all of its parameters hold what changes nothing, though it takes much away."""
-    ends = [(p.neutral, *named.intervals[p.name]) for p in named.effect.effect.parameters]
-    return all(
-        low is not None and high is not None and low <= rest <= high for rest, low, high in ends if rest is not None
-    )
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, came_from, played_for_sure, unsure_start
+from serpenoid.diagnose.data.recording import ACTED_ON_S, Recording
+from serpenoid.diagnose.stages.plays import Plays, came_from, played_for_sure
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.servos import realise_all
@@ -40,13 +40,13 @@ def _met(
     rested = [came_from(r, t) for r, t in zip(recordings, told, strict=True)]
     played = realise_all(found.model(effects), told, meshes, came_from=rested)
     courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
-    return [(r, 0.0 if begins_known(r) else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
+    return [(r, 0.0 if r.begins_known else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
 
 
 def _late(r: Recording, course: Course) -> float:
     """How late [s] a trial's readings meet what servos do best."""
     inside = played_for_sure(r, begun=False) & (r.read_at < r.end)
-    return course.late(r.read_at[inside], r.position[inside], unsure_start(r), r.schedule.jumps_every_s)
+    return course.late(r.read_at[inside], r.position[inside], r.unsure_start, r.schedule.jumps_every_s)
 
 
 def _begun(r: Recording, late: float, course: Course) -> Recording:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, structure
 from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import ACTED_ON_S, Recording
 from serpenoid.diagnose.data.smooth import scatter
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 from serpenoid.effects.active import ActiveEffect, joined
@@ -29,8 +29,6 @@ from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise_all
-
-ACTED_ON_S = 2e-3  # from the log of a command to the servo that acts on it
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class Plays:
 
     def unsure_start(self, r: Recording) -> float:
         """How far what a trial was told may be off in time [s]: the log's own commands have the readings' clock."""
-        return ACTED_ON_S if self.told else unsure_start(r)
+        return ACTED_ON_S if self.told else r.unsure_start
 
     def said(self, r: Recording) -> bool:
         """Whether a log says, to a part of its interval, when what a trial was told began."""
@@ -72,7 +70,7 @@ class Plays:
 
     def begun(self, r: Recording) -> bool:
         """Whether it is known when that was: else what is played is moved to where readings meet it best."""
-        return self.told or begins_known(r)
+        return self.told or r.begins_known
 
     @property
     def quickest(self) -> Floats:
@@ -242,25 +240,14 @@ class Plays:
 def played_for_sure(r: Recording, begun: bool) -> NDArray[np.bool_]:
     """Which readings (R,) are of the promised motion; not `begun` (nothing says when it began): however late that was.
     What servos do after it, nobody has promised."""
-    return (r.read_at > 0) & (r.read_at < r.schedule.whole_s - (0.0 if begun else unsure_start(r)))
+    return (r.read_at > 0) & (r.read_at < r.schedule.whole_s - (0.0 if begun else r.unsure_start))
 
 
 def came_from(r: Recording, told: Floats) -> Floats:
     """What servos read (m,) [rad] at rest before they are told to move (R, m), averaged as poses are; what they are
     told first where nothing was read before. A joint may rest anywhere in its gap."""
-    before = r.position[r.read_at < -unsure_start(r)]
+    before = r.position[r.read_at < -r.unsure_start]
     last = before[-max(round(AVERAGED_S / float(np.median(np.diff(r.read_at)))), 1) :]
     known = np.isfinite(last)
     mean = np.where(known, last, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
     return np.where(known.any(axis=0), mean, told[0])
-
-
-def begins_known(r: Recording) -> bool:
-    """Whether what is left open of a trial's beginning is little beside what is commanded meanwhile: a log says it, and
-    the command runs. Where rows jump, a slow log says of a jump only that it was between two readings."""
-    return r.start_said and not r.schedule.held
-
-
-def unsure_start(r: Recording) -> float:
-    """How far t0 may be off [s]."""
-    return r.t0_spread + ACTED_ON_S

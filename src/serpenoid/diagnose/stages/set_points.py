@@ -13,9 +13,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import ACTED_ON_S, Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.plays import ACTED_ON_S, Plays, begins_known, played_for_sure, unsure_start
+from serpenoid.diagnose.stages.plays import Plays, played_for_sure
 from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
@@ -52,7 +52,7 @@ def _strays(r: Recording) -> tuple[Floats, Floats]:
     nothing says when the trial began, it begins where readings meet the command best, and no more is open."""
     time = r.read_at
     inside = (time > 0) & (time < r.promised_s)
-    at, read, near = time[inside], r.position[inside], unsure_start(r)
+    at, read, near = time[inside], r.position[inside], r.unsure_start
     if r.start_said:
         told, late = r.schedule.commanded(at), r.schedule.commanded(at - near)
     else:
@@ -92,7 +92,7 @@ def _plays(recordings: Sequence[Recording], told: bool) -> Plays:
 
 def _whenever(r: Recording) -> Floats:
     """Times at which a trial is followed whose beginning its readings tell: they may lie anywhere between two rows."""
-    return np.arange(0.0, 0.0 if begins_known(r) else r.schedule.whole_s, ACTED_ON_S)
+    return np.arange(0.0, 0.0 if r.begins_known else r.schedule.whole_s, ACTED_ON_S)
 
 
 def corners(s: Schedule) -> Floats:
