@@ -444,3 +444,22 @@ def test_times_in_another_unit_are_told_before_anything_is_laid_over_anything(ma
 @pytest.mark.parametrize(("number", "words"), [(1000.0, "1000"), (1.0e6, "1000000"), (1.6667, "1.67"), (5.0, "5")])
 def test_numbers_have_three_digits_and_no_power_of_ten(number: float, words: str) -> None:
     assert rounded(number) == words
+
+
+def test_logs_of_two_trials_of_other_durations_that_are_exchanged_are_told_as_such():
+    """One file each, and not a cycle's duration and a table."""
+    told = {
+        name: Schedule(table, seconds, 2, 0.5)
+        for (name, table), seconds in zip(TABLES.items(), (2.0, 3.0, 1.5), strict=True)
+    }
+
+    def log(schedule):
+        time = np.arange(-0.5, schedule.whole_s, 1 / 30)
+        return Signal(time, schedule.commanded(time))
+
+    seen = dict(zip(told, (told["gait-2"], told["gait-1"], told["gait-3"]), strict=True))
+    claims = [Claim(f"{n}-1", n, told[n], None, log(seen[n]), log(seen[n])) for n in told]
+    found = {c.trial: c for c in check(claims, TABLES).contradictions}
+    assert set(found) == {"gait-1-1", "gait-2-1"}
+    assert "follow what trial `gait-2-1` was told, not their own" in found["gait-1-1"].words
+    assert all("exchanged? Name each trial's own in `servo_log`" in c.cure for c in found.values())

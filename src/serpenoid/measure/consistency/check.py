@@ -105,14 +105,14 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     lost: list[Contradiction] = []
     remarks: list[tuple[str, str]] = []
     torn: tuple[Lost, ...] = ()
-    while (stepped := _step_of_the_log(claim, tables, len(claims))) is not None:
+    while (stepped := _step_of_the_log(claim, tables, claims)) is not None:
         claim, said = stepped
         rivals += said
     if claim.cameras is not None and claim.servos is not None and same_joints(claim.cameras, claim.servos):
         torn = lost_frames(claim.cameras, claim.servos)
     if claim.cameras is not None and torn:
         claim = replace(claim, cameras=Signal(set_on(claim.cameras.time_s, torn), claim.cameras.values))
-    found = _schedule_against_witness(claim, tables, len(claims)), _servos_against_cameras(claim, claims)
+    found = _schedule_against_witness(claim, tables, claims), _servos_against_cameras(claim, claims)
     for one in found:
         if one is not None:
             rivals += one.rivals
@@ -122,18 +122,20 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     return Verdict(tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {})
 
 
-def _step_of_the_log(claim: Claim, tables: Mapping[str, Floats], trials: int) -> tuple[Claim, list[Rival]] | None:
+def _step_of_the_log(
+    claim: Claim, tables: Mapping[str, Floats], claims: Sequence[Claim]
+) -> tuple[Claim, list[Rival]] | None:
     """The trial with a step taken off its log's clock, and that rival beside the trial's others, unless one of these is
     likelier by far."""
     stepped = without_step(claim)
-    beside = None if stepped is None else _schedule_against_witness(claim, tables, trials)
+    beside = None if stepped is None else _schedule_against_witness(claim, tables, claims)
     others = [] if beside is None else [r for r in beside.rivals if not r.everywhere and leads(r, r.lead)]
     if stepped is None or any(r.lead + r.log_share > stepped[1].lead + stepped[1].log_share + TIED for r in others):
         return None
     return stepped[0], [stepped[1], *others]
 
 
-def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], trials: int) -> Compared | None:
+def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], claims: Sequence[Claim]) -> Compared | None:
     schedule = claim.schedule
     for signal, witness, prior in claim.witnesses:
         if schedule is not None and signal is not None and signal.enough:
@@ -143,11 +145,30 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], trials
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
             faults = schedule_faults(shown, claim.label, tables, periods)
             faults += _stopped(claim, signal, shown)
+            faults += _of_other_trials(claim, claims, "motion" if signal is claim.cameras else "servo_log")
             if signal is claim.cameras:
                 faults += in_one_film(course_of(shown), claim.label)
-            found = compared(claim.trial, signal, course_of(shown), own, _of_any(trials, faults), witness, prior)
+            found = compared(claim.trial, signal, course_of(shown), own, _of_any(len(claims), faults), witness, prior)
             return _told_to_stop(found) if signal is claim.commands else found
     return None
+
+
+def _of_other_trials(claim: Claim, claims: Sequence[Claim], key: str) -> list[Fault]:
+    """What trials of another timing were told: a file of theirs, under `key`, instead of its own."""
+    own = claim.schedule
+    others: dict[tuple[str, float, float], tuple[str, Schedule]] = {}
+    for other in claims:
+        told = other.schedule
+        if own is None or told is None or told.table.shape[1] != own.table.shape[1]:
+            continue
+        if (told.cycle_duration_s, told.pause_s) != (own.cycle_duration_s, own.pause_s):
+            others.setdefault((other.label, told.cycle_duration_s, told.pause_s), (other.trial, told))
+    share = -float(np.log(KINDS * max(len(others), 1)))
+    cure = f"are files of two trials exchanged? Name each trial's own in `{key}`"
+    return [
+        Fault("file", f"follow what trial `{name}` was told, not their own", cure, course_of(told), share)
+        for name, told in others.values()
+    ]
 
 
 def _told_to_stop(found: Compared) -> Compared:
