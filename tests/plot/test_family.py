@@ -36,9 +36,20 @@ def test_cost_of_transport_panel_draws_the_costs_and_stars_their_least(family, a
     transport.cost_of_transport(family, ax, [0.5])
     cost = (0.5 + family.dissipation) / family.displacement
     np.testing.assert_array_equal(ax.lines[1].get_ydata(), cost)
-    c, between = ax.lines[0].get_data()  # the least may lie between two gaits
-    assert ax.lines[2].get_ydata()[0] == between.min() <= cost.min()
-    assert ax.lines[2].get_xdata()[0] == c[between.argmin()]
+    fine = np.linspace(family.c[0], family.c[-1], 4001)  # the family's own law: the least may lie between two gaits
+    x = fine / (1 + fine)
+    true = (0.5 + (1 - x) ** 2 / 2) / (1 - x**2 / 2)
+    assert ax.lines[2].get_ydata()[0] == pytest.approx(true.min(), rel=1e-4)
+    assert ax.lines[2].get_xdata()[0] == pytest.approx(fine[true.argmin()], abs=0.02)
+
+
+@pytest.mark.parametrize(("p", "inside"), [(0.0, False), (0.5, True)])
+def test_a_least_beyond_the_sweep_is_starred_at_its_end_however_few_gaits_there_are(family, ax, p, inside):
+    """Curves through six gaits are too flat to tell; where p = Delta / c - D is not."""
+    few = Family(*(values[::5] for values in (family.c, family.displacement, family.dissipation, family.gaits)))
+    transport.cost_of_transport(few, ax, [p])
+    assert (ax.lines[2].get_xdata()[0] < few.c[-1]) == inside
+    assert (str(ax.lines[2].get_markerfacecolor()) != "white") == inside
 
 
 def test_few_gaits_are_joined_by_a_curve_and_not_by_its_corners(family):

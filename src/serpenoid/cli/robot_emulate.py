@@ -25,7 +25,7 @@ from serpenoid.files.writing import write_json
 from serpenoid.robot.control_table import BAUD_RATES
 from serpenoid.robot.description import Robot
 from serpenoid.robot.emulator.chain import Chain
-from serpenoid.robot.emulator.faults import KINDS, parse_fault
+from serpenoid.robot.emulator.faults import KINDS, Fault, parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
 from serpenoid.wording import counted
@@ -60,12 +60,8 @@ def run(args: argparse.Namespace) -> int:
     if args.link is not None and (args.link.exists() and not args.link.is_symlink()):
         raise InputError(f"--link {args.link}: a file is already there.")
     baud_rate, servos = _servos(args)
-    faults = [parse_fault(text) for text in args.fault]
     ids = {servo.id for servo in servos}
-    for text, fault in zip(args.fault, faults, strict=True):
-        if fault.servo is not None and fault.servo not in ids:
-            raise InputError(f"--fault {text}: no emulated servo has this ID; there are {sorted(ids)}.")
-    chain = Chain(servos, baud_rate, faults, args.seed)
+    chain = Chain(servos, baud_rate, [_fault(text, ids) for text in args.fault], args.seed)
     ground = _ground(args, servos)
     chain.ground = ground
     server = PtyServer(chain, baud_rate, args.link)
@@ -96,6 +92,13 @@ def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
     if args.ids is not None:
         places = [(servo_id, zero) for servo_id, (_, zero) in zip(_ids(args.ids, len(places)), places, strict=True)]
     return baud_rate, [EmulatedServo(servo_id, codes[baud_rate], float(zero)) for servo_id, zero in places]
+
+
+def _fault(text: str, ids: set[int]) -> Fault:
+    fault = parse_fault(text)
+    if fault.servo is not None and fault.servo not in ids:
+        raise InputError(f"--fault {text}: no emulated servo has this ID; there are {sorted(ids)}.")
+    return fault
 
 
 def _ids(text: str, count: int) -> list[int]:

@@ -20,12 +20,11 @@ from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_pa
 from serpenoid.measure.trial_files import (
     Files,
     Progress,
-    content,
+    kept_of_files,
     neighbour_ratio,
     of_every_trial,
     other_lengths,
     read_files,
-    unchanged,
 )
 from serpenoid.parallel import Workers, results
 
@@ -55,12 +54,7 @@ def load_campaign(path: str | Path, progress: Progress | None = None, workers: W
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
     """
     file, folder = load_campaign_file(path)
-    now = content(file, folder)
-
-    def aligned() -> tuple[Body, tuple[Trial, ...]]:
-        return unchanged(file, folder, now, _aligned(file, folder, progress, workers))
-
-    body, trials = remember(aligned, "campaign", file, now)
+    body, trials = kept_of_files("campaign", file, folder, lambda: _aligned(file, folder, progress, workers))
     return Campaign(file, folder, body, not file.lengths_given, trials)
 
 
@@ -73,8 +67,7 @@ def with_other_lengths(campaign: Campaign, blocks: int) -> tuple[Campaign, ...]:
     if not campaign.lengths_estimated:
         return ()
     file, folder = campaign.file, campaign.folder
-    key = file, content(file, folder), blocks
-    others = remember(lambda: _other_lengths(campaign, blocks), "other lengths", *key)
+    others = kept_of_files("other lengths", file, folder, lambda: _other_lengths(campaign, blocks), blocks)
     return tuple(replace(campaign, body=body, trials=trials) for body, trials in others)
 
 

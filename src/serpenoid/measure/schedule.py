@@ -34,9 +34,14 @@ class Schedule:
     held: bool = False
 
     @property
+    def row_s(self) -> float:
+        """Seconds from row to row."""
+        return self.cycle_duration_s / len(self.table)
+
+    @property
     def jumps_every_s(self) -> float:
         """Seconds from one jump to the next; 0 where no row jumps."""
-        return self.cycle_duration_s / len(self.table) if self.held else 0.0
+        return self.row_s if self.held else 0.0
 
     @property
     def period_s(self) -> float:

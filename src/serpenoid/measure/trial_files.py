@@ -7,14 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.files.store import file_digest
+from serpenoid.files.store import file_digest, remember
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
@@ -131,6 +131,12 @@ def unchanged(file: CampaignFile, folder: Path, then: list[tuple[str, str]], fou
     if content(file, folder) != then:
         raise InputError(f"{folder}: its files were written while they were read. Run it again when they are complete.")
     return found
+
+
+def kept_of_files(name: str, file: CampaignFile, folder: Path, make: Callable[[], T], *more: Any) -> T:
+    """What `make` makes of a campaign's files and `more`, from an earlier run if these are the same."""
+    now = content(file, folder)
+    return remember(lambda: unchanged(file, folder, now, make()), name, file, now, *more)
 
 
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:

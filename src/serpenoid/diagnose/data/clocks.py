@@ -152,8 +152,7 @@ def as_played(log: ServoLog, schedule: Schedule) -> Schedule:
     where there are no labels, or the log ends."""
     if log.phase is None or log.cycle is None or not (playing := np.array(log.phase) == "play").any():
         return schedule
-    row = schedule.cycle_duration_s / len(schedule.table)
-    if log.time_s[-1] - log.time_s[playing][-1] <= schedule.pause_s + row:
+    if log.time_s[-1] - log.time_s[playing][-1] <= schedule.pause_s + schedule.row_s:
         return schedule
     return replace(schedule, cycles=min(schedule.cycles, int(log.cycle[playing].max()) + 1))
 

@@ -23,7 +23,7 @@ from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
-from serpenoid.measure.trial_files import Files, Progress, content, neighbour_ratio, of_every_trial, unchanged
+from serpenoid.measure.trial_files import Files, Progress, kept_of_files, neighbour_ratio, of_every_trial
 
 
 def read_recordings(
@@ -40,12 +40,10 @@ def read_recordings(
             f"{folder}: [body] needs `edge_lengths`: without them shapes and motions cannot be told apart."
         )
 
-    now = content(file, folder)
-
     def aligned() -> tuple[Recording, ...]:
-        return unchanged(file, folder, now, _aligned(file, *files(file, folder)[1:], progress))
+        return _aligned(file, *files(file, folder)[1:], progress)
 
-    return file, remember(aligned, "recordings", file, now)
+    return file, kept_of_files("recordings", file, folder, aligned)
 
 
 def _aligned(

@@ -112,10 +112,9 @@ class Recording:
         s, off = self.schedule, self.unsure_start
         if not self.start_said or s.held:
             return False
-        apart = s.cycle_duration_s / len(s.table)
-        slopes = np.diff(s.table, axis=0, append=s.table[:1]) / apart
+        slopes = np.diff(s.table, axis=0, append=s.table[:1]) / s.row_s
         change = np.sqrt((np.diff(slopes, axis=0, append=slopes[:1]) ** 2).mean(axis=0)).max()
-        return bool(off * change * np.sqrt(min(off / (3 * apart), 1.0)) < TICK / np.sqrt(12))
+        return bool(off * change * np.sqrt(min(off / (3 * s.row_s), 1.0)) < TICK / np.sqrt(12))
 
     @property
     def lag_untold(self) -> bool:

@@ -47,7 +47,7 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float, labelled: f
     if labelled is not None:
         cycles = round((labelled - roughly.offset_s) / schedule.period_s)
         roughly = replace(roughly, offset_s=roughly.offset_s + cycles * schedule.period_s)
-    row = schedule.cycle_duration_s / len(schedule.table)
+    row = schedule.row_s
     inside = (time > roughly.offset_s + row) & (time < roughly.offset_s + schedule.moving_s - row)
     if inside.sum() < LEAST_ROWS:
         return None

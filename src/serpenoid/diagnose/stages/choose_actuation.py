@@ -124,10 +124,12 @@ def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | No
     """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
     those at other joints stay as they are: no joint touches another, but by when a trial began."""
     chosen = list(chosen)
-    apart = new is not None and new.place is not None and all(data.begun(r) for r in data.recordings)
+    touched = {e.place for e in chosen}
+    if new is not None and new.place is not None and all(data.begun(r) for r in data.recordings):
+        touched = {None, new.place}
     for _ in range(2):
         for i, effect in enumerate(chosen):
-            if apart and new is not None and effect.place not in (None, new.place):
+            if effect.place not in touched:
                 continue
             others = [e for e in chosen if e is not effect]
             start = np.full(data.readings.shape[1], effect.coordinates[0])

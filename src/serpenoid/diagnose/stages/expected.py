@@ -57,6 +57,6 @@ def _begun(r: Recording, late: float, course: Course) -> Recording:
 def _between(r: Recording) -> Floats:
     """Times from 0 on, some in each row, at which servos are followed, in pauses and to the log's end as well: after a
     jump they are through with it long before the next."""
-    apart = r.schedule.cycle_duration_s / len(r.schedule.table) / WITHIN_ROW
+    apart = r.schedule.row_s / WITHIN_ROW
     apart = min(apart, ACTED_ON_S) if r.schedule.held else apart
     return np.asarray(apart * np.arange(max(r.read_at[-1], r.end) / apart + 1))

@@ -34,7 +34,7 @@ from serpenoid.measure.consistency.hypotheses import (
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
 from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of
-from serpenoid.measure.consistency.rivals import Compared, Rival, compared, leads
+from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads
 from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
@@ -145,16 +145,21 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], claims
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
             faults = schedule_faults(shown, claim.label, tables, periods)
             faults += _stopped(claim, signal, shown)
-            faults += _of_other_trials(claim, claims, "motion" if signal is claim.cameras else "servo_log")
             if signal is claim.cameras:
                 faults += in_one_film(course_of(shown), claim.label)
-            found = compared(claim.trial, signal, course_of(shown), own, _of_any(len(claims), faults), witness, prior)
+            faults, course = _of_any(len(claims), faults), course_of(shown)
+            found = compared(claim.trial, signal, course, own, faults, witness, prior)
+            if found.contract.explained < SURE:
+                key = "motion" if signal is claim.cameras else "servo_log"
+                faults += _of_any(len(claims), _of_other_trials(claim, claims, key, float(np.ptp(signal.time_s))))
+                found = compared(claim.trial, signal, course, own, faults, witness, prior)
             return _told_to_stop(found) if signal is claim.commands else found
     return None
 
 
-def _of_other_trials(claim: Claim, claims: Sequence[Claim], key: str) -> list[Fault]:
-    """What trials of another timing were told: a file of theirs, under `key`, instead of its own."""
+def _of_other_trials(claim: Claim, claims: Sequence[Claim], key: str, seconds: float) -> list[Fault]:
+    """What trials of another timing were told, as far as so many seconds show it: a file of theirs, under `key`,
+    instead of its own."""
     own = claim.schedule
     others: dict[tuple[str, float, float], tuple[str, Schedule]] = {}
     for other in claims:
@@ -166,7 +171,13 @@ def _of_other_trials(claim: Claim, claims: Sequence[Claim], key: str) -> list[Fa
     share = -float(np.log(KINDS * max(len(others), 1)))
     cure = f"are files of two trials exchanged? Name each trial's own in `{key}`"
     return [
-        Fault("file", f"follow what trial `{name}` was told, not their own", cure, course_of(told), share)
+        Fault(
+            "file",
+            f"follow what trial `{name}` was told, not their own",
+            cure,
+            course_of(told.seen_in(min(seconds, MOST_CYCLES * told.period_s))),
+            share,
+        )
         for name, told in others.values()
     ]
 

@@ -129,6 +129,11 @@ def sample(signal: Signal, step_s: float, begin_s: float | None = None, end_s: f
     return Sampled(float(begin), float(step), grid * weight[:, None], weight, signal.noise_variance)
 
 
+def _by_frames(signal: Signal) -> Sampled:
+    """On a grid as close as its frames."""
+    return sample(signal, float(np.median(np.diff(signal.time_s))))
+
+
 def _without_outliers(values: Floats) -> Floats:
     """Columns about their medians, cut at four robust standard deviations: bad frames do not repeat.
 
@@ -145,7 +150,7 @@ def _period_s(signal: Signal) -> float | None:
     """The first delay at which it agrees with itself nearly best: products over squares of all that overlaps, while
     that is a third of all its motion: of its squares about where it rested, since what rests in a pause does not move;
     of rows in holes no more is asked than they are in all."""
-    whole = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
+    whole = _between_rests(_by_frames(signal))
     centred = _without_outliers(whole.values) * whole.weight[:, None]
     squares, count = (centred**2).sum(axis=1), len(centred)
     if not squares.sum() > 0:  # between holes that are too long nothing varies
@@ -171,10 +176,9 @@ def _period_s(signal: Signal) -> float | None:
 
 def _likest(signal: Signal, period_s: float) -> float:
     """Of delays near a period the one after which rows that move differ least, by a parabola between frames."""
-    whole = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
+    whole = _between_rests(_by_frames(signal))
     values, weight = _without_outliers(whole.values), whole.weight
-    moves = np.gradient(values, axis=0) if len(values) > 1 else values
-    moving = (moves**2).sum(axis=1)
+    moving = (np.gradient(values, axis=0) ** 2).sum(axis=1)
     near = round(period_s / whole.step_s)
     reach = max(round(NEAR_PERIOD * near), 2)
     delays = np.arange(max(near - reach, 1), min(near + reach, len(values) - 1) + 1)
@@ -184,7 +188,7 @@ def _likest(signal: Signal, period_s: float) -> float:
         return float(share @ ((values[k:] - values[:-k]) ** 2).sum(axis=1) / max(share.sum(), 1e-300))
 
     found = np.array([differ(int(k)) for k in delays])
-    best = int(found.argmin()) if len(found) else -1
+    best = int(found.argmin())
     if not 0 < best < len(found) - 1:
         return period_s
     before, here, after = found[best - 1 : best + 2]
@@ -195,14 +199,14 @@ def _likest(signal: Signal, period_s: float) -> float:
 
 def moving_s(signal: Signal) -> float:
     """Seconds from the first to the last moment at which the joints are away from where they rest at the beginning."""
-    whole = sample(signal, float(np.median(np.diff(signal.time_s))))
+    whole = _by_frames(signal)
     moving = np.flatnonzero(_away(whole, whole.values[whole.weight > 0][:5]))
     return float(whole.step_s * np.ptp(moving)) if len(moving) else 0.0
 
 
 def stopped_s(signal: Signal) -> tuple[float, float]:
     """Seconds from where the joints leave their first place to where they come to their last, and when that is [s]."""
-    between = _between_rests(sample(signal, float(np.median(np.diff(signal.time_s)))))
+    between = _between_rests(_by_frames(signal))
     return between.span_s, between.start_s + between.span_s
 
 
