@@ -24,12 +24,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="also run the tests marked slow")
 
 
-def pytest_cmdline_main(config: pytest.Config) -> None:
-    """With `-n`: tests that share something dear run in one process, or each process would make it anew."""
-    if getattr(config.option, "numprocesses", None) and config.option.dist in ("no", "load"):
-        config.option.dist = "loadgroup"
-
-
 def shared(item: pytest.Item) -> str | None:
     """The name of what a test shares with others: a fixture of the session, or those of its module."""
     made = getattr(item, "_fixtureinfo", None)

@@ -214,3 +214,14 @@ def test_source_raises_no_bare_exceptions_asserts_nothing_and_never_prints() -> 
 def test_every_module_says_what_it_is() -> None:
     for path in FILES:
         assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))), path
+
+
+@pytest.fixture(scope="module")
+def dear() -> object:
+    return object()
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_tests_that_share_what_is_dear_run_in_one_process(dear: object, number: int, request: pytest.FixtureRequest) -> None:
+    if "PYTEST_XDIST_WORKER" in os.environ:  # pytest 9.2 takes no group from pytest-xdist 3.8, and does not say so
+        assert request.node.nodeid.endswith("@tests/test_structure.py")

@@ -1,4 +1,4 @@
-"""Performance ratios: published identities, and what mean and STD of Xi cannot see."""
+"""Performance ratios: published identities, and what mean and SD of Xi cannot see."""
 
 from __future__ import annotations
 

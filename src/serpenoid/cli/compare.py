@@ -70,9 +70,8 @@ def lines(study: Study, origin: str) -> list[str]:
         )
     for point in study.costs:
         c = "" if point.dissipation_coefficient is None else f" at c = {point.dissipation_coefficient:g}"
-        found.append(
-            f"cost of transport {point.gait}{c}: {point.mean:.3f} (STD {point.std:.2g}, {point.trials} trial(s))"
-        )
+        scatter = "one trial" if point.trials == 1 else f"SD {point.std:.2g}, {point.trials} trials"
+        found.append(f"cost of transport {point.gait}{c}: {point.mean:.3f} ({scatter})")
     if study.power is not None:
         p = study.power
         found.append(

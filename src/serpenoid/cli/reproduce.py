@@ -74,7 +74,7 @@ def _write(args: argparse.Namespace, folder: Path, study: Any, campaign: Any) ->
     rows = beside_the_paper(study.ratios)
     write_beside(folder, rows)
     table = [
-        f"{r['pair']:<10} mean {r['mean']:.4f} ({r['paper_mean']:.4f})  STD {r['std']:.4f} ({r['paper_std']:.4f})  "
+        f"{r['pair']:<10} mean {r['mean']:.4f} ({r['paper_mean']:.4f})  SD {r['std']:.4f} ({r['paper_std']:.4f})  "
         f"s {r['s']:.4f} ({r['paper_s']:.4f})"
         for r in rows
     ]

@@ -20,6 +20,7 @@ from serpenoid.cli.claim import sign
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
+    from serpenoid.trajectory import Trajectory
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
         f"displacement      {motion.displacement:z.6f} body lengths ({problem.task.cycles} cycle(s))",
         f"forward part      {motion.forward_displacement:+z.6f} body lengths along the mean heading",
         f"heading change    {options.signed(motion.heading_change)} rad",
-        f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}   (raw E {motion.energy_raw:.6g})",
+        f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}{_raw(problem, motion)}",
         f"largest residual  {motion.residual:.1e}",
         *_rows_lines(problem, len(result.table)),
         *goal_lines(record),
@@ -66,6 +67,11 @@ def run(args: argparse.Namespace) -> int:
     ]
     options.report(args, record, lines, folder)
     return 0
+
+
+def _raw(problem: Problem, motion: Trajectory) -> str:
+    """E without the factor T, where the law has one."""
+    return f"   (raw E {motion.energy_raw:.6g})" if problem.medium.law == "viscous" else ""
 
 
 def _rows_lines(problem: Problem, rows: int) -> list[str]:

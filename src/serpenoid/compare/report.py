@@ -90,7 +90,7 @@ def _ratios(study: Study) -> Table:
     header = [
         "pair",
         "mean",
-        "STD",
+        "SD",
         "typical ratio",
         "from",
         "to",
@@ -110,4 +110,4 @@ def _ratios(study: Study) -> Table:
 def _costs(study: Study) -> Table:
     rows = [[p.gait, "" if p.dissipation_coefficient is None else p.dissipation_coefficient, p.mean, p.std, p.trials]
             for p in study.costs]  # fmt: skip
-    return Table(["gait", "c", "cost of transport", "STD", "trials"], rows)
+    return Table(["gait", "c", "cost of transport", "SD", "trials"], rows)

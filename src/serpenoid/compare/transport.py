@@ -33,7 +33,7 @@ class CyclePower:
 
 @dataclass(frozen=True)
 class CostPoint:
-    """Mean and STD over trials at one (gait label without c, c)."""
+    """Mean and SD over trials at one (gait label without c, c)."""
 
     gait: str
     dissipation_coefficient: float | None
@@ -88,7 +88,7 @@ def power_offset(trial: Trial) -> float | None:
 
 
 def cost_points(cycles: list[CyclePower]) -> tuple[CostPoint, ...]:
-    """Mean and STD over trials for every gait and c; repeats of a trial's cycles are averaged first."""
+    """Mean and SD over trials for every gait and c; repeats of a trial's cycles are averaged first."""
     points = []
     keys = dict.fromkeys((c.gait, c.dissipation_coefficient) for c in cycles)
     for gait, coefficient in keys:

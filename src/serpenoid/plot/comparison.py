@@ -127,7 +127,7 @@ def ratio_caption(s: RatioStatistics) -> str:
     low, high = s.bias_interval
     s_low, s_high = s.s_interval
     return (
-        f"mean {s.mean:.4f}, STD {s.std:.4f}\n"
+        f"mean {s.mean:.4f}, SD {s.std:.4f}\n"
         f"typical ratio {s.bias:.3f} [{low:.3f}, {high:.3f}]\n"
         f"SD of its logarithm {s.s:.4f} [{s_low:.4f}, {s_high:.4f}]\n"
         f"rank correlation {s.rank_text}, {len(s.wrong_pairs)} of {s.pair_count} pairs wrong"
@@ -150,7 +150,7 @@ def scatter(classes: dict[str, Floats], ax: Axes) -> Axes:
 
 
 def cost_curves(families: dict[str, Floats], ax: Axes) -> Axes:
-    """Cost of transport against c, mean and STD over trials, the minimum of each family marked."""
+    """Cost of transport against c, mean and SD over trials, the minimum of each family marked."""
     for (name, rows), colour in zip(families.items(), (BLUE, ORANGE, GREEN, RED, INK) * 4, strict=False):
         c, mean, std = rows.T
         ax.errorbar(c, mean, yerr=np.nan_to_num(std), color=colour, marker="o", ms=4, lw=1.4, capsize=3, label=name)

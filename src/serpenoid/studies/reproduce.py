@@ -22,7 +22,7 @@ from serpenoid.table_file import read_table, write_table
 if TYPE_CHECKING:
     from serpenoid.compare.ratios import RatioStatistics
 
-# what the paper prints: mean and STD of the quotients without the diagonal; s = sqrt(ln mean)
+# what the paper prints: mean and SD of the quotients without the diagonal; s = sqrt(ln mean)
 PAPER = {"Exp/Sim": (1.0410, 0.2974), "Exp/Resim": (1.0609, 0.3718), "Sim/Resim": (1.0932, 0.4801)}
 PAPER_S = {"Exp/Sim": 0.2005, "Exp/Resim": 0.243, "Sim/Resim": 0.299}
 WITHIN = 0.3
@@ -91,7 +91,7 @@ def beside_the_paper(ratios: tuple[RatioStatistics, ...]) -> list[dict[str, Any]
 def write_beside(folder: Path, rows: list[dict[str, Any]]) -> None:
     """`beside-the-paper.json` and `.md`."""
     write_json(folder / "beside-the-paper.json", rows)
-    head = ["| pair | mean | paper | STD | paper | s | paper | bias | rank correlation |", "| --- " * 9 + "|"]
+    head = ["| pair | mean | paper | SD | paper | s | paper | bias | rank correlation |", "| --- " * 9 + "|"]
     lines = [
         f"| {r['pair']} | {r['mean']:.4f} | {r['paper_mean']:.4f} | {r['std']:.4f} | {r['paper_std']:.4f} "
         f"| {r['s']:.4f} | {r['paper_s']:.4f} | {r['bias']:.3f} | {_cell(r['rank_correlation'])} |"
