@@ -222,6 +222,8 @@ def dear() -> object:
 
 
 @pytest.mark.parametrize("number", [1, 2])
-def test_tests_that_share_what_is_dear_run_in_one_process(dear: object, number: int, request: pytest.FixtureRequest) -> None:
+def test_tests_that_share_what_is_dear_run_in_one_process(
+    dear: object, number: int, request: pytest.FixtureRequest
+) -> None:
     if "PYTEST_XDIST_WORKER" in os.environ:  # pytest 9.2 takes no group from pytest-xdist 3.8, and does not say so
         assert request.node.nodeid.endswith("@tests/test_structure.py")
