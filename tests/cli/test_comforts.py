@@ -79,6 +79,13 @@ def test_the_log_tells_what_ran_and_how_it_ended(tmp_path: Path) -> None:
     assert not logging.getLogger("serpenoid").handlers
 
 
+@pytest.mark.parametrize("words", [["arena", "--log-file", "{log}", "run"], ["arena", "run", "--log-file", "{log}"]])
+def test_the_log_may_be_asked_for_after_a_verb_and_after_its_action(words: list[str], tmp_path: Path) -> None:
+    log = tmp_path / "run.log"
+    assert main([*(w.format(log=log) for w in words), "missing.toml"]) == 2
+    assert "missing.toml" in log.read_text(encoding="utf-8")
+
+
 def test_a_log_may_be_in_the_folder_that_results_have_by_themselves(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -189,10 +189,17 @@ def test_tracking_data_of_trex_without_points_on_the_body_say_what_to_export(tmp
 
 def test_every_format_a_campaign_may_name_has_its_reader():
     assert tuple(readers.READERS) == readers.NAMES
-    for name, read in readers.READERS.items():
+    for name, form in readers.READERS.items():
         with pytest.raises(InputError, match=r"nothing\.csv|ezc3d|h5py"):
-            read(Path("nothing.csv"), MotionKeys(format=name, columns={"time": "t", "point": "p", "x": "x", "y": "y"},
-                                                 length_unit="mm", frames_per_second=25.0))  # fmt: skip
+            form.read(
+                Path("nothing.csv"),
+                MotionKeys(
+                    format=name,
+                    columns={"time": "t", "point": "p", "x": "x", "y": "y"},
+                    length_unit="mm",
+                    frames_per_second=25.0,
+                ),
+            )
 
 
 @pytest.mark.parametrize("name", FORMATS)

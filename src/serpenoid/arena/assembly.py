@@ -28,7 +28,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class Pull:
-    """A force on one link: constant, towards a point, or for a while only; `kind` decides (see `forces.py`)."""
+    """A force on one link: constant, towards a point, or for a while only; `kind` decides."""
 
     kind: str
     link: int

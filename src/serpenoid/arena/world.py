@@ -106,11 +106,6 @@ class World:
         motors = float(np.maximum(0.0, volts * amperes).sum())
         return motors + robot.servos * robot.standby_current_A * self.source_voltage() + robot.controller_power_W
 
-    def mechanical_power(self) -> float:
-        """Of all motors on the body [W], after their own losses."""
-        speed = self.data.qvel[self._servo_v]
-        return float(((self.data.actuator_force - self.robot.servo_damping * speed) * speed).sum())
-
     def wheel_loads(self) -> Floats:
         """Normal force under each wheel pair, shape (N,) [N], smoothed as the foam does."""
         return self._loads.reshape(self.robot.wheels, 2).sum(axis=1)

@@ -60,10 +60,23 @@ def build_parser(*complete: str | None) -> argparse.ArgumentParser:
             module = importlib.import_module(f"serpenoid.cli.{name}")
             sub.description = module.__doc__
             module.configure(sub)
-            sub.add_argument("-v", "--verbose", action="store_true", help="log what happens inside")
-            sub.add_argument("--log-file", type=Path, metavar="FILE", help="the same into a file, with times")
-            sub.set_defaults(run=module.run)
+            sub.set_defaults(run=module.run, verbose=False, log_file=None)
+            _add_logging(sub)
     return parser
+
+
+def _add_logging(parser: argparse.ArgumentParser) -> None:
+    """-v and --log-file after the verb, and after each of its actions: what neither says is the verb's default."""
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what happens inside"
+    )
+    parser.add_argument(
+        "--log-file", type=Path, metavar="FILE", default=argparse.SUPPRESS, help="the same into a file, with times"
+    )
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for nested in dict.fromkeys(action.choices.values()):
+                _add_logging(nested)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

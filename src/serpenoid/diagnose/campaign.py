@@ -8,7 +8,7 @@ from pathlib import Path
 
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracked import is_tracked_only, tracked_recordings
+from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
@@ -40,7 +40,7 @@ def diagnose_campaign(
     search for effects of the motion found, as soon as it has ended.
     """
     file, _ = load_campaign_file(campaign)
-    if is_tracked_only(file):
+    if file.tracked_only:
         if earlier is not None:
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
         read = load_campaign(campaign, reading)

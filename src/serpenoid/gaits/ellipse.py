@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated, ClassVar, Literal, Self
 
 import casadi as ca
@@ -110,10 +109,6 @@ class EllipseFamily(GaitFamily):
     @property
     def widths(self) -> Floats:
         return np.array([0.02, 0.1, 0.1, 0.02, 0.1, 0.02])
-
-    @cached_property
-    def data(self) -> Floats:
-        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
 
     @property
     def harmonic(self) -> bool:

@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.gaits.bounds import GaitBounds, GaitNumbers
+from serpenoid.gaits.bounds import AngleBounds, GaitBounds, GaitNumbers
 
 LONGEST = 200  # characters of a gait that is printed whole
 Coordinates = Literal["serpenoid", "joints", "lifted"]
@@ -105,9 +105,9 @@ class GaitFamily:
         """A few per cent of every parameter's usual range, shape (n,): the scale of derivative-free searches."""
 
     @cached_property
-    @abstractmethod
     def data(self) -> Floats:
-        """Numbers (R, d) that tell one row from another: its phase, its weights."""
+        """Numbers (R, d) that tell one row from another; default its phase [cycles]."""
+        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
 
     @cached_property
     def indices(self) -> np.ndarray:
@@ -184,3 +184,21 @@ class GaitFamily:
     def free(self) -> bool:
         """Whether the parameters are the joint angles themselves."""
         return False
+
+
+class AngleFamily(GaitFamily):
+    """A family whose parameters are joint angles, or coefficients of them."""
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        return ("rad",) * self.size
+
+    @property
+    def limits(self) -> tuple[Floats, Floats]:
+        bounds = self.bounds if isinstance(self.bounds, AngleBounds) else AngleBounds(family=self.like.family)
+        low, high = bounds.angle
+        return np.full(self.size, low), np.full(self.size, high)
+
+    @property
+    def widths(self) -> Floats:
+        return np.full(self.size, 0.02)

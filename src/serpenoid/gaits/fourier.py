@@ -8,7 +8,6 @@ An ellipse is the case of one mode and order 1.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated, ClassVar, Literal, Self
 
 import casadi as ca
@@ -150,10 +149,6 @@ class FourierFamily(GaitFamily):
     @property
     def harmonic(self) -> bool:
         return self._gait.orders == (1,)
-
-    @cached_property
-    def data(self) -> Floats:
-        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
 
     def at(self, p: ca.SX, data: ca.SX) -> ca.SX:
         """(w1, w2, xi) of every mode."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import ClassVar, Literal, Self
 
 import casadi as ca
@@ -11,7 +10,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
-from serpenoid.gaits.family import Gait, GaitFamily
+from serpenoid.gaits.family import AngleFamily, Gait
 from serpenoid.gaits.fourier import Orders, aliased, waves
 
 
@@ -67,7 +66,7 @@ class JointSeriesGait(Gait):
         return f"a Fourier series of orders {list(self.orders)} per joint"
 
 
-class JointSeriesFamily(GaitFamily):
+class JointSeriesFamily(AngleFamily):
     """Parameters: the rows of `angles`; every row of the table depends on all of them."""
 
     @property
@@ -80,10 +79,6 @@ class JointSeriesFamily(GaitFamily):
         return tuple(f"joint_{j + 1}_{tag}" for j in range(self.joints) for tag in tags)
 
     @property
-    def units(self) -> tuple[str, ...]:
-        return ("rad",) * self.size
-
-    @property
     def limits(self) -> tuple[Floats, Floats]:
         bounds = self.bounds if isinstance(self.bounds, JointSeriesBounds) else JointSeriesBounds()
         pairs = np.tile(bounds.angle, (self.joints, 1 + 2 * len(self.orders), 1))
@@ -91,16 +86,8 @@ class JointSeriesFamily(GaitFamily):
         return pairs[..., 0].ravel(), pairs[..., 1].ravel()
 
     @property
-    def widths(self) -> Floats:
-        return np.full(self.size, 0.02)
-
-    @property
     def harmonic(self) -> bool:
         return self.orders == (1,)
-
-    @cached_property
-    def data(self) -> Floats:
-        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
 
     def at(self, p: ca.SX, data: ca.SX) -> ca.SX:
         """Joint angles at the phase data[0]."""

@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
-from serpenoid.gaits.family import Gait, GaitFamily
+from serpenoid.gaits.family import AngleFamily, Gait
 
 
 class SplineBounds(AngleBounds):
@@ -63,7 +63,7 @@ class SplineGait(Gait):
         return f"cubic splines with {self.points} control points per joint"
 
 
-class SplineFamily(GaitFamily):
+class SplineFamily(AngleFamily):
     """Parameters: control points, point by point; a row depends on 4 m of them."""
 
     @property
@@ -73,19 +73,6 @@ class SplineFamily(GaitFamily):
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(f"joint_{j + 1}_point_{i + 1}" for i in range(self.points) for j in range(self.joints))
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return ("rad",) * self.size
-
-    @property
-    def limits(self) -> tuple[Floats, Floats]:
-        low, high = self.bounds.angle if isinstance(self.bounds, SplineBounds) else (-np.pi, np.pi)
-        return np.full(self.size, low), np.full(self.size, high)
-
-    @property
-    def widths(self) -> Floats:
-        return np.full(self.size, 0.02)
 
     @cached_property
     def _places(self) -> tuple[np.ndarray, Floats]:

@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
-from serpenoid.gaits.family import Gait, GaitFamily
+from serpenoid.gaits.family import AngleFamily, Gait
 
 HARMONICS = 3  # of a random start: a smooth table
 SPREAD = 0.3  # rad: standard deviation of a random start's first harmonic
@@ -61,29 +61,12 @@ class TableGait(Gait):
         return {"family": "table", "path": self.path or "joint_table.csv"}
 
 
-class TableFamily(GaitFamily):
+class TableFamily(AngleFamily):
     """Every joint angle of every row is a parameter: row t depends on m of them."""
 
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(f"joint_{j + 1}[{t}]" for t in range(self.rows) for j in range(self.joints))
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return ("rad",) * (self.rows * self.joints)
-
-    @property
-    def limits(self) -> tuple[Floats, Floats]:
-        low, high = self.bounds.angle if isinstance(self.bounds, TableBounds) else (-np.pi, np.pi)
-        return np.full(self.size, low), np.full(self.size, high)
-
-    @property
-    def widths(self) -> Floats:
-        return np.full(self.size, 0.02)
-
-    @cached_property
-    def data(self) -> Floats:
-        return np.arange(self.rows)[:, None] / (self.rows - (not self.closed))
 
     @cached_property
     def indices(self) -> np.ndarray:

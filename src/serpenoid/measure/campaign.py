@@ -184,7 +184,7 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
     keys, path = file.motion_of(trial), folder / trial.motion
     if keys.format is None:
         raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
-    tracks = in_metres(READERS[keys.format](path, keys), keys.metres_per_pixel)
+    tracks = in_metres(READERS[keys.format].read(path, keys), keys.metres_per_pixel)
     if keys.mirrored:
         tracks = replace(tracks, floor=tracks.floor * (1.0, -1.0))
     if trial.from_s is not None or trial.to_s is not None:

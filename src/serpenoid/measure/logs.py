@@ -41,13 +41,6 @@ class ServoLog:
     repeated: int = 0
 
     @property
-    def play_start_s(self) -> float | None:
-        """When the first step was commanded, if the log says it: the last row of `approach` or first of `play`."""
-        if self.phase is None or "play" not in self.phase:
-            return None
-        return float(self.time_s[self.phase.index("play")])
-
-    @property
     def repeats_commands(self) -> bool:
         """Whether positions are the commands, to the last digit, while these move: no servo is as exact."""
         if self.command is None or not np.isfinite(self.position).any():

@@ -1,12 +1,14 @@
 """One interface for all motion files: the name in `[motion] format` -> a reader (path, keys) -> Tracks.
 
 A reader gives points in the order of the file, in metres where the file or `length_unit` says so, y up; what it does
-not understand it refuses by file, row and column. Another format is a function and a line here.
+not understand it refuses by file, row and column. Another format is a function, its name in `MotionFormat`, and a
+`Format` in `READERS`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -69,15 +71,53 @@ def _tidy(path: Path, keys: MotionKeys) -> Tracks:
     return read_tidy(path, keys.length_unit or "m", keys.frames_per_second, keys.columns, keys.time_unit or "s")
 
 
-READERS: dict[str, Reader] = {
-    "motive": lambda path, keys: read_motive(path, keys.up_axis or "y"),
-    "c3d": lambda path, keys: read_c3d(path, keys.up_axis or "z"),
-    "deeplabcut": _timed(read_deeplabcut),
-    "sleap": _sleap,
-    "tierpsy": _timed(read_tierpsy),
-    "trex": _timed(read_trex),
-    "wcon": _timed(read_wcon),
-    "array": _timed(read_array),
-    "tidy": _tidy,
-    "long": _long,
+@dataclass(frozen=True)
+class Format:
+    """A kind of motion file. read: makes tracks of one. up_axis: of points in space, where [motion] names none.
+
+    vertices: its points are the body's vertices already, in order. For a new campaign: named, whether its points have
+    names; unit, its `length_unit`; lines, more lines of [motion].
+    """
+
+    read: Reader
+    up_axis: str | None = None
+    vertices: bool = False
+    named: bool = False
+    unit: str = "m"
+    lines: tuple[str, ...] = ()
+
+
+def _motive(path: Path, keys: MotionKeys) -> Tracks:
+    return read_motive(path, keys.up_axis or up_axis("motive"))
+
+
+def _c3d(path: Path, keys: MotionKeys) -> Tracks:
+    return read_c3d(path, keys.up_axis or up_axis("c3d"))
+
+
+READERS: dict[str, Format] = {
+    "motive": Format(_motive, "y", named=True, lines=('up_axis = "y"                # motive: usually "y"',)),
+    "c3d": Format(_c3d, "z", named=True, lines=('up_axis = "z"',)),
+    "deeplabcut": Format(_timed(read_deeplabcut), named=True, unit="px"),
+    "sleap": Format(_sleap, named=True, unit="px"),
+    "tierpsy": Format(_timed(read_tierpsy)),
+    "trex": Format(_timed(read_trex)),
+    "wcon": Format(_timed(read_wcon)),
+    "array": Format(_timed(read_array)),
+    "tidy": Format(
+        _tidy,
+        vertices=True,
+        lines=('# columns = { time = "t_s", x = "x_*", y = "y_*" }   # names of your own, two columns per point',),
+    ),
+    "long": Format(
+        _long,
+        lines=(
+            'columns = { time = "t", point = "point", x = "x", y = "y" }   # your names: one row per frame and point',
+        ),
+    ),
 }
+
+
+def up_axis(name: str | None) -> str:
+    """The vertical axis that a format usually has."""
+    return (READERS[name].up_axis if name in READERS else None) or "z"

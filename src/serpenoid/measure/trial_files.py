@@ -19,6 +19,7 @@ from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, rea
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
+from serpenoid.measure.readers import READERS
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
@@ -162,7 +163,8 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
 
 def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:
     """Tracks as vertices 0 .. N - 1, NaN where none has a marker, by names and edge lengths (N - 1,), if known."""
-    markers = None if keys.format == "tidy" else keys.markers  # tidy columns are vertices already
+    of_vertices = keys.format is not None and READERS[keys.format].vertices
+    markers = None if of_vertices else keys.markers
     marked, first = keys.marked(body.vertices), keys.first_point or tracks.first_point
     if tracks.first_point not in (None, first):
         raise InputError(

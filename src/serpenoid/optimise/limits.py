@@ -62,13 +62,6 @@ def violations(table: Floats, limits: PathLimits, closed: bool = True) -> Floats
     return np.abs(np.concatenate([table, change], -1)) - limits.upper
 
 
-def worst_violation(table: Floats, limits: PathLimits) -> Floats:
-    """Largest violation of each table, shape (...,)."""
-    if not limits.any:
-        return np.full(table.shape[:-2], -np.inf)
-    return violations(table, limits).max(axis=(-2, -1))
-
-
 def even_rows(steps: int, count: int) -> list[int]:
     """`count` different rows spread evenly over the table."""
     return sorted({int(i * steps / count) for i in range(count)})

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import casadi as ca
 
+from serpenoid.effects.element import left
+
 SIZE = 6  # of (d, v, both directions)
 
 
@@ -19,7 +21,7 @@ def motion(pose: ca.SX, before: ca.SX, after: ca.SX, multipliers: ca.SX) -> ca.S
     """(d, v, both directions) of an element: places (x, y, direction), the second one in the body frame `pose`."""
     c, s = ca.cos(pose[2]), ca.sin(pose[2])
     arm = ca.vertcat(c * after[0] - s * after[1], s * after[0] + c * after[1])
-    velocity = multipliers[:2] + multipliers[2] * _across(arm)
+    velocity = multipliers[:2] + multipliers[2] * left(arm)
     return ca.vertcat(pose[:2] + arm - before[:2], velocity, before[2], pose[2] + after[2])
 
 
@@ -27,7 +29,7 @@ def lagrangian(u: ca.SX, weight: ca.SX, eps: ca.SX, turning: ca.SX, factor: ca.S
     """Gradient (6) and Hessian (6, 6) of L by u = (d, v, both directions); turning: r, factor: f."""
     d, v, wk = u[:2], u[2:4], weight * (eps - 1) / 2
     t = [ca.vertcat(ca.cos(u[i]), ca.sin(u[i])) for i in (4, 5)]
-    a = [_across(x) for x in t]
+    a = [left(x) for x in t]
     s, n, p, q = ([ca.dot(x, y) for y in ys] for x, ys in ((d, t), (d, a), (v, t), (v, a)))
     metric, turn = weight * ca.SX.eye(2) + wk * (t[0] @ t[0].T + t[1] @ t[1].T), turning * wk
     by_d = metric @ (v + factor * d) + turn * (n[1] * t[1] + s[1] * a[1])
@@ -55,7 +57,3 @@ def chained(outer: ca.SX, inner: ca.SX, gradient: ca.SX, hessian: ca.SX) -> tupl
     slope, force = ca.jacobian(inner, outer), ca.SX.sym("force", gradient.numel())
     bend = ca.substitute(ca.hessian(ca.dot(force, inner), outer)[0], force, ca.densify(gradient))
     return slope.T @ gradient, slope.T @ hessian @ slope + bend
-
-
-def _across(x: ca.SX) -> ca.SX:
-    return ca.vertcat(-x[1], x[0])

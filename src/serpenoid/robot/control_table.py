@@ -46,10 +46,6 @@ class Register:
         return self.address < 64
 
     @property
-    def writable(self) -> bool:
-        return self.low is not None
-
-    @property
     def end(self) -> int:
         return self.address + self.size
 

@@ -78,10 +78,6 @@ class Plan:
         return self.duration_s + max(0.0, self.row_period_s - self.pause_s)
 
     @property
-    def readings_per_row(self) -> int:
-        return max(1, ceil(self.row_period_s / READING_INTERVAL_S - 1e-9))
-
-    @property
     def watchdog_units(self) -> int:
         """Bus Watchdog (98)."""
         return ceil(self.robot.motion.watchdog_s / WATCHDOG_UNIT_S - 1e-9)

@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
-from serpenoid.measure.readers import NAMES
+from serpenoid.measure.readers import NAMES, READERS
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.scaffold.json_schema import write_schema
@@ -22,13 +22,9 @@ END = "# --- end of what is made up ---"
 CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
 STEP_S = 5e-3  # four in a frame of the film
-BY_NAME = ("motive", "c3d", "deeplabcut", "sleap")  # formats whose points have names
-AXES = {"motive": ['up_axis = "y"                # motive: usually "y"'], "c3d": ['up_axis = "z"']}
-METRES = ['length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl']
-PIXELS = ['length_unit = "px"', "# metres_per_pixel = 0.0005   # of your camera: what follows is then in metres"]
-COLUMNS = {
-    "long": ['columns = { time = "t", point = "point", x = "x", y = "y" }   # your names: one row per frame and point'],
-    "tidy": ['# columns = { time = "t_s", x = "x_*", y = "y_*" }   # names of your own, two columns per point'],
+UNITS = {
+    "m": ['length_unit = "m"            # for formats that do not say: m, cm, mm, um, px, bl'],
+    "px": ['length_unit = "px"', "# metres_per_pixel = 0.0005   # of your camera: what follows is then in metres"],
 }
 
 
@@ -106,7 +102,7 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     marked, labels = _marked(body, medium), _labels(body)
     names = ", ".join(f'"{prefix}{labels[vertex]}"' for vertex in marked)
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
-    by_name = answers["format"] in BY_NAME
+    kind = READERS[answers["format"]]
     rigid = len(body.corners) < body.vertices
     some = "" if len(marked) < body.vertices else "# "
     seen = [f"{some}vertices = {body.corners}   # those with a marker, where not all have one"] * rigid
@@ -131,11 +127,10 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
             *_medium(medium),
             "[motion]                     # how the motion files are to be read; a trial may override any key",
             f'format = "{answers["format"]}"',
-            *(PIXELS if answers["format"] in ("deeplabcut", "sleap") else METRES),
-            *AXES.get(answers["format"], []),
+            *UNITS[kind.unit],
             f"frames_per_second = {answers['frames-per-second']:g}",
-            *COLUMNS.get(answers["format"], []),
-            markers if by_name else f"# {markers}",
+            *kind.lines,
+            markers if kind.named else f"# {markers}",
             *seen,
             "",
             BEGIN,

@@ -199,12 +199,6 @@ class Recorded:
         return self.law.settings(self.steps.spans)
 
     @property
-    def elements_by_step(self) -> tuple[Floats, Floats]:
-        """Elements before and after, (4, S, M)."""
-        m = self.model.structure.elements
-        return self.steps.before.reshape(4, -1, m), self.steps.after.reshape(4, -1, m)
-
-    @property
     def measured(self) -> Floats:
         """Measured poses before and after each step, (6, S)."""
         return np.hstack([self.steps.starts, self.steps.ends]).T

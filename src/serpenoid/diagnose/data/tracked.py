@@ -22,7 +22,6 @@ from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.diagnose.data.windows import Track, predictions
 from serpenoid.errors import InputError
 from serpenoid.group import relative
-from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.cells import clock
 from serpenoid.measure.chain import UNCERTAIN
 from serpenoid.measure.links import chain_vertices
@@ -67,11 +66,6 @@ class TrackedRecording:
     def setting(self) -> tuple[str, float]:
         """No two recordings of an animal are repeats."""
         return self.name, 0.0
-
-
-def is_tracked_only(file: CampaignFile) -> bool:
-    """Whether no trial says what was commanded or what servos read."""
-    return not any(t.servo_log or t.joint_table for t in file.trial)
 
 
 def tracked_recordings(campaign: Campaign) -> tuple[TrackedRecording, ...]:

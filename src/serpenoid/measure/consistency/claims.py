@@ -32,6 +32,7 @@ from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog
+from serpenoid.measure.readers import up_axis
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial_files import (
     Files,
@@ -48,7 +49,6 @@ Believed = tuple[Body, tuple[Files, ...], dict[str, tuple[str, ...]]]
 Reader = Callable[[CampaignFile, Path], Believed]
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
-UP = {"motive": "y", "c3d": "z"}
 
 
 def believe(
@@ -206,7 +206,7 @@ def _markers(file: CampaignFile, body: Body, files: Files, odds: float = ODDS) -
         changed = Tracks(tracks.time_s, tracks.names, floor, tracks.source, tracks.unlabelled, tracks.scale_known)
         return label_markers(changed, keys, edges, body).vertices[:, shown]
 
-    up = keys.up_axis or UP.get(keys.format or "", "z")
+    up = keys.up_axis or up_axis(keys.format)
     plane = None if tracks.space is None else Plane(tracks.space, up, other)
     found = marker_faults(plan, [every[k] for k in shown], plane)
     certain = [fault for fault in found[:1] if fault.gain > odds]
