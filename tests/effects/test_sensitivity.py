@@ -45,6 +45,23 @@ def moved(problem: Problem, effects: tuple[ActiveEffect, ...], column: Column, c
     return extended(problem, *(e for e in effects if e is not old), new)
 
 
+@pytest.mark.parametrize("present", [(), ("dry_friction", "inertia")])
+@pytest.mark.parametrize("name", [n for n in MEDIUM if find(n).place is None])
+def test_what_a_law_of_the_whole_body_does_is_the_sum_of_what_it_does_at_each_vertex(
+    name: str, present: tuple[str, ...], problem: Problem, recording: np.ndarray
+) -> None:
+    if name in present:
+        return
+    every = [None, *range(problem.body.vertices)]
+    asked = [ActiveEffect.neutral(name, place) for place in every]
+    found = step_sensitivities(extended(problem, *map(typical, present)), recording, TIMES, candidates=asked)
+    for parameter in find(name).parameters:
+        whole, *alone = (
+            found.jacobian[..., found.columns.index(Column(name, place, parameter.name))] for place in every
+        )
+        np.testing.assert_allclose(sum(alone), whole, rtol=1e-4, atol=1e-4 * np.abs(whole).max())
+
+
 @pytest.mark.parametrize("present", [(), ("dry_friction", "inertia"), ("grip_saturation", "toe", "load")])
 @pytest.mark.parametrize("name", MEDIUM)
 def test_derivatives_are_those_of_the_prediction(

@@ -7,7 +7,7 @@ dh/dtheta = -(dr/dh)^{-1} dr/dtheta (implicit function theorem). Legend: R rows,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, MediumEffect
-from serpenoid.effects.catalogue import medium_effects
+from serpenoid.effects.catalogue import find, medium_effects
 from serpenoid.mechanics.extended import parameter_rows
 from serpenoid.mechanics.root_columns import root_columns
 from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
@@ -31,11 +31,19 @@ from serpenoid.simulation.steps import elements_of_vertices, solve_steps
 
 @dataclass(frozen=True)
 class Column:
-    """One parameter of a fit: the coordinate of an effect's parameter, or eps (effect None)."""
+    """One parameter of a fit: the coordinate of an effect's parameter, or eps (effect None).
+
+    A column may have a place though its effect has none: the law of the whole body, at that vertex alone.
+    """
 
     effect: str | None
     place: int | None
     parameter: str
+
+    @property
+    def alone(self) -> bool:
+        """Whether it is of a law of the whole body at one vertex."""
+        return self.effect is not None and self.place is not None and find(self.effect).place is None
 
 
 @dataclass(frozen=True)
@@ -57,6 +65,7 @@ class StepSensitivities:
 
 
 EPS = Column(None, None, "anisotropy_ratio")
+DIFFERENCE = 1e-6  # of a typical value: derivatives good to about as much
 
 
 @dataclass(frozen=True)
@@ -109,7 +118,8 @@ def step_sensitivities(
 
     vertices (R, N, 2) [body lengths], in any frame: only their shapes count; times (R,) [s since the start of the
     motion, at rest before]; poses (R, 3) on the floor [body lengths, rad], by default those of the vertices. Candidates
-    are not in the model: `ActiveEffect.neutral(name, place)`, with values for parameters that have no neutral one.
+    are not in the model: `ActiveEffect.neutral(name, place)`, with values for parameters that have no neutral one. A
+    law of the whole body that the model has not may have a vertex as its place: what it would do there alone.
     """
     floor = body_poses(model, vertices) if poses is None else np.asarray(poses, float)
     return sensitivities_of(model, MeasuredSteps.of(model, vertices, np.asarray(times, float), floor), candidates)
@@ -175,7 +185,8 @@ def recorded(
     wanted = [e for e in (*model.medium_effects, *candidates) if isinstance(e.effect, MediumEffect)]
     wanted = list({e.key: e for e in reversed(wanted)}.values())[::-1]
     columns = (EPS, *(Column(e.name, e.place, p.name) for e in wanted for p in e.effect.parameters))
-    law = MediumNumbers.of(model, candidates=[e for e in wanted if e not in model.effects])
+    whole = [e for e in wanted if e not in model.effects and (e.place is None) == (e.effect.place is None)]
+    law = MediumNumbers.of(model, candidates=whole)
     history = any("history" in e.effect.knows for e in wanted if isinstance(e.effect, MediumEffect))
     return Recorded(model, law, steps, history), columns
 
@@ -248,7 +259,13 @@ class Recorded:
         ends = group.compose(starts, np.nan_to_num(root.relative))
         slopes = np.where(root.sound[:, None, None], root.slopes, np.eye(3))
         run = None if self.history else root_columns(self.law.kind)
-        if run is not None:
+        alone = np.array([c.alone for c in columns], dtype=bool)
+        if run is not None and alone.any() and not alone.all():  # the others are compiled
+            found = np.empty((len(ends), 3, len(columns)))
+            for own in (alone, ~alone):
+                found[:, :, own] = self.differentiate(root, [c for c, mine in zip(columns, own, strict=True) if mine])
+            return found
+        if run is not None and not alone.any():
             placed, own, row = _rows(columns)
             law, which = self.law, np.column_stack([np.where(placed, own, -1), row])
             chains = (np.asarray(x.T, float).reshape(len(ends), -1, 4) for x in (self.steps.before, self.steps.after))
@@ -271,13 +288,32 @@ class Recorded:
         return total
 
     def _by_columns(self, poses: Floats, columns: Sequence[Column]) -> Floats:
-        everywhere, somewhere = sensitivities(self.law, self.steps.before, self.steps.after, poses, self.settings)
-        placed, own, row = _rows(columns)
+        alone = np.array([c.alone for c in columns], dtype=bool)
         found = np.empty((len(self.steps), 6, len(columns)))
-        found[:, :, ~placed] = everywhere[:, :, row[~placed]]
-        if placed.any():
-            found[:, :, placed] = somewhere[:, :, own[placed], row[placed]]
+        if not alone.all():
+            everywhere, somewhere = sensitivities(self.law, self.steps.before, self.steps.after, poses, self.settings)
+            placed, own, row = _rows([c for c in columns if not c.alone])
+            by = everywhere[:, :, row]
+            by[:, :, placed] = somewhere[:, :, own[placed], row[placed]]
+            found[:, :, ~alone] = by
+        if alone.any():
+            found[:, :, alone] = self._by_vertices(poses, [c for c in columns if c.alone])
         return found
+
+    def _by_vertices(self, poses: Floats, columns: Sequence[Column]) -> Floats:
+        """By coordinates of laws of the whole body at one vertex each, from differences: (S, 6, P)."""
+        rows = {(e, p): row for e, p, row in parameter_rows(medium_effects(), placed=False)}
+
+        def momenta(law: MediumNumbers) -> Floats:
+            return evaluate("balance", law, self.steps.before, self.steps.after, poses, self.settings)[0]
+
+        now, found = momenta(self.law), []
+        for c in columns:
+            (p,) = (p for p in find(c.effect or "").parameters if p.name == c.parameter)
+            step, theta = DIFFERENCE * abs(p.coordinate(p.typical)), self.law.theta.copy()
+            theta[rows[c.effect or "", c.parameter], c.place] += step
+            found.append((momenta(replace(self.law, theta=theta)) - now) / step)
+        return np.stack(found, axis=2)
 
 
 def _rows(columns: Sequence[Column]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

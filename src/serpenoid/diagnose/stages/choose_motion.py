@@ -19,6 +19,7 @@ from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.inference.at_one_vertex import at_one_vertex
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
@@ -187,8 +188,9 @@ def finding(
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words = _left_over(found, parts, mend=jumps is not None)
     unlike = ""
+    alone = at_one_vertex(found) if words and parts is None else ()
     if words and parts is None:
-        words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD))
+        words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD), *(a.words for a in alone))
     if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)):
         words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
@@ -197,6 +199,8 @@ def finding(
     if wrong and motion.ratio is not None:
         share = missed_m / size_done(motion, found.settled)
         named = [of_a_law(n, share, doubt) for n in named]
+    elsewhere = {a.effect.key for a in alone}
+    named = [replace(n, stand_in=True) if n.effect.key in elsewhere else n for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
     ends = None if parts is None else _ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
