@@ -1,4 +1,4 @@
-"""Joint angles at times, straight in between.
+"""Joint angles at times, straight in between, and by how much later they are read.
 
 Legend: C times of a course, R readings, m joints.
 """
@@ -15,6 +15,7 @@ from serpenoid.body import Floats
 MEETINGS = 9  # steps in which it is found how late a course is read: each far smaller than the last
 MET_S = 1e-6  # a step that ends them
 WITHIN = 12  # moments within a row, and again between two of these
+COURSES = 16  # of a joint, that are kept
 
 
 @dataclass(frozen=True)
@@ -41,34 +42,82 @@ class Course:
         return np.diff(self.angles, axis=0)
 
     def late(self, time: Floats, readings: Floats, near: float, apart: float = 0.0) -> float:
-        """By how much later [s], no more than `near`, the course is read best (R, m), NaN unknown, at time (R,).
+        """By how much later [s] it is read: see `Readings`."""
+        return Readings(time, readings, near, apart).late(self)
 
-        apart [s]: of rows that jump, 0 if none do. Readings amid a jump alone say which way a course that jumps is off,
-        so that within a row it is looked for at every moment.
-        """
-        late = self._met(time, readings, near, 0.0)
-        for step in (apart / WITHIN, apart / WITHIN**2) if apart else ():
-            tried = np.clip(late + step * np.arange(-WITHIN, WITHIN + 1), -near, near)
-            late = float(tried[np.argmin([self._missed(time, readings, t) for t in tried])])
-        if not apart:
+    def rates(self, time: Floats) -> Floats:
+        """How fast joints turn (R, m) [rad/s]."""
+        return self._rates[np.clip(np.searchsorted(self.time, time) - 1, 0, len(self._rates) - 1)]
+
+    @cached_property
+    def _rates(self) -> Floats:
+        return self._steps / np.diff(self.time)[:, None]
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Readings (R, m) [rad] of a trial, NaN unknown, at time (R,) [s]: by how much later a course is read best, no more
+    than `near` [s].
+
+    apart [s]: of rows that jump, 0 if none do. Readings amid a jump alone say which way a course that jumps is off, so
+    that within a row it is looked for at every moment. What a joint's readings miss of a course at a moment is kept:
+    from fit to fit most joints play the same.
+    """
+
+    time: Floats
+    angles: Floats
+    near: float
+    apart: float = 0.0
+
+    def late(self, course: Course) -> float:
+        """[s]."""
+        late = self._met(course, 0.0)
+        if not self.apart:
             return late
-        nearer = self._met(time, readings, near, late)
-        return min((late, nearer), key=lambda t: self._missed(time, readings, t))
+        for step in (self.apart / WITHIN, self.apart / WITHIN**2):
+            moments = round(late / step) + np.arange(-WITHIN, WITHIN + 1)
+            best = int(moments[np.argmin(self._missed(course, step, moments))])
+            late = min(max(best * step, -self.near), self.near)
+        nearer = self._met(course, late)
+        return min((late, nearer), key=lambda t: float(np.nansum((self.angles - course.at(self.time - t)) ** 2)))
 
-    def _missed(self, time: Floats, readings: Floats, late: float) -> float:
-        """Sum of squares [rad^2] of what readings miss."""
-        return float(np.nansum((readings - self.at(time - late)) ** 2))
+    def _missed(self, course: Course, step: float, moments: np.ndarray) -> Floats:
+        """Sums of squares (K,) [rad^2] of what readings miss at each of the moments (K,), in steps [s]."""
+        total = np.zeros(len(moments))
+        for joint, kept in enumerate(self._kept):
+            angles = np.ascontiguousarray(course.angles[:, joint])
+            mine = kept.setdefault(angles.tobytes(), {})
+            if len(kept) > COURSES:
+                del kept[next(iter(kept))]
+            time, read = self._read[joint]
+            new = [n for n in moments.tolist() if (step, n) not in mine]
+            if new:
+                at = time - np.clip(step * np.array(new), -self.near, self.near)[:, None]
+                left = np.interp(at.ravel(), course.time, angles).reshape(at.shape) - read
+                mine.update(zip([(step, n) for n in new], np.einsum("kr,kr->k", left, left).tolist(), strict=True))
+            total += [mine[step, n] for n in moments.tolist()]
+        return total
 
-    def _met(self, time: Floats, readings: Floats, near: float, late: float) -> float:
+    @cached_property
+    def _read(self) -> list[tuple[Floats, Floats]]:
+        """Of each joint, when it was read, and what."""
+        known = np.isfinite(self.angles)
+        return [(self.time[k], self.angles[k, joint]) for joint, k in enumerate(known.T)]
+
+    @cached_property
+    def _kept(self) -> list[dict[bytes, dict[tuple[float, int], float]]]:
+        """Of each joint, of its last courses, what was missed."""
+        return [{} for _ in range(self.angles.shape[1])]
+
+    def _met(self, course: Course, late: float) -> float:
         """By Gauss-Newton, from `late` on."""
-        known = np.isfinite(readings)
-        rates = self._steps / np.diff(self.time)[:, None]
+        known = np.isfinite(self.angles)
         for _ in range(MEETINGS):
-            at = time - late
-            rate = np.where(known, rates[np.clip(np.searchsorted(self.time, at) - 1, 0, len(rates) - 1)], 0.0)
-            missed = np.where(known, readings - self.at(at), 0.0)
+            at = self.time - late
+            rate = np.where(known, course.rates(at), 0.0)
+            missed = np.where(known, self.angles - course.at(at), 0.0)
             change = float((missed * rate).sum() / max(float((rate**2).sum()), 1e-12))
-            late, before = float(np.clip(late - change, -near, near)), late
+            late, before = float(np.clip(late - change, -self.near, self.near)), late
             if abs(late - before) < MET_S:
                 break
         return late

@@ -139,9 +139,11 @@ def fit_everywhere(
     said = all(data.begun(r) for r in data.recordings)
     shared = kind.place is None or (only is not None and not said)  # one joint moves when the trial began for all
 
+    realised = data.realised if only is None else data.at_joint(only, base)
+
     def play(x: Floats) -> Floats:
         effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]
-        return data.realised([*base, *effects]) if only is None else data.realised_at(only, [*base, *effects], without)
+        return realised([*base, *effects])
 
     def own(by_joint: Floats) -> Floats:
         return by_joint.sum(keepdims=True) if shared else by_joint[columns]

@@ -10,7 +10,7 @@ Legend: R log rows of all trials, m joints.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, structure
-from serpenoid.diagnose.data.course import Course
+from serpenoid.diagnose.data.course import Course, Readings
 from serpenoid.diagnose.data.recording import ACTED_ON_S, Recording
 from serpenoid.diagnose.data.smooth import scatter
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
@@ -155,9 +155,16 @@ class Plays:
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
-        played = realise_all(self.model(effects), self.setpoints, self.meshes, came_from=self._came_from)
-        sampled = (self._sampled(number, p.readings) for number, p in enumerate(played))
-        return np.concatenate(list(sampled)) + self.habit
+        return self._read(self._played(effects))
+
+    def _played(self, effects: Sequence[ActiveEffect], some: slice = slice(None)) -> list[Floats]:
+        """What the servos do (K, m) on each trial's mesh, or some of them."""
+        every = realise_all(self.model(effects), self.setpoints, self.meshes, some, self._came_from)
+        return [p.readings for p in every]
+
+    def _read(self, played: Sequence[Floats]) -> Floats:
+        """The same when it is read (R, m)."""
+        return np.concatenate([self._sampled(number, p) for number, p in enumerate(played)]) + self.habit
 
     def _sampled(self, number: int, angles: Floats) -> Floats:
         """What a trial's mesh plays (K, m) when it is read; from where readings are met best if nothing says when it
@@ -166,20 +173,34 @@ class Plays:
         if self.begun(recording):
             return angles[self.where[number]]
         course = Course(self.meshes[number], angles)
-        read, jumps_s = self.readings[self._rows[number]], recording.schedule.jumps_every_s
-        late = course.late(time, read, self.unsure_start(recording), jumps_s)
-        return course.at(time - late)
+        return course.at(time - self._read_late[number].late(course))
 
-    def realised_at(self, joint: int, effects: Sequence[ActiveEffect], others: Floats) -> Floats:
-        """The same where one joint (1 = next to the tail) alone reads anything else than `others` (R, m)."""
-        if not all(self.begun(r) for r in self.recordings):  # when a trial began depends on all joints
-            return self.realised(effects)
-        found, columns = others.copy(), slice(joint - 1, joint)
-        played = realise_all(self.model(effects), self.setpoints, self.meshes, columns, self._came_from)
-        parts = [p.readings[where] for p, where in zip(played, self.where, strict=True)]
-        habit = np.broadcast_to(self.habit, found.shape)
-        found[:, columns] = np.concatenate(parts) + habit[:, columns]
-        return found
+    @cached_property
+    def _read_late(self) -> list[Readings]:
+        """Of each trial."""
+        return [
+            Readings(time, self.readings[rows], self.unsure_start(r), r.schedule.jumps_every_s)
+            for r, time, rows in zip(self.recordings, self.times, self._rows, strict=True)
+        ]
+
+    def at_joint(self, joint: int, others: Sequence[ActiveEffect]) -> Callable[[Sequence[ActiveEffect]], Floats]:
+        """`realised` of effects that differ from others at one joint (1 = next to the tail) alone."""
+        played, columns = self._played(others), slice(joint - 1, joint)
+        read, begun = self._read(played), all(self.begun(r) for r in self.recordings)
+        habit = np.broadcast_to(self.habit, read.shape)[:, columns]
+
+        def realised(effects: Sequence[ActiveEffect]) -> Floats:
+            own = self._played(effects, columns)
+            if begun:
+                found = read.copy()
+                found[:, columns] = np.concatenate([p[at] for p, at in zip(own, self.where, strict=True)]) + habit
+                return found
+            whole = [p.copy() for p in played]  # when a trial began depends on all joints
+            for angles, mine in zip(whole, own, strict=True):
+                angles[:, columns] = mine
+            return self._read(whole)
+
+        return realised
 
     def model(self, effects: Sequence[ActiveEffect]) -> Model:
         """The robot with the known effects and these."""
