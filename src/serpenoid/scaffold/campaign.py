@@ -24,7 +24,7 @@ NOISE_M = 2e-4  # of good cameras
 STEP_S = 5e-3  # four in a frame of the film
 BY_NAME = ("motive", "c3d", "deeplabcut", "sleap")  # formats whose points have names
 AXES = {"motive": ['up_axis = "y"                # motive: usually "y"'], "c3d": ['up_axis = "z"']}
-METRES = ['length_unit = "m"            # for formats that do not say: m, cm, mm, px, bl']
+METRES = ['length_unit = "m"            # for formats that do not say: m, cm, mm, um, px, bl']
 PIXELS = ['length_unit = "px"', "# metres_per_pixel = 0.0005   # of your camera: what follows is then in metres"]
 COLUMNS = {
     "long": ['columns = { time = "t", point = "point", x = "x", y = "y" }   # your names: one row per frame and point'],
