@@ -15,10 +15,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.data.geometry import relative, travel, turn
+from serpenoid.diagnose.data.geometry import turn
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import path_error, residuals
+from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import path_error
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -27,6 +28,7 @@ from serpenoid.diagnose.inference.medium import fit_eps
 from serpenoid.diagnose.inference.select import calibrated
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
+from serpenoid.group import accumulate, relative
 
 Floats = np.ndarray
 CREEP = 2e-3  # m/s: over which the arena's soft contacts reach their full friction
@@ -100,7 +102,7 @@ def body_velocities(law: Law, track: Track) -> Floats:
 
 
 def predicted(law: Law, track: Track) -> Prediction:
-    path = travel(body_velocities(law, track), track.poses[0])[track.boundaries]
+    path = accumulate(body_velocities(law, track), track.poses[0])[track.boundaries]
     return Prediction(relative(path[:-1], path[1:]), np.zeros(0), ())
 
 

@@ -14,6 +14,7 @@ from serpenoid.objectives import demands, terms
 from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.term import Played
 from serpenoid.problem import load
+from serpenoid.scaffold.json_schema import schema_of
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -78,3 +79,85 @@ def test_goals_name_every_kind_and_every_key_of_it() -> None:
     kinds = [*terms(), *demands()]
     assert {kind.model_fields["kind"].default for kind in kinds} <= set(re.findall(r"\w+", GOALS))
     assert {key for kind in kinds for key in kind.model_fields} <= words
+
+
+PAGE = (ROOT / "docs" / "problem-file.md").read_text(encoding="utf-8")
+SECTIONS = dict(part.split("\n", 1) for part in PAGE.split("\n## ")[1:])
+SCHEMA = schema_of("problem")
+WITH_KEYS = {
+    "[about]": "About", "[body]": "Body", "[medium]": "Medium", "[task]": "Task", "[task.constraints]": "Constraints",
+    "[task.robust]": "Robust", "[lift]": "Lift", "[power]": "Power",
+}  # fmt: skip
+BY_FAMILY = {"[gait]": "Gait", "[task.bounds]": "Bounds"}
+BY_KIND = ("[[task.objectives]]", "[[task.demands]]")
+
+
+def rows(section: str) -> list[list[str]]:
+    """The cells of a section's table, without its head."""
+    return [line.strip("| ").split(" | ") for line in SECTIONS[section].splitlines() if line.startswith("| `")]
+
+
+def names(cell: str) -> set[str]:
+    """Keys that a cell tells, in backticks, but for those that another one is told by (`mean` = as `angle`)."""
+    return set(re.findall(r"`(\w+)`", re.sub(r"= as `\w+`", "", cell)))
+
+
+def kinds(word: str, ending: str = "") -> dict[str, set[str]]:
+    """Of the schema's definitions that a `kind` or `family` tells apart: their other keys."""
+    of = [d["properties"] for name, d in SCHEMA["$defs"].items() if name.endswith(ending) and "properties" in d]
+    return {keys[word]["const"]: set(keys) - {word} for keys in of if "const" in keys.get(word, {})}
+
+
+def test_the_page_on_problem_files_has_the_sections_of_the_schema() -> None:
+    assert {name.strip("[]") for name in SECTIONS if "." not in name} == set(SCHEMA["properties"])
+    assert set(SECTIONS) == {*WITH_KEYS, *BY_FAMILY, *BY_KIND, "[[effects]]"}
+
+
+@pytest.mark.parametrize("section", WITH_KEYS)
+def test_the_page_on_problem_files_has_the_keys_of_the_schema(section: str) -> None:
+    definition = SCHEMA["$defs"][WITH_KEYS[section]]
+    said = {row[0].strip("`"): row[1] for row in rows(section)}
+    assert set(said) == set(definition["properties"])
+    assert {key for key, default in said.items() if default == "required"} == set(definition.get("required", []))
+    for key, default in said.items():
+        known = definition["properties"][key].get("default")
+        if isinstance(known, int | float) and not isinstance(known, bool):
+            assert float(default) == known, key
+
+
+@pytest.mark.parametrize("section", BY_FAMILY)
+def test_the_page_on_problem_files_has_the_keys_of_every_family(section: str) -> None:
+    said: dict[str, set[str]] = {}
+    for family, keys, *_ in rows(section):
+        said.setdefault(family.strip("`"), set()).update(names(keys))
+    assert said == kinds("family", BY_FAMILY[section])
+
+
+def test_the_page_on_problem_files_has_every_kind_with_its_keys() -> None:
+    assert {row[0].strip("`"): names(row[1]) for section in BY_KIND for row in rows(section)} == kinds("kind")
+
+
+COMPUTING = (
+    "compare",
+    "diagnose",
+    "files",
+    "mechanics",
+    "optimise",
+    "parallel",
+    "report",
+    "simulation",
+    "studies",
+    "measure",
+)
+
+
+def test_the_architecture_names_every_module_that_computes() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8").split("## Where a change")[0]
+    source, said = ROOT / "src" / "serpenoid", set(re.findall(r"`(?:\w+/)*(\w+)`", text))
+    found = {
+        path for path in source.rglob("*.py") if path.relative_to(source).parts[0] in COMPUTING or path.parent == source
+    }
+    found = {
+        path.stem for path in found if path.parent.name != "consistency" and not path.stem.startswith(("_", "choose_"))
+    }
+    assert found - said == set()

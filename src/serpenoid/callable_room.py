@@ -1,4 +1,4 @@
-"""`serpenoid.measure` and its like are rooms of the package and verbs: called, they are the function of their name."""
+"""`serpenoid.measure` and its like are packages and verbs: called, they are the function of their name."""
 
 from __future__ import annotations
 

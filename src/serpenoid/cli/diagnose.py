@@ -13,15 +13,17 @@ verdict           nothing left      something left
   effects named   explained         partly explained
   none named      nothing           unexplained
 
-An effect's strength is its trace over the noise level. Where chance makes as much, it is below detection: not named,
-and in the extended model only where gaits that were not fitted are predicted better with it. `or ...` are effects that
-the data cannot tell from the one above; `next-experiment.csv` is the gait that would.
+An effect's strength is its trace over the noise level. Where chance makes as much, it is below detection: not named.
+`or ...` are effects that the data cannot tell from the one above; `next-experiment.csv` is the gait that would.
+The extended model holds what is named. If anything is named on any stage, it also holds unnamed effects (below
+detection, or the first one refused) where gaits that were not fitted are predicted better with them.
 
 With a reference, that campaign is diagnosed first; what the model gets wrong there is no news.
 
 Writes report.html (begin there; it needs no other file), diagnosis.json, baseline-model.toml and
 extended-model.toml, figures as PNG and SVG.
-Exit code 0 whatever the verdict, 2 where the campaign or the model cannot be read.
+Exit code 0 whatever the verdict, 2 where the campaign or the model cannot be read; of several campaigns 1 where one
+of them could not be diagnosed.
 """
 
 from __future__ import annotations
@@ -51,7 +53,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="leave an effect out of the catalogue, as often as you like: what would be named in its place?",
     )
-    options.add_workers(parser, "of one campaign: pieces of its work; of several: campaigns", os.cpu_count() or 1)
+    pieces = "of one campaign: pieces of its work; of several: campaigns"
+    options.add_workers(parser, pieces, os.cpu_count() or 1, tasks="campaigns, each one task,")
     options.add_output(parser, "results/<campaign>/diagnosis")
 
 

@@ -56,10 +56,12 @@ def add_output(parser: argparse.ArgumentParser, out: str = "") -> None:
     parser.add_argument("--json", action="store_true", help="print the record as JSON on standard output, nothing else")
 
 
-def add_workers(parser: argparse.ArgumentParser, things: str, jobs: int = 1) -> None:
-    """--jobs, --cluster."""
+def add_workers(parser: argparse.ArgumentParser, things: str, jobs: int = 1, tasks: str | None = None) -> None:
+    """--jobs, --cluster; `tasks`: what runs on a cluster, where that is something else."""
     parser.add_argument("--jobs", "-j", type=positive, default=jobs, metavar="N", help=f"{things} at a time ({jobs})")
-    help_line = f"{things} on a Dask cluster: its scheduler's address, or local:N for N workers on this machine"
+    help_line = (
+        f"{tasks or things} on a Dask cluster: its scheduler's address, or local:N for N workers on this machine"
+    )
     parser.add_argument("--cluster", metavar="ADDRESS", help=help_line)
 
 

@@ -4,7 +4,7 @@
     serpenoid simulate problems/snake10.toml --set gait.a=4 --set task.cycles=3
     serpenoid simulate problems/snake10.toml --model extended-model.toml    # with effects: see `serpenoid effects`
 
-With [lift] in space, lifted in the middle of `phase` and of `bias`: equal ends say it exactly.
+With [lift], the midpoints of the `phase` and `bias` ranges are used; give both ends the same value to fix them.
 
 Writes solution.json, joint_table.csv, trajectory.csv and figures. Lengths are in body lengths, dissipation is the
 normalised T * E (weights sum to one): it converges as the number of steps T grows, the raw energy falls as 1 / T.

@@ -9,8 +9,9 @@
 
 minimises what [[task.objectives]] asks (default: -displacement) + c * dissipation over the parameters of the gait's
 family, with the body's motion as constraints.
-`c` weighs the normalised dissipation T * E (total weight 1, lengths in body lengths, time in cycles), so it does not
-depend on the number of steps; 0 .. 2.5 is the range of Even et al.
+`c`, the dissipation coefficient, weighs the normalised dissipation T * E (T steps a cycle, E the energy summed over
+them; total weight 1, lengths in body lengths, time in cycles), so it does not depend on the number of steps; 0 .. 2.5
+is the range of Even et al.
 
 An optimum counts only if step-by-step simulation reaches the same poses to 1e-8, the KKT conditions hold to 1e-8, a
 derivative-free search around it gains less than 1e-6, and its displacement is the gait's and not the time mesh's:
