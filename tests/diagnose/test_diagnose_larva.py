@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.tracked import tracked_recordings
+from serpenoid.diagnose.data.tracked import _variance, tracked_recordings
 from serpenoid.diagnose.stages.choose_tracked import GLIDES, STILL, moving
 from serpenoid.errors import InputError
 from serpenoid.measure.animal import stretching
@@ -146,3 +146,10 @@ def test_what_explains_no_more_than_that_the_body_glides_on_may_be_a_stand_in() 
     few, many = moving(found(100 + 3 * COST - 1, (Name(),), beating)), moving(found(100 + 3 * COST, (Name(),), beating))
     assert (few.stage.words, few.stage.named) == ((), (Name(),))
     assert (many.stage.words, many.stage.named) == ((GLIDES,), (Name(stand_in=True),))
+
+
+def test_a_root_farther_than_a_body_length_away_tells_nothing_of_noise() -> None:
+    near, far = np.full((2, 3), 0.01), np.array([[0.01, 0.01, 0.01], [40.0, 3.0, 0.01]])
+    variance = _variance([near, -near, far], length_m=0.5)
+    np.testing.assert_allclose(variance[0], 1e-4)
+    assert np.isnan(variance[1]).all()

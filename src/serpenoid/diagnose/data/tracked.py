@@ -195,11 +195,19 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
     finer = _cut(recording, states, _run(states, first, step, count, FINER), pieces, FINER)
     tracks = [replace(t, offset=e) for t, e in zip(tracks, _mesh_error(model, tracks, finer), strict=True)]
     least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
-    squares = _filled([np.mean([np.square(d[i]) for d in draws], axis=0) for i in range(pieces)])
+    squares = _filled([_variance([d[i] for d in draws], model.body.total_length_m) for i in range(pieces)])
     return [
         _along_curve(model, replace(t, noise=np.maximum(np.sqrt(q), least)))
         for t, q in zip(tracks, squares, strict=True)
     ]
+
+
+def _variance(draws: Sequence[Floats], length_m: float) -> Floats:
+    """Mean squares (B - 1, 3) of draws of windows; NaN where one of them has no root, or one more than a body length
+    away, to which no window moves a body: near a straight body a step's equations may have such roots, too."""
+    every = np.stack(draws)
+    away = np.abs(every[..., :2]).max(axis=-1, keepdims=True) > length_m
+    return np.asarray(np.where(away, np.nan, every**2).mean(axis=0))
 
 
 def _filled(squares: Sequence[Floats]) -> list[Floats]:
