@@ -75,7 +75,8 @@ class Readings:
         if not self.apart:
             return late
         for step in (self.apart / WITHIN, self.apart / WITHIN**2):
-            moments = round(late / step) + np.arange(-WITHIN, WITHIN + 1)
+            most = int(np.ceil(self.near / step))  # the last one is at the end
+            moments = np.unique(np.clip(round(late / step) + np.arange(-WITHIN, WITHIN + 1), -most, most))
             best = int(moments[np.argmin(self._missed(course, step, moments))])
             late = min(max(best * step, -self.near), self.near)
         nearer = self._met(course, late)
