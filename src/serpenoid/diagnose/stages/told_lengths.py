@@ -26,14 +26,21 @@ ROUNDS = 3
 
 @dataclass(frozen=True)
 class OtherLengths:
-    """Edges (N - 1,) [m] that explain markers for less than some effects, and these."""
+    """Edges (N - 1,) [m] that explain markers for less than some effects, and these; turned: whether the told ones from
+    head to tail do it for less still."""
 
     edges: Floats
     instead_of: tuple[Key, ...]
+    turned: bool = False
 
     @property
     def words(self) -> str:
         """What to do."""
+        if self.turned:
+            return (
+                "`edge_lengths`, read from head to tail, explain the markers better than markers beside their places "
+                "or a scale: they run from tail to head. Turn them round, or see whether `markers` begin at the tail"
+            )
         lengths = ", ".join(f"{1e3 * e:.4g}" for e in self.edges)
         return (
             "edges of other lengths than told explain the markers better than markers beside their places or a scale: "
@@ -54,7 +61,10 @@ def other_lengths(best: Looked) -> OtherLengths | None:
         data = _lengthened(replace(rest, data=data, now=now))
         now = solved(data, now, rest.keys) if rest.keys else now
     free = Priced(misfit(data, now), len(rest.own) + len(data.body.edges_m), data.count)
-    return OtherLengths(data.body.edges_m, keys) if cheapest(best.priced, [free], 1) is not None else None
+    back = _with_edges(data, best.data.body.edges_m[::-1])
+    turned = Priced(misfit(back, solved(back, now, rest.keys) if rest.keys else now), len(rest.own), data.count)
+    found = cheapest(best.priced, [free, turned], 2)
+    return None if found is None else OtherLengths(data.body.edges_m, keys, found == 1)
 
 
 def _lengthened(found: Looked) -> Sample:
