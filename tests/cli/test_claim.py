@@ -138,3 +138,21 @@ def test_an_export_does_not_take_the_place_of_another_gaits(tmp_path: Path, caps
     assert main(["export", str(gaits[0]), "--format", "csv", "--out", str(file)]) == 2  # it holds another gait's
     assert main([*words[1][:2], "--format", "ros2", "--out", str(tmp_path / "mine.yaml")]) == 2
     assert "writes into a folder" in capsys.readouterr().err
+
+
+def test_force_moves_neither_recordings_nor_what_the_command_reads(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    campaign = tmp_path / "campaign"
+    campaign.mkdir()
+    (campaign / "campaign.toml").write_text("format = 1\n")
+    assert simulated(campaign, "--force") == 2
+    assert "holds recordings (campaign.toml), and no answer" in capsys.readouterr().err
+    out = tmp_path / "out"
+    assert simulated(out) == 0
+    mine = out / "mine.toml"
+    mine.write_text(Path(REFERENCE).read_text())
+    assert main(["simulate", str(mine), "--set", "gait.a=3", "--out", str(out), "--force", "--quiet"]) == 2
+    assert "mine.toml, which is read" in capsys.readouterr().err
+    assert mine.exists()
+    assert not list(tmp_path.glob("*/earlier-*"))

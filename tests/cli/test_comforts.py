@@ -86,6 +86,14 @@ def test_the_log_may_be_asked_for_after_a_verb_and_after_its_action(words: list[
     assert "missing.toml" in log.read_text(encoding="utf-8")
 
 
+def test_a_file_that_is_no_log_is_not_written_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other = tmp_path / "problem.toml"
+    other.write_text("[body]\n")
+    assert main(["simulate", "missing.toml", "--log-file", str(other)]) == 2
+    assert "is there and no log of ours" in capsys.readouterr().err
+    assert other.read_text() == "[body]\n"
+
+
 def test_a_log_may_be_in_the_folder_that_results_have_by_themselves(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -107,6 +107,7 @@ TWO_SECONDS = r"set `cycle_duration_s = (2|2\.0.|1\.9.)`"  # to a frame
 FAULTS = {
     "cycle duration halved": (text("cycle_duration_s = 2.0", "cycle_duration_s = 1.0"), TWO_SECONDS),
     "cycle duration doubled": (text("cycle_duration_s = 2.0", "cycle_duration_s = 4.0"), TWO_SECONDS),
+    "fewer cycles": (text("cycles = 2", "cycles = 1"), "show 2 cycles, and `cycles` says 1.*set `cycles = 2`"),
     "a pause that was none": (text("pause_s = 1.0", "pause_s = 0.0"), "set `pause_s = (1|0.9|1.0)"),
     "another table": (text('"gaits/gait-1.csv"', '"gaits/gait-3.csv"'), "follow `gait-1`, not `gait-3`"),
     "played backwards": (table(lambda rows: np.concatenate([rows[:1], rows[:0:-1]])), "played backwards"),
@@ -149,9 +150,18 @@ def test_a_contradiction_is_refused_with_its_cure(valid, tmp_path, fault, logs):
     with pytest.raises(InputError, match=cure) as refusal:
         load_campaign(folder)
     assert "nothing is computed from it" in str(refusal.value)
-    touched = 1 if re.search("duration|pause|another table", fault) else 3
+    touched = 1 if re.search("duration|pause|another table|fewer cycles", fault) else 3
     accused = re.findall(r"`(gait-\d-1)`[,:]", str(refusal.value))
     assert len(accused) == len(set(accused)) == touched  # no trial is accused that agrees with its data
+
+
+def test_a_copy_of_a_servo_log_is_no_log_of_another_trial(valid, tmp_path):
+    folder = tmp_path / "campaign"
+    shutil.copytree(valid, folder)
+    first, second, *_ = sorted(folder.glob("*/servo_log.csv")) or sorted(folder.rglob("*servo*.csv"))
+    shutil.copy(first, second)
+    with pytest.raises(InputError, match="its servo log is that of trial .*, number by number"):
+        load_campaign(folder)
 
 
 def test_a_servo_log_of_another_trial_is_recognised(valid, tmp_path):

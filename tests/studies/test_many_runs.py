@@ -57,3 +57,16 @@ def test_folders_without_results_are_named(tmp_path: Path, capsys: pytest.Captur
     assert main(["table", str(tmp_path), "--out", str(tmp_path / "x.txt")]) == 2
     said = capsys.readouterr().err
     assert all(words in said for words in ("no results there", "no such folder", "must end in .csv"))
+
+
+def test_a_file_that_is_no_table_is_not_written_over(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.csv"
+    mine.write_text("t,x\n0,1\n")
+    words = ["table", str(results), "--out", str(mine), "--quiet"]
+    assert main(words) == 2
+    assert "no table of runs" in capsys.readouterr().err
+    assert mine.read_text() == "t,x\n0,1\n"
+    assert main([*words, "--force"]) == 0
+    assert main(words) == 0  # it is one now

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import os
 import shutil
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -35,6 +36,7 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     request = {"verb": args.verb, "request": short_hash(*key)}
     held = [name for name in RECORDS if (folder / name).exists()]
     if held and _held(folder) != request:
+        _refuse_inputs(args, folder, held)
         if not getattr(args, "force", False):
             raise InputError(
                 f"--out {folder}: holds {_words(folder, held)}. Name another folder, or move that answer to "
@@ -49,6 +51,18 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     clear_unfinished(folder)
     args.requests = [*getattr(args, "requests", []), (folder, request)]
     return folder
+
+
+def _refuse_inputs(args: argparse.Namespace, folder: Path, held: list[str]) -> None:
+    """InputError where the folder holds what somebody recorded, or what this command reads: no --force moves it."""
+    if "campaign.toml" in held and not {REQUEST, ".arena.json"} & set(held):
+        raise InputError(f"--out {folder}: holds recordings (campaign.toml), and no answer. Name another folder.")
+    given = (v for name, v in vars(args).items() if name not in ("out", "log", "log_file", "requests"))
+    paths = (Path(x) for v in given for x in (v if isinstance(v, list | tuple) else [v]) if isinstance(x, str | Path))
+    place = folder.resolve()
+    for path in paths:
+        if os.path.exists(path) and place in (path.resolve(), *path.resolve().parents):
+            raise InputError(f"--out {folder}: holds another answer, and {path}, which is read. Name another folder.")
 
 
 def _hold(args: argparse.Namespace, folder: Path) -> None:

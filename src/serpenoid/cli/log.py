@@ -6,6 +6,7 @@ import argparse
 import logging
 import os
 import platform
+import re
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
@@ -115,6 +116,8 @@ def _handler(path: Path, folders: Iterable[Path]) -> logging.Handler:
     """A folder that is not there is made where it is one of the results: any other is a slip of the pen."""
     if not os.path.exists(path.parent) and path.parent.absolute() not in [folder.absolute() for folder in folders]:
         raise InputError(f"--log-file {path}: there is no folder {path.parent}. Make it, or name one that is there.")
+    if not _begins_as_log(path):
+        raise InputError(f"--log-file {path}: is there and no log of ours. Name another file.")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handler = _LogFile(path, encoding="utf-8")
@@ -122,6 +125,17 @@ def _handler(path: Path, folders: Iterable[Path]) -> logging.Handler:
         raise InputError(f"--log-file {path}: cannot be written ({error.strerror}).") from None
     handler.setFormatter(logging.Formatter(LINE))
     return handler
+
+
+def _begins_as_log(path: Path) -> bool:
+    """Whether it may be written on: it is not there, is empty, no regular file, or begins as a log does."""
+    if not path.is_file() or not path.stat().st_size:
+        return True
+    try:
+        with path.open(encoding="utf-8") as file:
+            return re.match(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d,\d{3} [A-Z]+ serpenoid", file.readline(200)) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def ended(code: int) -> int:

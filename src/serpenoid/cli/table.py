@@ -22,6 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `table`."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help="results, campaigns, folders of them")
     parser.add_argument("--out", type=Path, default=Path("runs.csv"), metavar="FILE", help="the table (runs.csv)")
+    parser.add_argument("--force", action="store_true", help="write over a file that is no such table")
     options.add_output(parser)
 
 
@@ -30,11 +31,15 @@ def run(args: argparse.Namespace) -> int:
     from collections import Counter
 
     from serpenoid.errors import InputError
-    from serpenoid.studies.many_runs import table_of, write_table
+    from serpenoid.studies.many_runs import is_table, table_of, write_table
 
     if args.out.suffix != ".csv":
         raise InputError(f"--out {args.out}: must end in .csv.")
     options.check_writable(args.out.parent)
+    if args.out.exists() and not (args.force and args.out.is_file()) and not is_table(args.out):
+        raise InputError(
+            f"--out {args.out}: is there and no table of runs. Name another file, or write over it by --force."
+        )
     rows = table_of(args.folders)
     write_table(args.out, rows)
     counts = Counter(row["record"] for row in rows)

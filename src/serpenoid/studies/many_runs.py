@@ -48,6 +48,15 @@ def write_table(path: str | Path, rows: Sequence[Row]) -> None:
     write_csv(path, header, [["" if row.get(n) is None else row[n] for n in header] for row in rows])
 
 
+def is_table(path: Path) -> bool:
+    """Whether a file begins as `write_table` begins one."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            return file.readline(200).split(",")[:2] == list(FIRST[:2])
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
 def _set_aside(path: Path) -> bool:
     return any(part.startswith(EARLIER) for part in path.parts)
 

@@ -27,6 +27,7 @@ from serpenoid.measure.consistency.match import (
 from serpenoid.measure.consistency.signals import Sampled
 from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
+from serpenoid.wording import counted
 
 SAME_TABLE = 1e-6  # rad: tables written with six decimals
 STOPS = 5  # moments about the one that is seen, a twelfth of a cycle apart: servos take time to come to rest
@@ -36,7 +37,7 @@ FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, on
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
 IN_ONE_FILM = ", in one film"  # what of a kind that is wrong everywhere may be so in a single trial
-KINDS = 8  # of faults, alike in prior odds
+KINDS = 9  # of faults, alike in prior odds
 
 
 @dataclass(frozen=True)
@@ -73,12 +74,13 @@ class Wiring:
 
 
 def schedule_faults(
-    schedule: Schedule, label: str, tables: Mapping[str, Floats], periods_s: Sequence[float]
+    schedule: Schedule, label: str, tables: Mapping[str, Floats], periods_s: Sequence[float], moving_s: float
 ) -> list[Fault]:
-    """All faults of a schedule that need it laid over the signal anew; `periods_s`: what the signal's own may be."""
+    """All faults of a schedule that need it laid over the signal anew; `periods_s`: what the signal's own may be;
+    moving_s: how long the joints move."""
     return [
         *_other_tables(schedule, label, tables), *_backwards(schedule, label), *turned(course_of(schedule), label),
-        *_rolled(schedule), *_timed(schedule, periods_s),
+        *_rolled(schedule), *_timed(schedule, periods_s), *_more_cycles(schedule, moving_s),
     ]  # fmt: skip
 
 
@@ -91,6 +93,16 @@ def _other_tables(schedule: Schedule, label: str, tables: Mapping[str, Floats]) 
               course_of(replace(schedule, table=table)), share)
         for name, table in others.items()
     ]  # fmt: skip
+
+
+def _more_cycles(schedule: Schedule, moving_s: float) -> list[Fault]:
+    """As many cycles as last as long as the joints move, where that is more than promised."""
+    shown = round((moving_s + schedule.pause_s) / schedule.period_s)
+    if shown <= schedule.cycles:  # fewer: the recording may begin late or end early, or the robot stopped
+        return []
+    words = f"show {counted(shown, 'cycle')}, and `cycles` says {schedule.cycles}"
+    longer = course_of(replace(schedule, cycles=shown))
+    return [Fault("cycles", words, f"set `cycles = {shown}`", longer, -float(np.log(KINDS)))]
 
 
 def _backwards(schedule: Schedule, label: str) -> list[Fault]:
