@@ -10,11 +10,14 @@ import numpy as np
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.observation import values_of
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.start import taken_for_granted
+from serpenoid.diagnose.start import taken_for_granted, unlike_body
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from specimens import problem
+
+SNAKE = Path(__file__).parents[2] / "problems" / "snake10.toml"
 
 
 def test_the_extended_model_of_a_diagnosis_explains_its_campaign(
@@ -25,6 +28,17 @@ def test_the_extended_model_of_a_diagnosis_explains_its_campaign(
     _, again = diagnose_campaign(campaign, out / "extended-model.toml")
     assert again.verdict == "nothing"
     assert {e.key for e in again.model.effects} >= {n.effect.key for n in first.named}
+
+
+def test_a_model_of_another_body_is_said_to_be(campaign: Path, tmp_path: Path) -> None:
+    file, heavy = load_campaign_file(campaign)[0], tmp_path / "heavy.toml"
+    assert unlike_body(SNAKE, file) == ""
+    weights = [2.0, *[1.0] * (file.body.vertices - 1)]
+    heavy.write_text(f"[body]\nvertices = {file.body.vertices}\nlength_m = 0.9\nweights = {weights}\n")
+    said = unlike_body(heavy, file)
+    assert "`edge_lengths` by up to" in said
+    assert "`weights` by up to 8" in said  # 2 / 13 for 1 / 12
+    assert "the campaign's is used" in said
 
 
 def test_known_effects_are_taken_for_granted_at_their_own_stages() -> None:

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
-from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted
+from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted, unlike_body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.consistency.claims import Reader, read_believed
@@ -54,6 +54,8 @@ def diagnose_campaign(
         ratio = drag_ratio(anisotropy(read, plain), plain)
         return file, replace(found, drag_ratio=ratio)
     check_body(model, file)
+    if unlike := unlike_body(model, file):
+        notice(unlike)
     middles = at_middles(model, file)
     body = file.body.with_middles() if middles else file.body
     if middles and file.body.sparse_edges:

@@ -18,6 +18,7 @@ from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import OpenMedium
 from serpenoid.model import Model
 
+SAME = 0.01  # of the mean: numbers of a body that two files give alike, but for rounding
 ANEW = ("rate", "jumps")  # marks of what differs between recordings
 SAID = {"medium", "effects", "body"}  # what of a problem or model file a diagnosis begins from
 
@@ -88,3 +89,19 @@ def check_body(path: str | Path | None, file: CampaignFile) -> None:
             f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "
             f"{file.body.vertices}. Give the problem file of the robot that was recorded."
         )
+
+
+def unlike_body(path: str | Path | None, file: CampaignFile) -> str:
+    """Which lengths or weights of the two files differ, as a sentence: the campaign's are used. Empty: none do."""
+    data = _model(path).get("body") if path is not None else None
+    if not isinstance(data, dict) or data.get("vertices") != file.body.vertices:
+        return ""
+    other, own = schema.validate(Body, data, str(path)), file.body
+    pairs = {"edge_lengths": (other.edges, own.edges), "weights": (other.vertex_weights, own.vertex_weights)}
+    said = {"edge_lengths": file.lengths_given, "weights": True}
+    shares = {name: max(abs(a / a.sum() - b / b.sum()) * len(a)) for name, (a, b) in pairs.items() if said[name]}
+    differ = [f"`{name}` by up to {share:.0%} of the mean" for name, share in shares.items() if share > SAME]
+    if not differ:
+        return ""
+    words = " and ".join(differ)
+    return f"{path}: [body] differs from that of the campaign `{file.name}`, {words}; the campaign's is used."

@@ -13,7 +13,7 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Verdict, check
@@ -227,23 +227,17 @@ def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
 def _copies(read: Sequence[Files]) -> list[Contradiction]:
     """Two trials with the same numbers are one: as repeats they would tell that chance is nothing."""
     found: list[Contradiction] = []
-    first: dict[tuple[str, bytes], TrialEntry] = {}
+    first: dict[bytes, str] = {}
     for files in read:
-        mine = files.entry
-        for what, time, values in _recorded(files):
-            numbers = np.column_stack([time, values.reshape(len(time), -1)])
-            other = first.setdefault((what, sha256(numbers.tobytes()).digest()), mine)
-            # one log of a whole session may serve several trials, a copy of it may not
-            if other is not mine and (what == "recording" or other.servo_log != mine.servo_log):
-                words = f"its {what} is that of trial `{other.name}`, number by number"
-                found.append(Contradiction(mine.name, "copy", words, "name its own, or leave it out", np.inf))
+        if files.tracks is None:
+            continue
+        trial = files.entry.name
+        numbers = np.column_stack([files.tracks.time_s, files.tracks.floor.reshape(len(files.tracks.time_s), -1)])
+        other = first.setdefault(sha256(numbers.tobytes()).digest(), trial)
+        if other != trial:
+            words, cure = f"its recording is that of trial `{other}`, number by number", "name its own, or leave it out"
+            found.append(Contradiction(trial, "copy", words, cure, np.inf))
     return found
-
-
-def _recorded(files: Files) -> list[tuple[str, Floats, Floats]]:
-    """What a trial's files recorded: a word, times (R,), and numbers (R, ...)."""
-    film = [] if files.tracks is None else [("recording", files.tracks.time_s, files.tracks.floor)]
-    return film + ([] if files.servo_log is None else [("servo log", files.servo_log.time_s, files.servo_log.position)])
 
 
 def _claim(body: Body, files: Files) -> Claim:
