@@ -186,17 +186,17 @@ def output_folder(args: argparse.Namespace, default: Path, *key: Any) -> Path:
     return claim(args, folder, *key)
 
 
-def check_writable(folder: Path) -> None:
+def check_writable(folder: Path, option: str = "--out") -> None:
     """InputError where `folder` neither exists nor can be made, or cannot be written to."""
     from serpenoid.errors import InputError
 
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
     if not os.path.exists(there):
-        raise InputError(f"--out {folder}: {there} is a link to what is not there.")
+        raise InputError(f"{option} {folder}: {there} is a link to what is not there.")
     if not there.is_dir():
-        raise InputError(f"--out {folder}: {there} is a file, not a folder.")
+        raise InputError(f"{option} {folder}: {there} is a file, not a folder.")
     try:
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
-        raise InputError(f"--out {folder}: {there} cannot be written to ({error.strerror}).") from None
+        raise InputError(f"{option} {folder}: {there} cannot be written to ({error.strerror}).") from None

@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.scaffold.json_schema import schema_of, write_schema
 
     if args.write is not None:
-        options.check_writable(args.write)
+        options.check_writable(args.write, "--write")
         sys.stdout.write(write_schema(args.write, args.kind) + "\n")
         return 0
     sys.stdout.write(json.dumps(schema_of(args.kind), indent=2) + "\n")

@@ -95,7 +95,7 @@ def run(args: argparse.Namespace) -> int:
                 break
     else:
         summaries = _in_parallel(args, problems, values, folders)
-    options.report(args, summaries, [line for summary in summaries for line in _lines(summary)])
+    options.report(args, summaries, [line for summary in summaries for line in _lines(summary, args.starts)])
     for folder in folders:
         options.open_page(args, folder)
     if not all(s["complete"] for s in summaries):
@@ -139,7 +139,7 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
     return claim(args, folder, problem.hash, *key)
 
 
-def _lines(summary: dict) -> list[str]:
+def _lines(summary: dict, starts: int) -> list[str]:
     missing = f", {summary['not_reached']} not reached" if summary["not_reached"] else ""
     kept = f" ({summary['kept_from_an_earlier_run']} kept from an earlier run)" * bool(
         summary["kept_from_an_earlier_run"]
@@ -152,6 +152,7 @@ def _lines(summary: dict) -> list[str]:
         *_failures(summary["failures"]),
         *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
         *(f"  {line}, at the least c" for line in summary["limits"]),
+        f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch",
         f"  written to {summary['folder']}",
     ]
 

@@ -149,9 +149,9 @@ def override(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
     result = _copy(data)
     for assignment in assignments:
         key, equals, text = assignment.partition("=")
-        if not equals or not key.strip():
-            raise InputError(f"--set {assignment}: write it as section.key=value.")
         *sections, last = key.strip().split(".")
+        if not equals or not all((*sections, last)):
+            raise InputError(f"--set {assignment}: write it as section.key=value.")
         table = result
         for section in sections:
             table = table.setdefault(section, {})

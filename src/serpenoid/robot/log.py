@@ -6,6 +6,7 @@ A log that ends in the middle of a line lost that line and no other.
 from __future__ import annotations
 
 import contextlib
+import os
 import tempfile
 import time
 from collections.abc import Mapping
@@ -95,6 +96,8 @@ def check_new(path: Path) -> Path:
     there = next(folder for folder in path.absolute().parents if folder.exists())
     if path.exists():
         raise InputError(_taken(path))
+    if os.path.lexists(path.parent) and not path.parent.exists():
+        raise InputError(f"--log {path.parent}: is a link to what is not there. Choose another --log folder.")
     try:
         with tempfile.TemporaryFile(dir=there):
             return path
