@@ -162,6 +162,36 @@ def test_a_servo_log_of_another_trial_is_recognised(valid, tmp_path):
         load_campaign(tmp_path / "c")
 
 
+def test_two_logs_exchanged_accuse_the_logs_and_not_the_tables(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    one, other = (tmp_path / "c" / name / "servo.csv" for name in ("gait-1-1", "gait-2-1"))
+    log = one.read_bytes()
+    one.write_bytes(other.read_bytes())
+    other.write_bytes(log)
+    with pytest.raises(InputError, match="name the trial's own file in `servo_log`") as refusal:
+        load_campaign(tmp_path / "c")
+    assert "in `joint_table`" not in str(refusal.value)
+    assert "in `motion`" not in str(refusal.value)
+
+
+def test_table_and_log_that_count_joints_from_the_head_may_be_what_is_wrong(valid, tmp_path):
+    shutil.copytree(valid, tmp_path / "c")
+    table(lambda rows: rows[:, ::-1])(tmp_path / "c")
+    for log in (tmp_path / "c").glob("*/servo.csv"):
+        header, *rows = [line.split(",") for line in log.read_text().splitlines()]
+        order = [int(name.split("_")[1]) if "_" in name and name != "t_s" else None for name in header]
+        place = {name: i for i, name in enumerate(header)}
+        joints = max(j for j in order if j)
+        turned = [
+            place[f"{name.split('_')[0]}_{joints + 1 - j}"] if j else i
+            for i, (name, j) in enumerate(zip(header, order, strict=True))
+        ]
+        log.write_text("\n".join(",".join(row) for row in [header, *([r[i] for i in turned] for r in rows)]) + "\n")
+    with pytest.raises(InputError, match="joints in reversed order") as refusal:
+        load_campaign(tmp_path / "c")
+    assert "reverse the columns of `joint_table` and the servo log" in str(refusal.value)
+
+
 def test_two_films_exchanged_accuse_the_films_and_not_the_logs(valid, tmp_path):
     shutil.copytree(valid, tmp_path / "c")
     one, other = (tmp_path / "c" / name / "motion.csv" for name in ("gait-1-1", "gait-2-1"))

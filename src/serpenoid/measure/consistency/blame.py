@@ -11,10 +11,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from serpenoid.measure.consistency.hypotheses import IN_ONE_FILM
+from serpenoid.measure.consistency.hypotheses import BOTH, IN_ONE_FILM
 from serpenoid.measure.consistency.rivals import Rival, leads
 
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
+OF_FILES = {"table", "log", "file"}  # kinds of what belongs to another trial
 Pair = tuple[str, str]
 Kind = tuple[Pair, str, str]
 
@@ -82,15 +83,23 @@ def _contradiction(trial: str, found: Sequence[Rival], compared: Iterable[Pair])
     best = max(rival.lead + rival.log_share for rival in found)
     near = sorted(found, key=lambda rival: -rival.lead - rival.log_share)
     near = [rival for rival in near if rival.lead + rival.log_share > best - TIED][:3]
-    against = {(rival.pair, rival.kind) for rival in found}
+    against = {(rival.pair, _at_root(rival)) for rival in found}
     clean = set(compared) - {pair for pair, _ in against}
     words = "; or ".join(dict.fromkeys(rival.words for rival in near))
     cures = [cure for rival in near for cure in rival.cured(_blamed(rival, against, clean))]
     return Contradiction(trial, near[0].kind, words, "; or ".join(dict.fromkeys(cures)), float(best))
 
 
+def _at_root(rival: Rival) -> str:
+    """What is wrong: a file of another trial is another table to its commands, and another log to its film."""
+    return "file" if rival.kind in OF_FILES else rival.kind
+
+
 def _blamed(rival: Rival, against: set[tuple[Pair, str]], clean: set[Pair]) -> list[str]:
     """Sources that may be wrong: against both others in the same way, else those that agree with no other."""
-    others = {pair for pair, kind in against if kind == rival.kind and pair != rival.pair}
+    others = {pair for pair, kind in against if kind == _at_root(rival) and pair != rival.pair}
     twice = [source for source in rival.pair if any(source in pair for pair in others)]
-    return twice or [s for s in rival.pair if not any(s in pair for pair in clean)] or list(rival.pair)
+    alone = [s for s in rival.pair if not any(s in pair for pair in clean)]
+    if alone == ["markers"] and not twice:  # table and log agree, and may count joints alike in another way
+        return ["markers", BOTH]
+    return twice or alone or list(rival.pair)

@@ -29,6 +29,8 @@ from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.wording import counted
 
+OWN = "name the trial's own file in `{}`"
+BOTH, TABLE_AND_LOG = "table and log", "`joint_table` and the servo log"  # as one source
 SAME_TABLE = 1e-6  # rad: tables written with six decimals
 STOPS = 5  # moments about the one that is seen, a twelfth of a cycle apart: servos take time to come to rest
 ROLLS = 12  # starting rows that are tried, a twelfth of a cycle apart; one twelfth is not told from play in the joints
@@ -90,7 +92,9 @@ def _other_tables(schedule: Schedule, label: str, tables: Mapping[str, Floats]) 
     share = -np.log(KINDS * max(len(others), 1))
     return [
         Fault("table", f"follow `{name}`, not `{label}`", f"name `{name}` in `joint_table`",
-              course_of(replace(schedule, table=table)), share)
+              course_of(replace(schedule, table=table)), share,
+              cures={"table": f"name `{name}` in `joint_table`", "log": OWN.format("servo_log"),
+                     "markers": OWN.format("motion")})
         for name, table in others.items()
     ]  # fmt: skip
 
@@ -126,7 +130,7 @@ def turned(course: Course, label: str) -> list[Fault]:
     ]  # fmt: skip
     return [
         Fault(kind, f"follow `{label}` with {words}", of_markers, course.changed(change), -np.log(KINDS), True,
-              cures=cures_of(columns) | {"markers": of_markers})
+              cures=cures_of(columns) | {"markers": of_markers, BOTH: columns.format(TABLE_AND_LOG)})
         for kind, words, columns, of_markers, change in made
     ]  # fmt: skip
 
