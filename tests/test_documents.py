@@ -41,8 +41,8 @@ def test_the_readme_gives_a_reason_for_every_dependency() -> None:
 
 
 def test_the_readmes_test_command_is_the_one_that_ci_runs() -> None:
-    assert ".venv/bin/pytest -n 3" in (ROOT / "README.md").read_text(encoding="utf-8")
-    assert '"$venv/bin/pytest" -n 3' in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert ".venv/bin/pytest -n 2" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert '"$venv/bin/pytest" -n 2' in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
 def test_the_architecture_names_every_folder() -> None:
