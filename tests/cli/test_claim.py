@@ -156,3 +156,12 @@ def test_force_moves_neither_recordings_nor_what_the_command_reads(
     assert "mine.toml, which is read" in capsys.readouterr().err
     assert mine.exists()
     assert not list(tmp_path.glob("*/earlier-*"))
+
+
+def test_a_folder_that_is_called_as_a_word_of_the_command_is_no_input(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert simulated(Path("simulate")) == 0
+    assert simulated(Path("simulate"), "--set", "gait.a=3", "--force") == 0
+    assert (tmp_path / "simulate" / "earlier-1" / "solution.json").exists()

@@ -58,6 +58,14 @@ def text(old: str, new: str) -> Callable[[Path], None]:
     return edit
 
 
+def trade(folder: Path, name: str) -> None:
+    """The files of this name of two trials in each other's place."""
+    one, other = (folder / trial / name for trial in ("gait-1-1", "gait-2-1"))
+    kept = one.read_bytes()
+    one.write_bytes(other.read_bytes())
+    other.write_bytes(kept)
+
+
 def without_logs(folder: Path) -> None:
     path = folder / "campaign.toml"
     path.write_text("\n".join(row for row in path.read_text().splitlines() if not row.startswith("servo_log")))
@@ -164,10 +172,7 @@ def test_a_servo_log_of_another_trial_is_recognised(valid, tmp_path):
 
 def test_two_logs_exchanged_accuse_the_logs_and_not_the_tables(valid, tmp_path):
     shutil.copytree(valid, tmp_path / "c")
-    one, other = (tmp_path / "c" / name / "servo.csv" for name in ("gait-1-1", "gait-2-1"))
-    log = one.read_bytes()
-    one.write_bytes(other.read_bytes())
-    other.write_bytes(log)
+    trade(tmp_path / "c", "servo.csv")
     with pytest.raises(InputError, match="name the trial's own file in `servo_log`") as refusal:
         load_campaign(tmp_path / "c")
     assert "in `joint_table`" not in str(refusal.value)
@@ -194,10 +199,7 @@ def test_table_and_log_that_count_joints_from_the_head_may_be_what_is_wrong(vali
 
 def test_two_films_exchanged_accuse_the_films_and_not_the_logs(valid, tmp_path):
     shutil.copytree(valid, tmp_path / "c")
-    one, other = (tmp_path / "c" / name / "motion.csv" for name in ("gait-1-1", "gait-2-1"))
-    film = one.read_bytes()
-    one.write_bytes(other.read_bytes())
-    other.write_bytes(film)
+    trade(tmp_path / "c", "motion.csv")
     with pytest.raises(InputError, match="follow the servo log of trial `gait-2-1`, not their own") as refusal:
         load_campaign(tmp_path / "c")
     assert "are the recordings of two trials exchanged? Name each trial's own in `motion`" in str(refusal.value)

@@ -20,6 +20,7 @@ from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
 from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
 
 REQUEST = "request.json"
+INPUTS = "problem", "problems", "model", "campaign", "reference", "protocol", "diagnosis"  # arguments that are read
 TABLES = "joint_table.csv", "trajectory.csv"  # that somebody may have made by hand, and play from where they are
 # what tells a folder of results from any other
 RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json", "compare.json", "diagnosis.json",
@@ -57,10 +58,9 @@ def _refuse_inputs(args: argparse.Namespace, folder: Path, held: list[str]) -> N
     """InputError where the folder holds what somebody recorded, or what this command reads: no --force moves it."""
     if "campaign.toml" in held and not {REQUEST, ".arena.json"} & set(held):
         raise InputError(f"--out {folder}: holds recordings (campaign.toml), and no answer. Name another folder.")
-    given = (v for name, v in vars(args).items() if name not in ("out", "log", "log_file", "requests"))
-    paths = (Path(x) for v in given for x in (v if isinstance(v, list | tuple) else [v]) if isinstance(x, str | Path))
+    given = [value for name in INPUTS if (value := getattr(args, name, None)) is not None]
     place = folder.resolve()
-    for path in paths:
+    for path in (Path(x) for value in given for x in (value if isinstance(value, list) else [value])):
         if os.path.exists(path) and place in (path.resolve(), *path.resolve().parents):
             raise InputError(f"--out {folder}: holds another answer, and {path}, which is read. Name another folder.")
 

@@ -14,6 +14,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from serpenoid.errors import InputError
+from serpenoid.files.inputs import first_line
 from serpenoid.version import __version__
 
 log = logging.getLogger("serpenoid")
@@ -131,11 +132,7 @@ def _begins_as_log(path: Path) -> bool:
     """Whether it may be written on: it is not there, is empty, no regular file, or begins as a log does."""
     if not path.is_file() or not path.stat().st_size:
         return True
-    try:
-        with path.open(encoding="utf-8") as file:
-            return re.match(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d,\d{3} [A-Z]+ serpenoid", file.readline(200)) is not None
-    except (OSError, UnicodeDecodeError):
-        return False
+    return re.match(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d,\d{3} [A-Z]+ serpenoid", first_line(path)) is not None
 
 
 def ended(code: int) -> int:

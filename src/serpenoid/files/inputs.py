@@ -81,6 +81,15 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     return text
 
 
+def first_line(path: Path) -> str:
+    """Its first 200 characters at most; empty of what is no text."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            return file.readline(200)
+    except (OSError, UnicodeDecodeError):
+        return ""
+
+
 def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import read_json
+from serpenoid.files.inputs import first_line, read_json
 from serpenoid.files.schema import read_toml
 from serpenoid.files.writing import EARLIER, write_csv
 
@@ -50,11 +50,7 @@ def write_table(path: str | Path, rows: Sequence[Row]) -> None:
 
 def is_table(path: Path) -> bool:
     """Whether a file begins as `write_table` begins one."""
-    try:
-        with path.open(encoding="utf-8") as file:
-            return file.readline(200).split(",")[:2] == list(FIRST[:2])
-    except (OSError, UnicodeDecodeError):
-        return False
+    return first_line(path).split(",")[:2] == list(FIRST[:2])
 
 
 def _set_aside(path: Path) -> bool:

@@ -134,12 +134,10 @@ def fit_everywhere(
         return []
     columns = slice(0, 1) if kind.place is None else np.array([j - 1 for j in places if j is not None])
 
-    without = data.realised(base)
+    without, realised = (data.realised(base), data.realised) if only is None else data.at_joint(only, base)
 
     said = all(data.begun(r) for r in data.recordings)
     shared = kind.place is None or (only is not None and not said)  # one joint moves when the trial began for all
-
-    realised = data.realised if only is None else data.at_joint(only, base)
 
     def play(x: Floats) -> Floats:
         effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]

@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
-from serpenoid.diagnose.inference.at_one_vertex import at_one_vertex
+from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_vertex
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
@@ -188,8 +188,9 @@ def finding(
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words = _left_over(found, parts, mend=jumps is not None)
     unlike = ""
-    alone = at_one_vertex(found) if words and parts is None else ()
+    alone: tuple[AtOneVertex, ...] = ()
     if words and parts is None:
+        alone = at_one_vertex(found)
         words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD), *(a.words for a in alone))
     if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)):
         words, unlike = (*words, parts.words), parts.kind

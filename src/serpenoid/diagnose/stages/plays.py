@@ -183,8 +183,11 @@ class Plays:
             for r, time, rows in zip(self.recordings, self.times, self._rows, strict=True)
         ]
 
-    def at_joint(self, joint: int, others: Sequence[ActiveEffect]) -> Callable[[Sequence[ActiveEffect]], Floats]:
-        """`realised` of effects that differ from others at one joint (1 = next to the tail) alone."""
+    def at_joint(
+        self, joint: int, others: Sequence[ActiveEffect]
+    ) -> tuple[Floats, Callable[[Sequence[ActiveEffect]], Floats]]:
+        """What is read with some effects, and `realised` of those that differ from them at one joint alone (1 = next to
+        the tail)."""
         played, columns = self._played(others), slice(joint - 1, joint)
         read, begun = self._read(played), all(self.begun(r) for r in self.recordings)
         habit = np.broadcast_to(self.habit, read.shape)[:, columns]
@@ -200,7 +203,7 @@ class Plays:
                 angles[:, columns] = mine
             return self._read(whole)
 
-        return realised
+        return read, realised
 
     def model(self, effects: Sequence[ActiveEffect]) -> Model:
         """The robot with the known effects and these."""
