@@ -221,7 +221,8 @@ def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path
     r = recordings[0]
     assert r.promised_s == 100_000 * r.schedule.period_s
     assert r.schedule.cycles <= 1 + np.ceil(max(r.time[-1], r.log_time[-1]) / r.schedule.period_s)
-    assert r.remarks == (f"cycles {r.schedule.cycles} to 100000 are not in the recording: left out",)
+    missing = 100_000 - r.schedule.cycles
+    assert f"of 100000 promised cycles, {missing} would begin after the recording: left out" in r.remarks
     assert sum(len(mesh) for mesh in plays(recordings).meshes) < 10**6  # of 10**8
 
 
@@ -263,3 +264,34 @@ def test_windows_are_usable_and_no_quieter_than_their_markers(tools: dict[str, f
         frames = 0.09 * campaign.protocol.instruments.frames_per_second
         expected = campaign.protocol.instruments.marker_noise * np.sqrt(2 / 12 / max(frames, 1.0))
         assert np.median(np.asarray(t.least)[:, 0]) == pytest.approx(expected, rel=0.4)
+
+
+def test_boundaries_at_which_no_marker_is_seen_add_no_noise(tmp_path: Path) -> None:
+    campaign = make(SEED, 0, protocol=protocol(marker_noise=1e-3))
+    write(campaign, tmp_path)
+    file, recordings = read_recordings(tmp_path)
+
+    def noise(recordings: tuple[Recording, ...]) -> np.ndarray:
+        tracks = make_tracks(recordings, Observation.neutral(file.body), baseline(None, file, file.body))
+        return window_noise(tracks, [t.displacement for t in tracks])[0].playing
+
+    def late(r: Recording) -> Recording:
+        """A film that begins in the middle of a trial."""
+        kept = r.time > r.end / 2
+        return replace(r, time=r.time[kept], markers=r.markers[kept])
+
+    assert noise(tuple(map(late, recordings))) == pytest.approx(noise(recordings), rel=0.3)
+
+
+def test_a_cycle_that_the_recording_does_not_show_is_said(tmp_path: Path) -> None:
+    write(make(SEED, 0, protocol=protocol()), tmp_path)
+    file = tmp_path / "campaign.toml"
+    file.write_text(re.sub("^cycles = 2", "cycles = 3", file.read_text(), flags=re.MULTILINE))
+    for log in tmp_path.glob("*/servo.csv"):  # nothing labels cycles
+        log.write_text(log.read_text().replace(",phase,", ",said,", 1))
+    said = (
+        "1 would be over before the recording begins: is `cycles` right?",
+        "1 would begin after the recording: left out",
+    )
+    for r in read_recordings(tmp_path)[1]:
+        assert [x for x in r.remarks if x in [f"of 3 promised cycles, {how}" for how in said]], r.remarks

@@ -70,11 +70,20 @@ def _unread(files: Files) -> list[str]:
 
 
 def _missing(r: Recording) -> list[str]:
-    """Cycles that were promised and not even begun while anything was recorded, or never."""
-    first, last = r.schedule.cycles, r.schedule.cycles + r.missing_cycles
-    said = [f"cycles {first} to {last} are not in the recording: left out"] if last > first else []
+    """Cycles that were promised and are over before anything is recorded, or not even begun while it is, or never."""
+    s = r.schedule
+    promised = s.cycles + r.missing_cycles
+    over = s.period_s * np.arange(s.cycles) + s.cycle_duration_s
+    before = int((over < max(r.time[0], r.read_at[0])).sum())
+    said = []
+    if before:
+        said.append(
+            f"of {promised} promised cycles, {before} would be over before the recording begins: is `cycles` right?"
+        )
+    if r.missing_cycles:
+        said.append(f"of {promised} promised cycles, {r.missing_cycles} would begin after the recording: left out")
     if r.unplayed_cycles:
-        said.append(f"{last} of {last + r.unplayed_cycles} promised cycles were played, say the log's labels")
+        said.append(f"{promised} of {promised + r.unplayed_cycles} promised cycles were played, say the log's labels")
     return said
 
 

@@ -97,20 +97,22 @@ def _mesh_error(
 
 
 def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats]:
-    """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,).
+    """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,), where
+    too few are seen that of a boundary at which enough are.
 
     Frames after the last boundary are left out: what is done after its end, a trial does not promise.
     """
     half = half_average(r)
     needed = max(1.0, LEAST_SHARE * 2 * half / r.frame_s)
-    around, counts = np.full((len(times), 3), np.nan), np.ones(len(times))
+    around, counts = np.full((len(times), 3), np.nan), np.full(len(times), np.nan)
     last = int(np.searchsorted(r.time, times[-1], side="right"))
     for i, t in enumerate(times):
         a, b = np.searchsorted(r.time[:last], [t - half, t + half])
         good = np.isfinite(miss[a:b, 0])
         if good.sum() >= needed:
             around[i], counts[i] = miss[a:b][good].mean(axis=0), good.sum()
-    return around, counts
+    typical = np.nanmedian(counts) if np.isfinite(counts).any() else 1.0
+    return around, np.where(np.isfinite(counts), counts, typical)
 
 
 def half_average(r: Recording) -> float:
