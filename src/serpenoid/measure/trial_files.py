@@ -19,11 +19,11 @@ from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, rea
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
+from serpenoid.measure.placeholders import without_placeholders
 from serpenoid.measure.readers import READERS
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.zeros import without_zeros
 from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
@@ -145,7 +145,7 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
     labelled, exchanged, zeros = None, "", ""
     if tracks is not None:
-        tracks, zeros = without_zeros(tracks)
+        tracks, zeros = without_placeholders(tracks)
         if len(tracks.time_s) < FEWEST_FRAMES:
             raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None

@@ -1,4 +1,4 @@
-"""Exact (0, 0) is `not seen` where a point leaps there and back, and a place where it rests or passes."""
+"""An exact point, (0, 0) or another, is `not seen` where a marker leaps there and back, else a place that it passes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.placeholders import without_placeholders
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.zeros import without_zeros
 from specimens import animal_campaign
 
 FRAMES, POINTS = 240, 9
@@ -30,18 +30,27 @@ def tracks(points: np.ndarray) -> Tracks:
     return Tracks(np.arange(len(points)) / 30, names, points, "made", (False,) * len(names))
 
 
-def lost(points: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """The same with a share of points written as zeros, and which."""
+def lost(points: np.ndarray, share: float, place: tuple[float, float] = (0, 0)) -> tuple[np.ndarray, np.ndarray]:
+    """The same with a share of points written as a placeholder, and which."""
     gone = np.random.default_rng(2).random(points.shape[:2]) < share
-    return np.where(gone[..., None], 0.0, points), gone
+    return np.where(gone[..., None], place, points), gone
 
 
+@pytest.mark.parametrize("place", [(0, 0), (-1, -1), (-999, 0), (0.5, -0.5)])
 @pytest.mark.parametrize("share", [0.002, 0.05, 0.3])
-def test_zeros_to_which_points_leap_are_hidden_and_nothing_else(share: float) -> None:
-    points, gone = lost(crawl(1e-3), share)
-    found, said = without_zeros(tracks(points))
+def test_placeholders_to_which_points_leap_are_hidden_and_nothing_else(
+    share: float, place: tuple[float, float]
+) -> None:
+    points, gone = lost(crawl(1e-3), share, place)
+    found, said = without_placeholders(tracks(points))
     assert (np.isnan(found.floor[..., 0]) == gone).all()
-    assert f"{gone.mean():.1%} of its points are at exactly (0, 0)" in said
+    assert f"{gone.mean():.1%} of its points are at exactly ({place[0]:g}, {place[1]:g})" in said
+
+
+def test_a_marker_that_is_lost_once_for_long_is_hidden() -> None:
+    points = crawl(1e-3)
+    points[100:130, 4] = -1.0
+    assert np.isnan(without_placeholders(tracks(points))[0].floor[..., 0]).sum() == 30
 
 
 def test_a_point_that_rests_in_the_origin_or_passes_through_it_was_seen() -> None:
@@ -51,15 +60,25 @@ def test_a_point_that_rests_in_the_origin_or_passes_through_it_was_seen() -> Non
     passes[:, 0, 1] = 0.0
     assert (passes[:, 0] == 0).all(axis=1).any()
     for points in (begins, rests, passes, np.round(crawl(1e-3), 2)):
-        found, said = without_zeros(tracks(points))
+        found, said = without_placeholders(tracks(points))
         assert said == ""
         assert np.isfinite(found.floor).all()
 
 
+def test_markers_that_are_exchanged_at_rest_hide_nobody() -> None:
+    moving = np.round(crawl(1e-3) + 1.0, 2)
+    points = np.repeat(moving[:1], FRAMES, axis=0)
+    points[120:] = moving[120:]
+    for frame in (20, 40, 60):
+        points[frame, [3, 5]] = points[frame, [5, 3]]
+    assert without_placeholders(tracks(points))[1] == ""
+
+
 def test_a_single_zero_may_be_anything() -> None:
-    points = crawl(1e-3)
-    points[100, 4] = 0.0
-    assert without_zeros(tracks(points))[1] == ""
+    for place in (0.0, -1.0):
+        points = crawl(1e-3)
+        points[100, 4] = place
+        assert without_placeholders(tracks(points))[1] == ""
 
 
 def test_a_recording_with_zeros_is_that_with_empty_cells(tmp_path: Path) -> None:

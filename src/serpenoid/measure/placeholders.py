@@ -1,0 +1,109 @@
+"""Placeholders: exact points, mostly (0, 0) or (-1, -1), by which some trackers write that they did not see a marker.
+
+A body may pass through a point, rest or begin there; it does not leap there and back. A visit counts as `not seen`
+where the marker comes from farther away, and goes farther away, than FAR of its own longest usual step between frames.
+Where that happens more than once in a recording at one exact point, or for LONG frames, all that is at it is hidden; at
+another point than (0, 0) if most visits are such: markers that are exchanged leap to where another one rests.
+
+Legend: F frames, M markers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.quality import stretches
+from serpenoid.measure.tracks import Tracks
+
+FAR = 3.0
+LONG = 8  # frames: as long as what is told of a marker that stands
+USUAL = 0.98  # share of a point's steps: the others are a tracker's leaps
+NAMED = 3  # points at most
+TRIED = 8  # points that are entered most often: a file has one placeholder, seldom two
+
+
+def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
+    """Tracks whose markers at placeholders are hidden, and which these were; else ''."""
+    words = []
+    for place in _entered(tracks.floor):
+        there = (tracks.floor == place).all(axis=2)
+        leaps = [
+            last - first
+            for k in np.flatnonzero(there.any(axis=0)).tolist()
+            for first, last in _leaps(tracks.floor[:, k], there[:, k], place)
+            if not _exchanged(tracks.floor, k, first, last)
+        ]
+        visits = sum(len(stretches(column)) for column in there.T)
+        most = len(leaps) > visits / 2 or not place.any()
+        if most and (len(leaps) > 1 or max(leaps, default=0) >= LONG):
+            words.append(_said(there, tracks, place))
+            floor = np.where(there[..., None], np.nan, tracks.floor)
+            space = None if tracks.space is None else np.where(there[..., None], np.nan, tracks.space)
+            if np.isfinite(floor).any():
+                tracks = replace(tracks, floor=floor, space=space)
+    return tracks, "; ".join(words)
+
+
+def _entered(floor: Floats) -> Iterator[Floats]:
+    """Exact points (2,) that markers come to more than once, or are at for LONG frames: (0, 0), then the most usual."""
+    seen = np.isfinite(floor).all(axis=2)
+    yield np.zeros(2)
+    came = np.ones(seen.shape, dtype=bool)
+    came[1:] = (floor[1:] != floor[:-1]).any(axis=2)
+    points = np.ascontiguousarray(floor[seen]) + 0.0  # -0.0 is 0.0
+    places, which, frames = np.unique(points.view(complex)[:, 0], return_inverse=True, return_counts=True)
+    entries = np.bincount(which, weights=came[seen])
+    often = [i for i in np.argsort(-entries, kind="stable")[:TRIED] if entries[i] > 1]
+    long = [i for i in np.argsort(-frames, kind="stable")[:TRIED] if frames[i] >= LONG]
+    for i in dict.fromkeys([*often, *long]):
+        if places[i] != 0:
+            yield np.array([places[i].real, places[i].imag])
+
+
+def _leaps(path: Floats, there: NDArray[np.bool_], place: Floats) -> list[tuple[int, int]]:
+    """Stretches of frames in which one marker (F, 2) is at a place and was not on its way there."""
+    seen = np.flatnonzero(np.isfinite(path[:, 0]) & ~there)
+    if not there.any() or not len(seen):
+        return []
+    steps = np.linalg.norm(np.diff(path[seen], axis=0), axis=1) / np.diff(seen)  # a frame
+    moving = steps[steps > 0]
+    longest = FAR * float(np.quantile(moving, USUAL)) if len(moving) else 0.0
+    return [
+        (first, last)
+        for first, last in stretches(there)
+        if _away(path - place, seen, first, last, not place.any()) > longest
+    ]
+
+
+def _exchanged(floor: Floats, k: int, first: int, last: int) -> bool:
+    """Whether another marker is then where this one was before, or where it is afterwards."""
+    pairs = [(first - 1, first)] * (first > 0) + [(last, last - 1)] * (last < len(floor))
+    return any((np.delete(floor[now], k, axis=0) == floor[then, k]).all(axis=1).any() for then, now in pairs)
+
+
+def _away(path: Floats, seen: NDArray[np.int64], first: int, last: int, zeros: bool) -> float:
+    """How far a marker comes and goes, a frame, between a placeholder, seen from which its path (F, 2) is, and the
+    nearest frame that shows it: the less. Only zeros are told where a film begins or ends with them."""
+    at = int(np.searchsorted(seen, first))
+    beside = [(seen[i], abs(seen[i] - frame)) for i, frame in ((at - 1, first), (at, last - 1)) if 0 <= i < len(seen)]
+    if len(beside) < 2 and not zeros:
+        return 0.0
+    return min(float(np.linalg.norm(path[k])) / apart for k, apart in beside)
+
+
+def _said(there: NDArray[np.bool_], tracks: Tracks, place: Floats) -> str:
+    names, unit = tracks.names, "m" if tracks.scale_known else "px"
+    at = f"({place[0]:.6g}, {place[1]:.6g})" + (f" {unit}" if place.any() else "")
+    counts = there.sum(axis=0)
+    which = np.flatnonzero(counts)
+    shown = ", ".join(f"`{names[k]}` in {counts[k]} frames" for k in which[:NAMED])
+    more = f" and {len(which) - NAMED} more" if len(which) > NAMED else ""
+    return (
+        f"{there.mean():.1%} of its points are at exactly {at}, where no marker leaps to and back: {shown}{more}. "
+        "Taken for not seen, and hidden; leave such cells empty in the file"
+    )
