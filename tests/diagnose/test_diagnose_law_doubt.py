@@ -79,9 +79,10 @@ def test_what_the_data_do_not_tell_stays_where_it_is() -> None:
 
 
 def test_an_explanation_counts_by_how_likely_it_makes_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that leaves nine times as much says next to nothing of a value: six gaits, a weight of 1 / 729."""
+    """One that leaves twice as much counts an eighth with six gaits; one that leaves nine times as much, 1 / 729, is
+    none: a 95 % interval leaves out more."""
     effect = SimpleNamespace(name="a", place=None, effect=SimpleNamespace(parameters=(None,)))
-    said = {1.0: 2.0, 9.0: 50.0}
+    said = {1.0: 2.0, 2.0: 5.0, 9.0: 50.0}
     monkeypatch.setattr(law_doubt, "of_gaits", lambda _, fit, __: (np.array([0.2, said[fit.chi2]]), np.full(2, 0.1)))
 
     def explanation(chi2: float) -> Any:
@@ -90,11 +91,14 @@ def test_an_explanation_counts_by_how_likely_it_makes_what_is_measured(monkeypat
         return SimpleNamespace(labels=(1, 2, 3, 4, 5, 6, 6)), fit, 1.0
 
     alone = law_doubt.doubted([explanation(1.0)])["a", None, 0]
-    both = law_doubt.doubted([explanation(1.0), explanation(9.0)])["a", None, 0]
+    both = law_doubt.doubted([explanation(1.0), explanation(2.0)])["a", None, 0]
+    astray = law_doubt.doubted([explanation(1.0), explanation(9.0), explanation(9.0)])["a", None, 0]
     alike = law_doubt.doubted([explanation(1.0), explanation(1.0)])["a", None, 0]
     assert (alone.value, alone.deviation) == (2.0, pytest.approx(0.1))
     assert alike.deviation == pytest.approx(0.1)
-    assert both.value == pytest.approx((2.0 + 50.0 / 729) / (1 + 1 / 729))
+    assert both.value == pytest.approx((2.0 + 5.0 / 8) / (1 + 1 / 8))
+    assert both.deviation > alone.deviation
+    assert astray == alone
 
 
 def test_how_far_a_body_gives_way_on_the_floors_own_law_is_a_factor_of_a_change() -> None:

@@ -30,7 +30,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import NORMAL
+from serpenoid.diagnose.data.chance import CONFIDENCE, NORMAL
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.evidence import SILENT
 from serpenoid.diagnose.inference.finding import Named, interval
@@ -68,11 +68,19 @@ def doubted(explained: Sequence[tuple[Motion, Fit, float]], hold: bool = True) -
 
 
 def _together(several: Sequence[tuple[Doubted, float]]) -> Doubted:
+    several = _likely(several)
     count, weights = len(several), np.array([weight for _, weight in several])
     values, variances = np.array([d.value for d, _ in several]), np.array([d.deviation**2 for d, _ in several])
     mean = float(np.average(values, weights=weights))
     between = float(np.average((values - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
     return Doubted(mean, float(np.sqrt(np.average(variances, weights=weights) + between)))
+
+
+def _likely(several: Sequence[tuple[Doubted, float]]) -> Sequence[tuple[Doubted, float]]:
+    """Without the least likely."""
+    ordered = sorted(several, key=lambda x: x[1])
+    summed = np.cumsum([weight for _, weight in ordered])
+    return ordered[int(np.searchsorted(summed, (1 - CONFIDENCE) * summed[-1], side="right")) :]
 
 
 def yielding(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:

@@ -16,7 +16,7 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.discrepancy import deviance
+from serpenoid.diagnose.inference.discrepancy import deviance, outdone
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
     STEPS,
@@ -135,9 +135,9 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
 
 
 def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
-    """With all places of one effect, less those that earn nothing, if that is likelier and foretells gaits better: of
-    several wheels that are worn together the first that is found may be a place between two. So many numbers fit any
-    law on one gait alone."""
+    """With all places of one effect, less those that earn nothing, if that is likelier, errors of the law included, and
+    foretells gaits better: of several wheels that are worn together the first that is found may be a place between two.
+    So many numbers fit any law on one gait alone, and mend any law's error."""
     if len(best.evidence.constant) < 2:
         return best
     everywhere = [c for c in (*best.effects, *candidates_of(best)) if c.name not in motion.untestable]
@@ -147,7 +147,8 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
         effects = [*others, *(c for c in everywhere if c.name == name)]
         found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
         found = pruned(motion, _told(motion, found, tries), tries)
-        if choose(best, [found], tries) is not None and _foretold(found) < _foretold(best):
+        likelier = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
+        if likelier and not outdone(motion, found, [best])[0]:
             best = found
     return best
 
