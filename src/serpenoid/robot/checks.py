@@ -192,8 +192,8 @@ def _check_speeds(
 def _too_fast(
     speeds: NDArray[np.float64], limit: float, cycle_duration_s: float, closed: bool
 ) -> tuple[str, str, float | None]:
-    """Value, remedy and shortest cycle of a joint's speeds (T,). A jump from the last row to the first, alone too fast, is a table that
-    does not close: slower is no remedy."""
+    """Value, remedy and shortest cycle of a joint's speeds (T,). A jump from the last row to the first, alone too fast,
+    is a table that does not close: slower is no remedy."""
     step, last = int(speeds.argmax()), len(speeds) - 1
     rest = speeds[:-1].max() if last else 0.0
     value = f"speed {speeds[step]:.1f} rpm in a cycle of {cycle_duration_s:g} s"
