@@ -188,6 +188,6 @@ def _to_piece(chains: Floats, vertex: np.ndarray, begin: np.ndarray, end: np.nda
 
 def _distance(point: Floats, begin: Floats, end: Floats) -> Floats:
     """Of points from pieces of lines, shape (...)."""
-    along, away = end - begin, point - begin
-    share = np.clip((away * along).sum(-1) / (along * along).sum(-1), 0, 1)
-    return np.asarray(np.linalg.norm(away - share[..., None] * along, axis=-1))
+    (x, y), (along_x, along_y) = (np.moveaxis(vector, -1, 0) for vector in (point - begin, end - begin))
+    share = np.clip((x * along_x + y * along_y) / (along_x**2 + along_y**2), 0, 1)
+    return np.sqrt((x - share * along_x) ** 2 + (y - share * along_y) ** 2)
