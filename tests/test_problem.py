@@ -307,6 +307,8 @@ SPLINE = "[gait]\nfamily = 'spline'\npoints = 5\nangles = [[0], [0], [0, 0], [0]
         (MEDIUM, r"mine\.toml: body: is required and not there"),
         (BODY, r"mine\.toml: medium: is required and not there"),
         (BODY + MEDIUM + "[tsk]\nsteps = 5\n", r"tsk: unknown key\. Did you mean `task`\?"),
+        (BODY + MEDIUM + "[bogus]\nkey = 1\n", r"bogus: unknown key\. Known keys: .*body, medium"),
+        (BODY + "speed_limit = 9\n" + MEDIUM, r"speed_limit: unknown key\. Did you mean `joint_speed_limit_rpm`\?"),
         (BODY + MEDIUM + "[task]\nstep = 5\n", r"\[task\] step: unknown key\. Did you mean `steps`\?"),
         (BODY + MEDIUM + "[task]\nsteps = 2\n", r"\[task\] steps: .*greater than or equal to 3, got 2"),
         (BODY + MEDIUM + "[task]\nc = -1.0\n", r"\[task\] c: .*greater than or equal to 0, got -1\.0"),

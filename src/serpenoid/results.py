@@ -20,6 +20,7 @@ from serpenoid.table_file import write_table
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
 
 if TYPE_CHECKING:
+    from serpenoid.optimise.mesh import MeshStudy
     from serpenoid.optimise.solution import SelfClear, Solution
     from serpenoid.simulation.problem import Simulation
 
@@ -31,8 +32,10 @@ def default_folder(problem: Problem, verb: str, *options: Any) -> Path:
     return Path("results") / problem.name / f"{verb}-{short_hash(problem.hash, *options)}"
 
 
-def write_simulation(folder: str | Path, simulation: Simulation, figures: bool = True) -> dict[str, Any]:
-    """Write a simulation's folder and return its record."""
+def write_simulation(
+    folder: str | Path, simulation: Simulation, figures: bool = True, mesh: MeshStudy | None = None
+) -> dict[str, Any]:
+    """Write a simulation's folder and return its record; mesh: where it is known how its steps change the motion."""
     from serpenoid.simulation.problem import Simulation
 
     of_kind("simulation", simulation, Simulation, "It is what sp.simulate gives.")
@@ -40,6 +43,7 @@ def write_simulation(folder: str | Path, simulation: Simulation, figures: bool =
     gait = problem.family_of().like  # as it is lifted, where it is
     record = _record(problem, trajectory, gait, "simulation", trajectory.status.name, trajectory.status.value)
     record |= _goals(problem, simulation.table, trajectory)
+    record |= {} if mesh is None else {"mesh": mesh.record}
     record["provenance"] = provenance(problem=problem.name, problem_hash=problem.hash)
     _write(Path(folder), record, simulation.table, trajectory)
     if figures:

@@ -8,6 +8,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 
+HALF = float(np.finfo(float).eps) / 2
+ORIENTATION = (3 + 16 * HALF) * HALF  # what rounding makes of it: Shewchuk 1997, ccwerrboundA
+
 if TYPE_CHECKING:
     from serpenoid.trajectory import Trajectory
 
@@ -15,20 +18,22 @@ if TYPE_CHECKING:
 def crosses_itself(vertices: Floats) -> np.ndarray:
     """Which chains (R, N, 2) have two edges that cross: no real body can take such a shape; shape (R,)."""
     first, second = np.triu_indices(vertices.shape[1] - 1, k=2)
-    return np.asarray(crosses(vertices, first, second).any(1))
+    ends = first, first + 1, second, second + 1
+    return np.array([crosses(*(chain[k] for k in ends)).any() for chain in vertices], bool)
 
 
-def crosses(vertices: Floats, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Which of the pairs of edges (P) cross in chains (R, N, 2), shape (R, P)."""
-    a, b, c, d = (vertices[:, k] for k in (first, first + 1, second, second + 1))
+def crosses(a: Floats, b: Floats, c: Floats, d: Floats) -> np.ndarray:
+    """Which pieces a-b and c-d of lines cross, points (..., 2), shape (...)."""
     apart = _side(a, b, c) * _side(a, b, d) >= 0
     return np.asarray(~apart & (_side(c, d, a) * _side(c, d, b) < 0))
 
 
 def _side(a: Floats, b: Floats, p: Floats) -> Floats:
-    """On which side of the line a-b the point p lies, by sign."""
+    """On which side of the line a-b the point p lies, by sign; 0 where rounding does not tell."""
     along, to = b - a, p - a
-    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
+    one, other = along[..., 0] * to[..., 1], along[..., 1] * to[..., 0]
+    side = one - other
+    return np.where(np.abs(side) > ORIENTATION * (np.abs(one) + np.abs(other)), side, 0.0)
 
 
 def crossing_rows(trajectory: Trajectory) -> int:

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.cli.sweep import parse_values
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 REFERENCE, SNAKE = str(PROBLEMS / "reference.toml"), str(PROBLEMS / "snake10.toml")
@@ -114,6 +115,12 @@ def test_wrong_words_end_with_usage(words: list[str], capsys: pytest.CaptureFixt
 def test_values_of_c_that_make_no_sense_are_refused(values: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sweep", SNAKE, f"--c={values}"]) == 2
     assert "write first:last:count or a list" in capsys.readouterr().err
+
+
+def test_a_value_of_c_that_is_there_twice_is_one_point_of_a_sweep() -> None:
+    """Its bar counts points: of three equal ones it ended at a third."""
+    assert parse_values("1,0.5,1,1") == [1.0, 0.5]
+    assert parse_values("2:2:5") == [2.0]
 
 
 @pytest.mark.parametrize("verb", ["simulate", "solve", "sweep"])

@@ -44,6 +44,24 @@ def test_distances_are_those_of_points_on_the_edges(seed: int) -> None:
     np.testing.assert_allclose(found, expected, atol=5e-3)  # points are 0.005 apart
 
 
+@pytest.mark.parametrize(("between", "pieces"), [(1, 5), (3, 9), (6, 8), (9, 5)])
+def test_links_that_are_cut_into_edges_are_few_pieces_and_as_near_as_all_their_edges(between: int, pieces: int) -> None:
+    """Pieces: ten edges of two neighbouring links end at most five times; all edges of far links are one piece."""
+    model = Model(Body(vertices=16, joints=(5, 10)), Medium(anisotropy_ratio=0.3, dissipation="edge"))
+    angles = np.random.default_rng(between).uniform(-2.0, 2.0, (9, 2))
+    pairs = Pairs(model, between)
+    assert pairs.ends.shape[1] == pieces
+    chains = pairs.chains(angles, np.arange(8), np.zeros(8))
+    links = np.arange(15) // 5
+    first, second = np.triu_indices(15, k=between + 1)
+    first, second = (x[links[first] != links[second]] for x in (first, second))  # of one link they keep their distance
+    single = Pairs(Model(Body(vertices=16), Medium(anisotropy_ratio=0.3)), between)
+    where = np.flatnonzero([(links[a] != links[c]) for a, _, c, _ in single.ends.T])
+    np.testing.assert_array_equal(single.ends[0][where], first)
+    expected = single.distances(chains)[0][:, where].min(1)
+    np.testing.assert_allclose(pairs.distances(chains)[0].min(1), expected, atol=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_proven_holds_between_rows(seed: int) -> None:
     angles = np.random.default_rng(seed).uniform(-1.2, 1.2, (4, 4))

@@ -69,7 +69,7 @@ RATES = Task.model_validate(
         "demands": [{"kind": "self", "distance": 0.1}],
     }
 )
-NEAR = Near(share=0.3, step=2, vertex=0, edge=4), Near(share=0.8, step=5, vertex=7, edge=2)
+NEAR = Near(share=0.3, step=2, vertex=0, begin=4, end=5), Near(share=0.8, step=5, vertex=7, begin=2, end=3)
 CORRIDOR = Task.model_validate(
     {"demands": [{"kind": "corridor", "line": ((-2.0, 0.1), (1.0, -0.2), (2.0, 0.3)), "half_width": 1.5}]}
 )

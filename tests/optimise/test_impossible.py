@@ -19,6 +19,7 @@ from serpenoid.optimise.solve import solve
 from serpenoid.optimise.unmoved import why_unmoved
 from serpenoid.results import solution_record
 from serpenoid.simulation import simulate_batch
+from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
 from specimens import problem
 
@@ -51,6 +52,22 @@ def test_of_a_place_out_of_reach_the_nearest_is_found() -> None:
     around = np.clip(found.table + 0.01 * rng.normal(size=(40, *found.table.shape)), -limit, limit)
     ends = simulate_batch(found.problem.model, around).poses[:, -1, :2]
     assert np.hypot(*(ends - [3, 0]).T).min() > missed(words) - 1e-4  # no gait nearby comes nearer
+
+
+FAR = '{kind="reach",target=[3.0,0.0]}', '{kind="travel",least=5.0}'
+
+
+@pytest.mark.parametrize("demand", FAR)
+def test_what_is_out_of_reach_is_missed_by_less_than_by_the_files_own_gait(demand: str) -> None:
+    """A start that ends at rest, infeasible or not converged, is not the nearest where the file's gait comes nearer."""
+    asked = problem("reference", "body.vertices=6", "medium.anisotropy_ratio=0.3", f"task.demands=[{demand}]")
+    found = solve(asked, starts=1).best
+    (goal,) = asked.task.demands
+    own = simulate(asked).trajectory
+    played = [Played(motion.poses, motion.vertices, found.table) for motion in (found.trajectory, own)]
+    nearest, file = (missed(goal.outcome(motion)) for motion in played)
+    assert found.status is Status.INFEASIBLE
+    assert nearest < file - 0.1
 
 
 WALLED = (  # a table whose optimum without obstacles leads to what cannot be met

@@ -7,11 +7,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from serpenoid.body import Floats
 from serpenoid.gaits import TableGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.mesh import MeshStudy, study_mesh
+from serpenoid.optimise.outcomes import mesh_of
 from serpenoid.optimise.solve import refine, refine_best, solve
 from serpenoid.simulation import simulate_joint_angles
+from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 from specimens import oracle_run, problem, random_table, reference
@@ -32,6 +35,33 @@ def reference_study(steps: int) -> MeshStudy:
         return simulate_joint_angles(model, joint_table(model, gait, factor * steps))
 
     return study_mesh(motion, steps)
+
+
+@pytest.mark.parametrize("steps", [3, 50])
+def test_a_gait_that_is_simulated_has_the_mesh_error_of_one_that_is_solved(steps: int) -> None:
+    asked = problem("reference", f"task.steps={steps}")
+    own, study = simulate(asked), reference_study(steps)
+    found = mesh_of(asked, own.table)
+    assert found.displacements[0] == pytest.approx(own.trajectory.displacement, abs=1e-12)
+    np.testing.assert_allclose(found.displacements, study.displacements, atol=1e-12)
+    assert found.converged == (steps == 50)
+
+
+def test_a_table_of_other_rows_than_the_file_says_is_refined_as_it_is_played() -> None:
+    angles = random_table(reference(), np.random.default_rng(0), 7)
+    path = TableGait.from_angles(angles)
+    asked = problem("reference", "task.steps=50").model_copy(update={"gait": path})
+    found, (once, twice) = mesh_of(asked, angles), (played(angles, factor) for factor in (1, 2))
+    assert found.steps == 7
+    np.testing.assert_allclose(found.displacements[:2], [once, twice], atol=1e-12)
+
+
+def played(angles: Floats, factor: int) -> float:
+    """Displacement of a closed table, along straight lines between its rows."""
+    rows = np.arange(factor * len(angles)) / factor
+    closed = np.concatenate([angles, angles[:1]])
+    finer = np.stack([np.interp(rows, np.arange(len(closed)), joint) for joint in closed.T], -1)
+    return simulate_joint_angles(reference(), finer).displacement
 
 
 @pytest.mark.parametrize("steps", [3, 4, 5, 50])

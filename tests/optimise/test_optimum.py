@@ -8,13 +8,14 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.certify import certify
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.limits import path_limits, violations
+from serpenoid.optimise.motions import Costs
 from serpenoid.optimise.multistart import solve_many
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import improve, solve, solve_from
@@ -292,6 +293,24 @@ def test_a_raised_flag_ends_a_multi_start_with_what_there_is() -> None:
     result = solve_many(solver, random_gaits(solver, 5, seed=0), 0.0, flag, progress)
     assert len(result.solutions) == 2
     assert result.best.status.ok
+
+
+def test_a_flag_that_is_raised_amid_polishing_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each distance is a batch of motions: of a body that keeps off itself minutes of them."""
+    solver = GaitSolver(problem("reference-optimum"))
+    flag, costs, polished = StopFlag(), solver.costs, []
+
+    def interrupted(tables: Floats, gaits: Floats, c: float) -> Costs:
+        if len(gaits) > 1:
+            polished.append(len(gaits))
+            flag.stopped = True
+        return costs(tables, gaits, c)
+
+    monkeypatch.setattr(solver, "costs", interrupted)
+    found = solve_many(solver, random_gaits(solver, 1, seed=0), 0.0, flag)
+    assert len(polished) == 1
+    assert found.best.status.ok
+    assert found.best.polishing_gain is None
 
 
 def test_the_papers_set_improves_each_gait_within_its_own_neighbourhood() -> None:

@@ -13,6 +13,7 @@ from PIL import Image
 from serpenoid.gaits import EllipseGait, TableGait
 from serpenoid.plot import figures, optima, sweep
 from serpenoid.plot.animate import animation
+from serpenoid.plot.both import save
 from serpenoid.plot.hero import hero
 from serpenoid.plot.motion import over_cycles
 from serpenoid.plot.space import repeated
@@ -50,6 +51,14 @@ def test_simulation_figures_are_written(tmp_path, problem, trajectory, table):
     names = figures.simulation_figures(tmp_path, problem, trajectory, table, GAIT)
     assert "animation.gif" in names
     check(tmp_path, names)
+
+
+def test_the_title_of_a_narrow_picture_is_broken_and_not_cut_off(tmp_path, problem):
+    """Played upright, and turning by more than a hundred degrees: the longest title in the narrowest picture."""
+    motion = simulate(problem).trajectory
+    turned = motion.poses[:, [1, 0, 2]] - np.linspace(0, 2.1, len(motion.poses))[:, None] * [0, 0, 1]
+    picture = figures.motion_figure(replace(motion, vertices=motion.vertices[..., ::-1], poses=turned), problem)
+    check(tmp_path, save(picture, tmp_path, "motion"))
 
 
 def test_a_joint_table_has_no_gait_curve_and_a_failed_motion_has_joints_only(tmp_path, problem, trajectory, table):

@@ -114,3 +114,15 @@ def test_a_chain_that_crosses_itself_is_seen():
     loop = np.array([[0, 0], [1, 0], [1, 1], [0.5, 1], [0.5, -1.0]])
     open_ = np.array([[0, 0], [1, 0], [1, 1], [0.5, 1], [0.5, 0.5]])
     assert crosses_itself(np.stack([loop, open_])).tolist() == [True, False]
+
+
+@pytest.mark.parametrize("edges", [5, 25, 100, 200, 333])
+def test_edges_of_a_straight_link_do_not_cross_however_many_they_are(edges):
+    """A distant edge of the same line stands on either side of it by rounding alone; links that cross still do."""
+    psi = np.random.default_rng(edges).uniform(-0.3, 0.3, (30, 1))
+    share = np.arange(edges + 1)[:, None] / edges
+    straight = share * np.stack([np.cos(psi), np.sin(psi)], -1) * 0.33
+    assert not crosses_itself(straight).any()
+    corners = np.array([[0, 0], [1, 0], [0.5, 1], [0.3, -0.7]])
+    links = [(1 - share[:-1]) * a + share[:-1] * b for a, b in zip(corners[:-1], corners[1:], strict=True)]
+    assert crosses_itself(np.concatenate(links)[None]).all()

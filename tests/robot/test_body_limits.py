@@ -1,6 +1,7 @@
 """A limit that the body declares holds from the problem file to the servo, and is switched off in words only."""
 
 import json
+import re
 from math import degrees
 
 import numpy as np
@@ -100,6 +101,25 @@ def test_no_verb_passes_a_gait_beyond_the_limit_of_its_body_unless_told_to(tmp_p
     done = serpenoid(*words, "--no-joint-limits")
     assert done.returncode == 0, done.stderr
     assert "the limits of the results' body are not held" in done.stderr
+
+
+@pytest.mark.parametrize("verb", ["check", "play", "export"])
+def test_all_limits_are_told_at_once_and_a_cycle_that_keeps_them_all(tmp_path, verb):
+    """The servos' limit asks for a shorter cycle than the body's: whoever plays what is said is refused no more."""
+    stated(tmp_path / "slow", held=False)
+    file = tmp_path / "slow" / "solution.json"
+    body = {"joint_limit_deg": 30.0, "joint_speed_limit_rpm": 2.0}
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"body": body}))
+    words = [str(word).format(tmp_path / "slow") for word in VERBS[verb]]
+    done = serpenoid(*words, "--cycle-duration", "0.2")
+    assert done.returncode == 1
+    assert "`speed_limit_rpm`" in done.stderr
+    assert "the body's limit is 2 rpm" in done.stderr
+    (needed,) = set(re.findall(r"a cycle of (\S+) s or more", done.stderr))
+    assert serpenoid(*words, "--cycle-duration", needed).returncode == 0
+    shorter = serpenoid(*words, "--cycle-duration", str(float(needed) - 0.01))
+    assert shorter.returncode == 1
+    assert "speed 2.0 rpm" not in shorter.stderr  # of a limit of 2 rpm
 
 
 def test_a_limit_switched_off_in_the_problem_file_is_named_when_its_gait_is_checked(tmp_path):

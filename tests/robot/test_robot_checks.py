@@ -102,7 +102,7 @@ def test_bus_too_slow_for_the_rows():
     data = read_toml(ROBOT_FILE)
     data["bus"]["baud_rate"] = 57600
     (refusal,) = check_table(gait(50), validate(Robot, data, "t"), 2.0, 11.1)
-    says(refusal, "all joints, every step", "57600 baud", "a row lasts 40.0 ms", "Raise the baud rate")
+    says(refusal, "all joints, every step", "57600 baud", "a row lasts 40.0 ms", "raise the baud rate")
     assert check_table(gait(50), validate(Robot, data, "t"), 5.0, 11.1) == []
 
 
@@ -165,4 +165,4 @@ def test_the_bodys_speed_limit_holds_for_the_steps_of_a_transient_alone():
     (refusal,) = check_body(angles, Stated.model_validate(limits), 0.8)
     assert "speed 65.7 rpm" in refusal.value
     (refusal,) = check_body(angles, Stated.model_validate(limits | {"transient": True}), 0.6)
-    assert "Play a cycle of 0.69 s or more" in refusal.remedy
+    assert "a cycle of 0.69 s or more" in str(refusal)

@@ -9,7 +9,7 @@ from typing import TextIO
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import load
-from serpenoid.robot.checks import Refusal, check_body, check_repetition, check_table
+from serpenoid.robot.checks import Refusal, check_body, check_given, check_repetition, check_table, kept_by_one_cycle
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import Plan, make_plan
 from serpenoid.robot.stated import LONGEST_CYCLE_S
@@ -74,8 +74,10 @@ def checked_table(args: argparse.Namespace, robot: Robot) -> tuple[JointTable, l
     """The table and what speaks against it, at the robot's nominal voltage."""
     table = read_table(args.results)
     duration = cycle_duration(args, table, robot)
+    if malformed := check_given(table.angles, robot):
+        return table, malformed
     refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V, table.closed)
-    return table, refusals or body_refusals(args, table, duration)
+    return table, kept_by_one_cycle(refusals + body_refusals(args, table, duration))
 
 
 def body_refusals(args: argparse.Namespace, table: JointTable, duration: float | None) -> list[Refusal]:

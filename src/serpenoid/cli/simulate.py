@@ -6,8 +6,9 @@
 
 With [lift], the midpoints of the `phase` and `bias` ranges are used; give both ends the same value to fix them.
 
-Writes solution.json, joint_table.csv, trajectory.csv and figures. Lengths are in body lengths, dissipation is the
-normalised T * E (weights sum to one): it converges as the number of steps T grows, the raw energy falls as 1 / T.
+Writes solution.json, joint_table.csv, trajectory.csv and figures; says what the motion is with many steps. Lengths are
+in body lengths, dissipation is the normalised T * E (weights sum to one): it converges as the number of steps T grows,
+the raw energy falls as 1 / T.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles
+    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, mesh_of
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning
@@ -44,8 +45,9 @@ def run(args: argparse.Namespace) -> int:
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
     result = simulate(problem)
     sign(args)
-    record = write_simulation(folder, result, figures=not args.no_figures and result.trajectory.status.ok)
     motion = result.trajectory
+    mesh = mesh_of(problem, result.table) if motion.status.ok else None
+    record = write_simulation(folder, result, not args.no_figures and motion.status.ok, mesh)
     if not motion.status.ok:
         options.complain(motion.status.value)
         options.report(args, record, [])
@@ -56,6 +58,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {options.signed(motion.heading_change)} rad",
         f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}{_raw(problem, motion)}",
         f"largest residual  {motion.residual:.1e}",
+        *([] if mesh is None else [f"mesh              {'a cycle: ' * (problem.task.cycles > 1)}{mesh.words}"]),
         *_rows_lines(problem, len(result.table)),
         *goal_lines(record),
         *clear_lines(clear_of_obstacles(problem, result.table, motion), clear_of_itself(problem, result.table)),

@@ -104,6 +104,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     )
     result = _search(args, problem, folder)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
+    stopped |= any(optimum.solution.polishing_gain is None for optimum in result.optima)
     better = kept_better(folder, result.best) if stopped else None
     if better is not None:
         earlier = f"keeps the answer of an earlier run, which is better (cost {better:.6f})"

@@ -45,7 +45,7 @@ MOST_VALUES = 10_000
 
 
 def parse_values(text: str) -> list[float]:
-    """`a:b:n` or `x,y,z` as numbers; InputError with the rule."""
+    """`a:b:n` or `x,y,z` as numbers, each of them once; InputError with the rule."""
     import math
 
     from serpenoid.errors import InputError
@@ -68,7 +68,7 @@ def parse_values(text: str) -> list[float]:
         raise InputError(
             f"--c {text}: write first:last:count or a list like 0,0.5,1, all of them from 0 to {MOST_C:g}."
         )
-    return [round(v, 12) for v in values]
+    return list(dict.fromkeys(round(v, 12) for v in values))
 
 
 def run(args: argparse.Namespace) -> int:

@@ -96,6 +96,7 @@ class Record(BaseModel):
 
 
 R = TypeVar("R", bound=Record)
+CLOSE = 3 / 4  # of the letters: one wrong in a word of four
 MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
 NO_SECTION = ("model_type", "model_attributes_type")  # pydantic's words for something else in a section's place
 MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
@@ -240,8 +241,15 @@ def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:
     known = list(schema.model_fields)
     if (meant := MEANT.get(str(location[-1]))) in known:
         return f" Did you mean `{meant}`?"
-    close = difflib.get_close_matches(str(location[-1]), known, n=1)
-    return f" Did you mean `{close[0]}`?" if close else f" Known keys: {', '.join(known)}."
+    close = _close(str(location[-1]), known)
+    return f" Did you mean `{close}`?" if close is not None else f" Known keys: {', '.join(known)}."
+
+
+def _close(word: str, known: list[str]) -> str | None:
+    """The likeliest of the known words: one that is mistyped, or of which this is a part."""
+    alike = difflib.get_close_matches(word, known, n=len(known))
+    mistyped = difflib.get_close_matches(word, alike, n=1, cutoff=CLOSE)
+    return next(iter(mistyped), next((other for other in alike if word in other or other in word), None))
 
 
 def _without_tags(schema: type[BaseModel], location: tuple[Any, ...]) -> list[Any]:

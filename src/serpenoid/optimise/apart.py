@@ -1,16 +1,21 @@
 """How near a body comes to itself: distances of its edges, at rows and proven between them; constraints on pairs.
 
-Between rows the joints turn at constant rates. Seen from edge i, a point of edge j > i moves no faster than
-L = sum_{e = i + 1 .. j} length_e |d (phi_e - phi_i)|, so a distance d in the middle of an interval of half width h
-is at least d - L h in all of it; intervals are halved until that is enough. Edges that cross have the distance zero.
+Edges of one rigid link lie on a line: all edges of a link that are asked to keep off the same edges of another are one
+piece, so pairs are few, however finely links are cut. Those of one link keep their distance whatever the gait.
 
-Legend: R rows, T steps, N vertices, n edges, P pairs of edges, m joints.
+Between rows the joints turn at constant rates. Seen from a piece that ends with edge i, a point of one that ends with
+edge j > i moves no faster than L = sum_{e = i + 1 .. j} length_e |d (phi_e - phi_i)|, so a distance d in the middle of
+an interval of half width h is at least d - L h in all of it; intervals are halved until that is enough. Pieces that
+cross have the distance zero.
+
+Legend: R rows, T steps, N vertices, n edges, P pairs of pieces, m joints.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import casadi as ca
@@ -31,12 +36,13 @@ TINY = 1e-18
 
 
 class Near(NamedTuple):
-    """Vertex `vertex` near edge `edge` at `share` of `step`."""
+    """Vertex `vertex` near the piece from vertex `begin` to `end` at `share` of `step`."""
 
     share: float
     step: int
     vertex: int
-    edge: int
+    begin: int
+    end: int
 
 
 @dataclass(frozen=True)
@@ -46,11 +52,23 @@ class Pairs:
     model: Model
     between: int
 
-    @property
-    def edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """First and second edge of every pair (P), first < second."""
-        first, second = np.triu_indices(self.model.structure.vertices - 1, k=self.between + 1)
-        return first, second
+    @cached_property
+    def ends(self) -> np.ndarray:
+        """Vertices at which the two pieces of every pair begin and end: a, b before c, d, shape (4, P)."""
+        links = [(group[0], group[-1]) for group in self.model.structure.links]
+        found = [
+            (first, i + 1, max(i + self.between + 1, begin), last + 1)
+            for k, (first, end) in enumerate(links)
+            for begin, last in links[k + 1 :]
+            for i in self._until(first, end, begin, last)
+        ]
+        return np.array(found, int).reshape(-1, 4).T
+
+    def _until(self, first: int, end: int, begin: int, last: int) -> range:
+        """Edges with which pieces of the link of edges first .. end may end beside one of edges begin .. last: as far
+        as the whole other link is far enough along the body, and every edge from there on."""
+        most = min(end, last - self.between - 1)
+        return range(min(max(first, begin - self.between - 1), most), most + 1) if most >= first else range(0)
 
     def chains(self, angles: Floats, step: np.ndarray, share: Floats) -> Floats:
         """Vertices (I, N, 2) at times: joint angles (T + 1, m) between rows."""
@@ -60,17 +78,17 @@ class Pairs:
         unit = np.stack([np.cos(phi), np.sin(phi)], -1)
         return np.asarray(np.einsum("ve,ieq->ivq", path.levers, unit))
 
-    def distances(self, chains: Floats) -> tuple[Floats, np.ndarray, np.ndarray]:
-        """Of every pair (I, P), and which vertex is nearest to which edge, (I, P) each."""
-        first, second = self.edges
-        options = [(first, second), (first + 1, second), (second, first), (second + 1, first)]
-        found = np.stack([_to_edge(chains, vertex, edge) for vertex, edge in options])
-        best = found.argmin(0)
-        vertex, edge = (np.stack([np.broadcast_to(o[k], best.shape) for o in options]) for k in (0, 1))
-        at = best[None]
-        pick = [np.take_along_axis(x, at, 0)[0] for x in (found, vertex, edge)]
-        touching = crosses(chains, first, second)
-        return np.where(touching, 0.0, pick[0]), pick[1], pick[2]
+    def distances(self, chains: Floats) -> tuple[Floats, np.ndarray]:
+        """Of every pair (I, P), and which of `_options` is the nearest (I, P)."""
+        found = np.stack([_to_piece(chains, *option) for option in self._options])
+        touching = crosses(*(chains[:, k] for k in self.ends))
+        return np.where(touching, 0.0, found.min(0)), found.argmin(0)
+
+    @property
+    def _options(self) -> np.ndarray:
+        """A vertex of every pair, and where the other piece begins and ends, four times (4, 3, P)."""
+        a, b, c, d = self.ends
+        return np.array([(a, c, d), (b, c, d), (c, a, b), (d, a, b)])
 
     def realised(self, table: Floats, closed: bool) -> Floats:
         """Joint angles that the body has at rows 0 .. T of a commanded table."""
@@ -88,31 +106,28 @@ class Pairs:
         return np.array(found)
 
     def near(self, angles: Floats, distance: float) -> list[Near]:
-        """Vertices that come nearer to an edge than `distance`, each when it is nearest; all four where edges cross."""
+        """Vertices that come nearer to a piece than `distance`, each when nearest; all four where pieces cross."""
         steps = np.repeat(np.arange(len(angles) - 1), len(SHARES))
         shares = np.tile(SHARES, len(angles) - 1)
-        value, vertex, edge = self.distances(self.chains(angles, steps, shares))
+        value, nearest = self.distances(self.chains(angles, steps, shares))
         lowest = (value <= np.roll(value, 1, 0)) & (value <= np.roll(value, -1, 0)) & (value < distance)
+        options = self._options
         found = []
         for i, p in np.argwhere(lowest):
-            a, b = int(self.edges[0][p]), int(self.edges[1][p])
-            ends = (
-                [(int(vertex[i, p]), int(edge[i, p]))] if value[i, p] > 0 else [(a, b), (a + 1, b), (b, a), (b + 1, a)]
-            )
-            found += [Near(float(shares[i]), int(steps[i]), v, e) for v, e in ends]
+            close = [nearest[i, p]] if value[i, p] > 0 else range(len(options))
+            found += [Near(float(shares[i]), int(steps[i]), *map(int, options[k, :, p])) for k in close]
         return found
 
     def clearance(self, angles: Floats, wanted: float) -> Clearance:
         """Least distance found, and a proven lower bound, which says no more than `wanted` where it is that."""
-        path, (first, second) = self._path(angles), self.edges
+        path = self._path(angles)
         steps = np.arange(len(angles) - 1)
         turned = np.diff(path.phi[0], axis=0)
         lengths = np.asarray(self.model.body.edges)
-        rates = np.array([
-            (lengths[i + 1 : j + 1] * np.abs(turned[:, i + 1 : j + 1] - turned[:, i : i + 1])).sum(1)
-            for i, j in zip(first, second, strict=True)
-        ])  # fmt: skip
-        step, pair = (x.ravel() for x in np.meshgrid(steps, np.arange(len(first)), indexing="ij"))
+        rates = np.array(
+            [(lengths[i:j] * np.abs(turned[:, i:j] - turned[:, i - 1 : i])).sum(1) for _, i, _, j in self.ends.T]
+        ).reshape(-1, len(steps))
+        step, pair = (x.ravel() for x in np.meshgrid(steps, np.arange(len(rates)), indexing="ij"))
         middle, half = np.full(step.size, 0.5), np.full(step.size, 0.5)
         least, proven, seen = np.inf, np.inf, 0
         while step.size:
@@ -130,17 +145,14 @@ class Pairs:
 
     def _of(self, path: Between, step: np.ndarray, share: Floats, pair: np.ndarray) -> Floats:
         """Distance of one pair at each time, (I,)."""
-        first, second = (edges[pair] for edges in self.edges)
-        late = share[:, None]
-        phi = (1 - late) * path.phi[0, step] + late * path.phi[0, step + 1]
+        times, at = np.unique(step + share, return_inverse=True)
+        whole = times.astype(int)
+        late = (times - whole)[:, None]
+        phi = (1 - late) * path.phi[0, whole] + late * path.phi[0, whole + 1]
         chains = np.einsum("ve,ieq->ivq", path.levers, np.stack([np.cos(phi), np.sin(phi)], -1))
-        rows = np.arange(len(step))
-        ends = [chains[rows, k] for k in (first, first + 1, second, second + 1)]
-        a, b, c, d = ends
+        a, b, c, d = (chains[at, k[pair]] for k in self.ends)
         value = np.min([_distance(a, c, d), _distance(b, c, d), _distance(c, a, b), _distance(d, a, b)], axis=0)
-        four = np.stack(ends, 1)
-        touching = crosses(four, np.array([0]), np.array([2]))[:, 0]
-        return np.where(touching, 0.0, value)
+        return np.where(crosses(a, b, c, d), 0.0, value)
 
     def _path(self, angles: Floats) -> Between:
         return Between(self.model, np.zeros((1, len(angles), 3)), angles[None])
@@ -153,25 +165,29 @@ def pairs_of(model: Model, demands: Sequence[Demand]) -> tuple[Pairs, float] | N
 
 
 def keep_apart(of: Criteria, watched: tuple[Near, ...], distance: float) -> None:
-    """Constraints: the watched vertices keep their distance from the watched edges."""
+    """Constraints: the watched vertices keep their distance from the watched pieces."""
+    chains: dict[tuple[float, int], ca.SX] = {}
     for near in watched:
-        row, following = near.step % of.rows, (near.step + 1) % of.rows
-        angles = (1 - near.share) * of.joint_angles[:, row] + near.share * of.joint_angles[:, following]
-        chain = of.body(angles)
-        point, begin = chain[:, near.vertex], chain[:, near.edge]
-        along = chain[:, near.edge + 1] - begin
+        when = near.share, near.step
+        if when not in chains:
+            row, following = near.step % of.rows, (near.step + 1) % of.rows
+            angles = (1 - near.share) * of.joint_angles[:, row] + near.share * of.joint_angles[:, following]
+            chains[when] = of.body(angles)
+        chain = chains[when]
+        point, begin = chain[:, near.vertex], chain[:, near.begin]
+        along = chain[:, near.end] - begin
         away = point - begin
         share = ca.fmin(ca.fmax(ca.dot(away, along) / ca.sumsqr(along), 0), 1)
         gap = ca.sqrt(ca.sumsqr(away - share * along) + TINY)
         of.subject_to(gap, distance, ca.inf)
 
 
-def _to_edge(chains: Floats, vertex: np.ndarray, edge: np.ndarray) -> Floats:
-    return _distance(chains[:, vertex], chains[:, edge], chains[:, edge + 1])
+def _to_piece(chains: Floats, vertex: np.ndarray, begin: np.ndarray, end: np.ndarray) -> Floats:
+    return _distance(chains[:, vertex], chains[:, begin], chains[:, end])
 
 
 def _distance(point: Floats, begin: Floats, end: Floats) -> Floats:
     """Of points from pieces of lines, shape (...)."""
-    along, away = end - begin, point - begin
-    share = np.clip((away * along).sum(-1) / (along * along).sum(-1), 0, 1)
-    return np.asarray(np.linalg.norm(away - share[..., None] * along, axis=-1))
+    (x, y), (along_x, along_y) = (np.moveaxis(vector, -1, 0) for vector in (point - begin, end - begin))
+    share = np.clip((x * along_x + y * along_y) / (along_x**2 + along_y**2), 0, 1)
+    return np.sqrt((x - share * along_x) ** 2 + (y - share * along_y) ** 2)

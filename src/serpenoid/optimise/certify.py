@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.limits import TOLERANCE
 from serpenoid.optimise.motions import GaitBounds
 from serpenoid.optimise.prepared import Carried
@@ -40,9 +41,17 @@ class Certificate:
 
 
 def certify(
-    solver: GaitSolver, answer: Answer, c: float, polish: bool = True, gait_bounds: GaitBounds | None = None
+    solver: GaitSolver,
+    answer: Answer,
+    c: float,
+    polish: bool = True,
+    gait_bounds: GaitBounds | None = None,
+    flag: StopFlag | None = None,
 ) -> Certificate:
-    """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's)."""
+    """Check an answer of `solver` for dissipation coefficient c, found within `gait_bounds` (default the problem's).
+
+    Polishing ends where the flag is raised, and is then as if it had not been tried.
+    """
     table = solver.table(answer.q)
     trajectory = solver.simulate(answer.q)
     error = solver.pose_error(answer.outcome.point, trajectory)
@@ -57,8 +66,8 @@ def certify(
     if status.ok and float(solver.excess(table).max()) > TOLERANCE:
         status = Status.EXCEEDS_LIMITS
     if status.ok and polish:
-        gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds())
-        status = status if gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
+        gain = polishing_gain(solver, answer, c, gait_bounds or solver.gait_bounds(), flag)
+        status = status if gain is None or gain < GAIN_TOLERANCE else Status.NOT_A_MINIMUM
     cost = solver.value(answer.q, table, trajectory, c)
     if trajectory.status.ok and np.isnan(cost):
         status = Status.NOT_A_NUMBER
@@ -99,8 +108,11 @@ def missed(solver: GaitSolver, q: Floats, c: float) -> float:
     return charged - free if np.isfinite(charged) else np.inf
 
 
-def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds) -> float:
-    """How much a derivative-free search around the answer lowers the cost (exact penalty for the constraints).
+def polishing_gain(
+    solver: GaitSolver, answer: Answer, c: float, gait_bounds: GaitBounds, flag: StopFlag | None = None
+) -> float | None:
+    """How much a derivative-free search around the answer lowers the cost (exact penalty for the constraints); None
+    where the flag is raised meanwhile.
 
     Random trial gaits at shrinking distances, the best so far in the middle; each distance is one compiled batch.
     """
@@ -111,6 +123,8 @@ def polishing_gain(solver: GaitSolver, answer: Answer, c: float, gait_bounds: Ga
     best, first = answer.q, float(gait_costs(solver, answer.q[None], c, penalty, gait_bounds, answer.carried)[0])
     lowest = first
     for distance in DISTANCES:
+        if flag:
+            return None
         trials = best + distance * width * rng.standard_normal((TRIALS, best.size))
         trials = np.clip(trials, lower, upper)
         costs = gait_costs(solver, trials, c, penalty, gait_bounds, answer.carried)

@@ -100,14 +100,19 @@ def solve_one(
         answer = solver.solve(start, c, gait_bounds, carried, flag, watch)
         if store is not None and answer.outcome.status.ok:
             store.save(c, answer)
-    return as_solution(solver, answer, c, polish, gait_bounds), answer
+    return as_solution(solver, answer, c, polish, gait_bounds, flag), answer
 
 
 def as_solution(
-    solver: GaitSolver, answer: Answer, c: float, polish: bool, gait_bounds: GaitBounds | None = None
+    solver: GaitSolver,
+    answer: Answer,
+    c: float,
+    polish: bool,
+    gait_bounds: GaitBounds | None = None,
+    flag: StopFlag | None = None,
 ) -> Solution:
     """Certify an answer and write it as a Solution."""
-    check = certify(solver, answer, c, polish, gait_bounds)
+    check = certify(solver, answer, c, polish, gait_bounds, flag)
     outcome = answer.outcome
     meshes = solver.meshes(answer.q)
     mesh = next((mesh for mesh in meshes if not mesh.converged), meshes[0])
@@ -169,7 +174,7 @@ def summarised(
     groups = list(_groups(solutions))
     optima = []
     for group in groups:
-        polished = solutions[group[0]] if flag else as_solution(solver, found[group[0]][1], c, polish=True)
+        polished = solutions[group[0]] if flag else as_solution(solver, found[group[0]][1], c, polish=True, flag=flag)
         if polished.status.ok:
             optima.append(Optimum(polished, len(group)))
         for index in group:

@@ -27,26 +27,36 @@ def with_nearest(
     solver: GaitSolver, found: MultiStart, customise: Customise | None = None, flag: StopFlag | None = None
 ) -> MultiStart:
     """The same; where no start met the demands, the best is the gait that misses them least, or one that meets them."""
-    best = found.best
-    if best.status is not Status.INFEASIBLE or type(solver) is not GaitSolver or flag:
+    if type(solver) is not GaitSolver or flag or not _missing(solver, found.best):
         return found
     nearer = _nearer(solver, found, customise, flag) if solver.asked.criteria.added else found
-    return nearer if nearer.best.status is not Status.INFEASIBLE else _or_own(solver, nearer)
+    return nearer if nearer.optima else _or_own(solver, nearer)
+
+
+def _missing(solver: GaitSolver, best: Solution) -> bool:
+    """Whether IPOPT ended without what is asked: beside what cannot be met it may not converge, either."""
+    astray = best.status is Status.NOT_CONVERGED and best.missed >= MISSED and bool(solver.asked.criteria.added)
+    return best.status is Status.INFEASIBLE or astray
 
 
 def _nearer(
     solver: GaitSolver, found: MultiStart, customise: Customise | None = None, flag: StopFlag | None = None
 ) -> MultiStart:
-    best = found.best
-    c, start = solver.problem.task.c, np.clip(best.q, *solver.gait_bounds())
-    nearer = GaitSolver(solver.problem, softened(customise), best.gait).solve(start, 0.0, flag=flag)
-    if not nearer.outcome.status.ok:
+    """From where the best ended, and from the problem's own gait: the nearest there is, and the demands once more."""
+    best, c = found.best, solver.problem.task.c
+    search = GaitSolver(solver.problem, softened(customise), best.gait)
+    begin = np.clip(best.q, *solver.gait_bounds()), solver.own_start()
+    answers = [answer for q in begin if (answer := search.solve(q, 0.0, flag=flag)).outcome.status.ok]
+    if not answers:
         return found
+    nearer = min(answers, key=lambda answer: answer.outcome.objective)
     if nearer.outcome.objective < MISSED**2:
         again, _ = solve_one(solver, nearer.q, c, polish=True, flag=flag)
         if again.status.ok:
             return _with(found, best, again, (Optimum(again, 1),))
-    return _with(found, best, _of(solver, best, nearer.q), ())
+    shown = _of(solver, best, nearer.q)
+    status = Status.NOT_CONVERGED if shown.missed < MISSED else Status.INFEASIBLE
+    return _with(found, best, replace(shown, status=status), ())
 
 
 def _or_own(solver: GaitSolver, found: MultiStart) -> MultiStart:

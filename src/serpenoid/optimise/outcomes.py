@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from serpenoid.body import Floats
+from serpenoid.gaits import TableGait
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.term import Goal, Played, told
 from serpenoid.optimise.apart import pairs_of
 from serpenoid.optimise.clearance import Clearance
+from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.problem import Problem
+from serpenoid.simulation.gaits import simulate_gait
 from serpenoid.trajectory import Trajectory
 
 
@@ -25,6 +28,19 @@ def goal_words(problem: Problem, table: Floats, motion: Trajectory, own: SelfCle
     if heading is not None:
         words.append(told(f"heading change {heading:g} rad", float(played.poses[-1, 2]) - heading, "rad"))
     return [said for said in words if said]
+
+
+def mesh_of(problem: Problem, table: Floats) -> MeshStudy:
+    """How the motion of the problem's gait, whose joint table is known, depends on the number of steps."""
+    family, gait = problem.family_of(), problem.gait
+    if isinstance(gait, TableGait):  # of a file, which has its own number of rows
+        family = TableGait.from_angles(table).of(table.shape[1], len(table), closed=not problem.task.transient)
+    q = family.start()
+
+    def motion(factor: int) -> Trajectory:
+        return simulate_gait(problem.model, family.refined(factor), family.on_finer_rows(q, factor))
+
+    return study_mesh(motion, len(table) - problem.task.transient)
 
 
 def clear_of_obstacles(problem: Problem, table: Floats, motion: Trajectory) -> Clearance | None:

@@ -50,9 +50,9 @@ def figure(width: float, height: float) -> Figure:
 
 
 def dress(ax: Axes, title: str, x: str, y: str, grid: bool = True) -> Axes:
-    """Title, axis labels (with units), light grid, no box."""
+    """Title (in lines as wide as the figure), axis labels (with units), light grid, no box."""
     if title:
-        ax.set_title(title, fontsize=LARGE, loc="left", color=INK)
+        ax.set_title(title, fontsize=LARGE, loc="left", color=INK, wrap=True)
     ax.set_xlabel(x, fontsize=NORMAL, color=INK)
     ax.set_ylabel(y, fontsize=NORMAL, color=INK)
     ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)

@@ -5,7 +5,7 @@ T: steps, m: joints; a table has T rows where it is closed, and T + 1 where it i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, degrees, tau
 
 import numpy as np
@@ -24,28 +24,49 @@ BUS_SHARE = 0.9  # of a row's time that its packets may take
 
 @dataclass(frozen=True)
 class Refusal:
-    """`where` names joint and step; the sentence reads `where: value, limit. remedy`."""
+    """`where` names joint and step; the sentence reads `where: value, limit. remedy`.
+
+    shortest_s: the shortest cycle that keeps the limit [s]; the remedy is then what else may be done, if anything.
+    """
 
     where: str
     value: str
     limit: str
     remedy: str
+    shortest_s: float | None = None
 
     def __str__(self) -> str:
-        return f"{self.where}: {self.value}; {self.limit}. {self.remedy}"
+        return f"{self.where}: {self.value}; {self.limit}. {self._advice}"
+
+    @property
+    def _advice(self) -> str:
+        if self.shortest_s is None:
+            return self.remedy
+        slower = f"Play it slower: a cycle of {self.shortest_s:g} s or more (--cycle-duration)"
+        return f"{slower}, or {self.remedy}." if self.remedy else f"{slower}."
+
+
+def kept_by_one_cycle(refusals: list[Refusal]) -> list[Refusal]:
+    """The same, each with the shortest cycle that keeps the limits of all: whoever plays that is refused no more."""
+    longest = max((r.shortest_s for r in refusals if r.shortest_s is not None), default=None)
+    return [r if r.shortest_s is None else replace(r, shortest_s=longest) for r in refusals]
 
 
 def check_table(
     angles: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float, closed: bool = True
 ) -> list[Refusal]:
     """All that is wrong with playing the table `angles` [rad] on `robot`, at `voltage` [V] at the servos."""
-    refusals = _check_shape(angles, robot) or check_finite(angles)
-    if refusals:
-        return refusals
+    if malformed := check_given(angles, robot):
+        return malformed
     ticks = to_ticks(angles, robot)
     speeds = row_speeds_rpm(ticks, cycle_duration_s, closed)
     refusals = _check_positions(angles, ticks, robot) + _check_speeds(speeds, robot, cycle_duration_s, voltage, closed)
-    return refusals + _check_bus(len(speeds), robot, cycle_duration_s)
+    return kept_by_one_cycle(refusals + _check_bus(len(speeds), robot, cycle_duration_s))
+
+
+def check_given(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
+    """What keeps a table from being looked at: another number of joints, or cells that are no numbers."""
+    return _check_shape(angles, robot) or check_finite(angles)
 
 
 def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: float | None) -> list[Refusal]:
@@ -56,16 +77,21 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
     remedy = "Solve with this limit, or say --no-joint-limits: the robot file's limits then hold alone."
     if limit is not None and reach > limit * (1 + KEPT):
         where = f"joint_{joint + 1}, step {int(np.abs(angles[:, joint]).argmax())}"
-        angle = f"{reach:.1f}" if round(reach, 1) > limit else f"{reach:.7g}"  # never two equal numbers
-        refusals.append(Refusal(where, f"angle {angle} degrees", f"the body's limit is {limit:g} degrees", remedy))
+        refusals.append(
+            Refusal(where, f"angle {_beyond(reach, limit)} degrees", f"the body's limit is {limit:g} degrees", remedy)
+        )
     joint, turns = turns_per_cycle(angles, closed=not stated.transient)
     limit = stated.joint_speed_limit_rpm
     if limit is None or cycle_duration_s is None or turns * 60 / cycle_duration_s <= limit * (1 + KEPT):
         return refusals
-    shortest = ceil(turns * 60 / limit * 100) / 100
-    value = f"speed {turns * 60 / cycle_duration_s:.1f} rpm in a cycle of {cycle_duration_s:g} s"
-    slower = f"Play a cycle of {shortest:g} s or more (--cycle-duration), or say --no-joint-limits."
-    return [*refusals, Refusal(f"joint_{joint + 1}", value, f"the body's limit is {limit:g} rpm", slower)]
+    value = f"speed {_beyond(turns * 60 / cycle_duration_s, limit)} rpm in a cycle of {cycle_duration_s:g} s"
+    limit_words, shortest = f"the body's limit is {limit:g} rpm", _up(turns * 60 / limit)
+    return [*refusals, Refusal(f"joint_{joint + 1}", value, limit_words, "say --no-joint-limits", shortest)]
+
+
+def _beyond(value: float, limit: float) -> str:
+    """In words that show it to be beyond the limit: never two equal numbers."""
+    return f"{value:.1f}" if round(value, 1) > limit else f"{value:.7g}"
 
 
 def check_repetition(angles: NDArray[np.float64], stated: Stated, cycles: int) -> list[Refusal]:
@@ -157,26 +183,36 @@ def _check_speeds(
         step = int(speeds[:, j].argmax())
         if speeds[step, j] > limit:
             why = f"no-load speed at {voltage:.1f} V" if no_load < joint.speed_limit_rpm else "`speed_limit_rpm`"
-            value, remedy = _too_fast(speeds[:, j], limit, cycle_duration_s, closed)
+            value, remedy, shortest = _too_fast(speeds[:, j], limit, cycle_duration_s, closed)
             limit_words = f"the limit is {limit:.1f} rpm ({why})"
-            refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit_words, remedy))
+            refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit_words, remedy, shortest))
     return refusals
 
 
-def _too_fast(speeds: NDArray[np.float64], limit: float, cycle_duration_s: float, closed: bool) -> tuple[str, str]:
-    """Value and remedy of a joint's speeds (T,). A jump from the last row to the first, alone too fast, is a table that
-    does not close: slower is no remedy."""
+def _too_fast(
+    speeds: NDArray[np.float64], limit: float, cycle_duration_s: float, closed: bool
+) -> tuple[str, str, float | None]:
+    """Value, remedy and shortest cycle of a joint's speeds (T,). A jump from the last row to the first, alone too fast,
+    is a table that does not close: slower is no remedy."""
     step, last = int(speeds.argmax()), len(speeds) - 1
     rest = speeds[:-1].max() if last else 0.0
     value = f"speed {speeds[step]:.1f} rpm in a cycle of {cycle_duration_s:g} s"
     if limit <= 0:
-        return value, "It cannot move at all: check its supply voltage and its own Velocity Limit (--widen-limits)."
+        return (
+            value,
+            "It cannot move at all: check its supply voltage and its own Velocity Limit (--widen-limits).",
+            None,
+        )
     if closed and step == last and rest <= limit and speeds[last] > 3 * rest:
         jump = degrees(speeds[last] * cycle_duration_s / len(speeds) * tau / 60)
         value = f"jump of {jump:.1f} degrees from the last row to the first ({speeds[last]:.1f} rpm)"
-        return value, "The table does not close: the row after the last one is the first. Export a whole cycle."
-    needed = ceil(cycle_duration_s * speeds[step] / limit * 100) / 100
-    return value, f"Play it slower: a cycle of {needed:g} s or more (--cycle-duration)."
+        return value, "The table does not close: the row after the last one is the first. Export a whole cycle.", None
+    return value, "", _up(cycle_duration_s * float(speeds[step]) / limit)
+
+
+def _up(seconds: float) -> float:
+    """The next hundredth that is no shorter."""
+    return ceil(seconds * 100) / 100
 
 
 def _check_bus(steps: int, robot: Robot, cycle_duration_s: float) -> list[Refusal]:
@@ -186,6 +222,5 @@ def _check_bus(steps: int, robot: Robot, cycle_duration_s: float) -> list[Refusa
     if needed <= period:
         return []
     value = f"{needed * 1000:.1f} ms of packets per row at {baud} baud"
-    shortest = ceil(needed * steps * 100) / 100
-    remedy = f"Raise the baud rate of servos and robot file, or play a cycle of {shortest:g} s or more."
-    return [Refusal("all joints, every step", value, f"a row lasts {period * 1000:.1f} ms", remedy)]
+    limit_words, remedy = f"a row lasts {period * 1000:.1f} ms", "raise the baud rate of servos and robot file"
+    return [Refusal("all joints, every step", value, limit_words, remedy, _up(needed * steps))]

@@ -128,7 +128,7 @@ def sweep(
                 found[name][c] = answer
                 if progress is not None:
                     progress(sum(map(len, found.values())), f"c = {c:g}: {answer.outcome.objective:.6f}")
-        points = tuple(_better(solver, c, found, polish and not flag) for c in ordered.tolist())
+        points = tuple(_better(solver, c, found, polish, flag) for c in ordered.tolist())
     kept = sum(any(chain[c].kept for chain in found.values() if c in chain) for c in ordered.tolist())
     return Sweep(problem, points, complete=not flag, kept=kept)
 
@@ -201,12 +201,14 @@ def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag
     return min(good, key=lambda a: a.outcome.objective) if good else answers[0]
 
 
-def _better(solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool) -> SweepPoint:
+def _better(
+    solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool, flag: StopFlag
+) -> SweepPoint:
     candidates = [(name, chain[c]) for name, chain in found.items() if c in chain]
     candidates.sort(key=lambda pair: (not pair[1].outcome.status.ok, pair[1].outcome.objective))
     reasons: dict[str, list[str]] = {}
     for name, answer in candidates:
-        solution = as_solution(solver, answer, c, polish)
+        solution = as_solution(solver, answer, c, polish and not flag, flag=flag)
         if solution.status.ok:
             return SweepPoint(c, solution, name, solution.message)
         reasons.setdefault(solution.message, []).append(name)
