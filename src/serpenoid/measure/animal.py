@@ -5,12 +5,11 @@ run of the bends = sum (k_{j+1} k_j' - k_j k_{j+1}') / sum |.|        > 0: from 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
+from serpenoid.measure.beat import beat
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.lengths import shown_lengths
@@ -44,41 +43,6 @@ def bends_run(motion: Motion) -> float:
     turning = turning[np.isfinite(turning).all(axis=1)]
     total = np.abs(turning).sum()
     return float(turning.sum() / total) if total > 0 else 0.0
-
-
-@dataclass(frozen=True)
-class Beat:
-    """How a body bends, where it repeats: period [s], amplitude (m,) of each joint's sine of that period [rad], and
-    waves on the body, > 0 where they run from head to tail; 0: bends that stand."""
-
-    period_s: float
-    amplitude_rad: Floats
-    waves: float
-
-
-def beat(motion: Motion) -> Beat | None:
-    """None where nothing repeats. Sines of one period at a time, in the better half of the periods by frames seen:
-    points that scatter in single frames bend neighbouring joints to opposite sides, which passes for short waves."""
-    period = Signal(motion.time_s, motion.joint_angles).repeats_s
-    if period is None:
-        return None
-    rows = np.concatenate([np.arange(run.start, run.stop) for run in motion.runs])
-    number = np.floor((motion.time_s[rows] - motion.time_s[rows[0]]) / period).astype(int)
-    counts = np.bincount(number)
-    good = np.flatnonzero(counts >= np.median(counts[counts > 0]))
-    parts = [rows[number == n] for n in good]
-    bends = np.stack([_sines(motion.time_s[r], motion.smooth_angles[r], period) for r in parts])
-    phase = float(np.angle((bends[:, 1:] * bends[:, :-1].conj()).sum()))
-    amplitude = np.sqrt((np.abs(bends) ** 2).mean(axis=0))
-    return Beat(period, amplitude, phase * (bends.shape[1] + 1) / (2 * np.pi))
-
-
-def _sines(time_s: Floats, angles: Floats, period: float) -> NDArray[np.complex128]:
-    """Complex amplitude (m,) of each joint's sine in one period, about a mean."""
-    turn = 2 * np.pi * time_s / period
-    columns = np.column_stack([np.cos(turn), np.sin(turn), np.ones_like(turn)])
-    cosine, sine, _ = np.linalg.lstsq(columns, angles, rcond=None)[0]
-    return np.asarray(cosine - 1j * sine)
 
 
 def edges_per_wave(motion: Motion) -> float:
@@ -172,10 +136,11 @@ def _stretching(body: Body, motion: Motion) -> list[str]:
 
 def _length(motion: Motion) -> list[str]:
     frames = sum(run.stop - run.start for run in motion.runs)
-    period = Signal(motion.time_s, motion.joint_angles).period_s
+    found = beat(motion)
     seconds = sum(float(motion.time_s[run.stop - 1] - motion.time_s[run.start]) for run in motion.runs)
-    if period is None:
+    if found is None:
         return [f"{seconds:.3g} s, and nothing repeats in it: a fit is possible, but says nothing about other beats"]
+    period = found.period_s
     if seconds < SHORT * period:
         return [f"too short: {seconds:.3g} s are {seconds / period:.2g} periods; intervals hold for this beat alone"]
     if frames > LONG:
