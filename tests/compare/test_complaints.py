@@ -1,4 +1,4 @@
-"""What a fit says of itself: a bound at which the data are followed is an answer; of a wrong model no interval holds."""
+"""What a fit says of itself: a bound where the data are followed is an answer; of a wrong model no interval holds."""
 
 from types import SimpleNamespace
 

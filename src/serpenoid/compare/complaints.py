@@ -62,8 +62,8 @@ def _size(solution: Solution, animal: bool, trials: int) -> list[str]:
     if scale > OFF:
         others = "; what trials differ by shows how far they are off at least" if trials > 1 else ""
         return [
-            f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, and intervals hold "
-            f"only if it is right: they do not say how far these numbers are from the body's own{others}"
+            f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, and intervals "
+            f"hold only if it is right: they do not say how far these numbers are from the body's own{others}"
         ]
     if scale >= least / OFF:
         return []
