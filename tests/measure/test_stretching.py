@@ -48,3 +48,12 @@ def test_a_body_that_only_bends_stretches_nowhere(tmp_path, vertices, bend, hidd
     said = notes(tmp_path, crawler(0.0, vertices, bend, hidden, noise))
     assert "stretches" not in said
     assert "lengthening" not in said
+
+
+def test_rigid_links_stretch_nowhere_though_no_curve_runs_between_their_ends(tmp_path):
+    heading = 0.5 * np.sin(2 * np.pi * (np.linspace(0, 1, 11) / 0.8 + TIME[:, None]))
+    steps = np.stack([np.cos(heading), np.sin(heading)], axis=2) / 11
+    points = np.concatenate([np.zeros((len(TIME), 1, 2)), np.cumsum(steps, axis=1)], axis=1)
+    points[..., 0] += 0.2 * TIME[:, None]
+    said = notes(tmp_path, points + NOISE / 3 * np.random.default_rng(4).normal(size=points.shape))
+    assert "stretches" not in said

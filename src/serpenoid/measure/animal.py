@@ -81,21 +81,22 @@ def stretching(body: Body, motion: Motion) -> Stretch:
 
 def sliding(body: Body, motion: Motion) -> tuple[Stretch, float]:
     """Of the way along the body to the point that moves most along it, beyond what the length of the whole does; and
-    the SD, beyond noise, of edges in proportion to the whole. Noise is that of the point in the middle of all, and not
-    surely more is what arcs differ from chords by, as the curve between points is guessed."""
+    the SD, beyond noise, of edges in proportion to the whole. Noise is that of the usual point. The curve between
+    points is guessed: surely more is what chords show, too, and what is more than arcs differ from those by."""
     lengths = shown_lengths(body, motion.markers)
     seen = np.isfinite(lengths).all(axis=1)
     if not seen.any():
         return Stretch(0.0, 0.0, False, 0.0), 0.0
     chords = np.asarray(np.linalg.norm(np.diff(motion.markers, axis=1), axis=2))
     whole = lengths.sum(axis=1) / np.sum(body.edges)
-    ways, guessed = _ways(body, lengths), _ways(body, lengths - chords)
+    ways, straight = _ways(body, lengths), _ways(body, chords)
     edges = lengths / np.asarray(body.edges) - whole[:, None]
     most = int(np.argmax(ways[seen].var(axis=0)))
     noise = float(np.median(Signal(motion.time_s, ways).noise_variance))
-    found = _stretch(motion, ways[:, most], noise)
+    found, by_chords = (_stretch(motion, way[:, most], noise) for way in (ways, straight))
+    guessed = float((ways - straight)[seen, most].var())
     beyond = edges[seen].var(axis=0) - Signal(motion.time_s, edges).noise_variance
-    surely = found.sure and found.spread > float(guessed[seen, most].std())
+    surely = found.sure and by_chords.sure and found.spread**2 > noise + guessed
     return replace(found, sure=surely), float(np.sqrt(max(beyond.mean(), 0.0)))
 
 
