@@ -148,7 +148,8 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     found = [f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
     if head_first < 0.5 and run < 0:
         found.append(
-            "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
+            "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
+            "`first_point` (or reverse `markers`)"
         )
     return (*found, *_clock(motion), *_sampling(motion), *_stretching(body, motion), *_length(motion))
 

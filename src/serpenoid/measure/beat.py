@@ -26,8 +26,10 @@ from serpenoid.measure.trial import Motion
 PER_TURN = 8  # centres: their phases are told apart though a beat is thrice as quick as another
 PER_OCTAVE = 8  # scales that are tried: a window of two periods tells them no finer
 LEAST_FRAMES = 4  # of a beat: with three unknowns, its two periods still leave something to compare
+MOST_FRAMES = 32  # of a beat: of more, so many means are taken
 MOST_CENTRES = 400  # of a scale that is tried
-ROUNDS = 5  # of turning at the period that the last one found
+ROUNDS = 5  # of turning at the period that the last one found, unless it has
+SETTLED = 1e-6  # of a period
 UNKNOWNS = 3  # of a window: mean, cosine, sine
 SINGULAR = 1e-6  # of the Gram matrix: rows at the edge of a window
 
@@ -63,6 +65,7 @@ def beat(motion: Motion) -> Beat | None:
     period = _scale(time_s, angles)
     if period is None:
         return None
+    time_s, angles, _ = _averaged(time_s, angles, period)
     sines, turned, period = _turned(time_s, angles, period)
     agreement, seconds = _once_more(time_s, angles, sines.centres, turned)
     if not agreement >= AGREES:
@@ -83,9 +86,24 @@ def _scale(time_s: Floats, angles: Floats) -> float | None:
     shares = []
     for period in scales:
         count = min(int(2 * np.ptp(time_s) / period) + 1, MOST_CENTRES)
-        found = sines_about(time_s, angles, np.linspace(time_s[0], time_s[-1], count), period)
-        shares.append(found.left.sum() / max(found.varied.sum(), 1e-300))
+        at, means, within = _averaged(time_s, angles, period)
+        found = sines_about(at, means, np.linspace(time_s[0], time_s[-1], count), period)
+        shares.append((found.left.mean() + within) / max(found.varied.mean() + within, 1e-300))
     return float(scales[int(np.argmin(shares))])
+
+
+def _averaged(time_s: Floats, angles: Floats, period: float) -> tuple[Floats, Floats, float]:
+    """Means of successive rows, as many as leave enough of a period, and the variance within them, of all joints."""
+    rows = int(period / np.median(np.diff(time_s)) / MOST_FRAMES)
+    if rows < 2:
+        return time_s, angles, 0.0
+    kept = len(time_s) // rows * rows
+    groups = angles[:kept].reshape(-1, rows, angles.shape[1])
+    return (
+        time_s[:kept].reshape(-1, rows).mean(axis=1),
+        groups.mean(axis=1),
+        float(groups.var(axis=1).sum(axis=1).mean()),
+    )
 
 
 def _turned(time_s: Floats, angles: Floats, period: float) -> tuple[Sines, Floats, float]:
@@ -98,9 +116,11 @@ def _turned(time_s: Floats, angles: Floats, period: float) -> tuple[Sines, Float
         turns = np.where(moved != 0, np.abs(np.angle(moved)) / (2 * np.pi), 1 / PER_TURN)
         inside = np.minimum(centres[:-1] - time_s[0], time_s[-1] - centres[1:]) / period
         share = np.abs(moved) * np.clip(inside, 0.0, 1.0)
-        if not share @ turns > 0:
+        before = period
+        if share @ turns > 0:
+            period = float(period / PER_TURN * share.sum() / (share @ turns))
+        if abs(period - before) <= SETTLED * before:
             break
-        period = float(period / PER_TURN * share.sum() / (share @ turns))
     return sines, np.concatenate([[0.0], np.cumsum(turns)]), period
 
 
