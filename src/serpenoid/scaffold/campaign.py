@@ -13,7 +13,6 @@ from serpenoid.files.writing import examples, write_csv, write_text
 from serpenoid.measure.readers import NAMES, READERS
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
-from serpenoid.model import Model
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of
 from serpenoid.table_file import write_table
@@ -46,6 +45,7 @@ QUESTIONS = (
 def write(path: Path, answers: Answers) -> str:
     """Write campaign.toml (or the named file) with the example's files; returns a command to begin with."""
     from serpenoid.lifting import flat_only
+    from serpenoid.model import Model
     from serpenoid.problem import load
     from serpenoid.simulation.problem import gait_table
     from serpenoid.simulation.rollout import simulate_joint_angles
