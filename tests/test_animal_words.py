@@ -75,6 +75,22 @@ def test_a_new_campaign_of_an_animal_has_neither_servos_nor_tables(tmp_path: Pat
     assert not [word for word in ("Robot:", "joint_table", "cycles", "play") if word in said]
 
 
+def test_a_new_campaign_of_a_tracker_of_animals_is_an_animal_s(tmp_path: Path) -> None:
+    assert main(["new", "campaign", str(tmp_path / "made"), "--format", "deeplabcut", "--yes"]) == 0
+    file, folder = load_campaign_file(tmp_path / "made")
+    assert file.body.is_animal
+    assert not file.lengths_given  # nobody said how long
+    said = (folder / "campaign.toml").read_text()
+    assert "# or wheeled robot, swimming robot, swimmer\n" in said
+    assert not [word for word in ("Robot:", "joint_table", "cycles", "play", "mass_kg", "weights") if word in said]
+
+
+def test_two_points_are_told_why_three_are_the_least(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text('format = 1\nname = "a"\n[body]\nvertices = 2\n[[trial]]\nname = "b"\n')
+    with pytest.raises(InputError, match="3 are the least, as a joint between two edges bends.*got 2"):
+        load_campaign_file(tmp_path)
+
+
 def test_a_fit_that_prints_its_numbers_says_what_is_wrong_with_them() -> None:
     found = sp.fit(ROOT / "problems" / "campaigns" / "lamprey.toml")
     said = str(found)

@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
@@ -60,6 +60,13 @@ class Body(Record):
     mass_kg: Positive | None = Field(default=None, description="for the cost of transport")
     joint_limit_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(default=None, description="|joint angle|")
     joint_speed_limit_rpm: Positive | None = Field(default=None, description="XL430 at 11.1 V: 57")
+
+    @field_validator("vertices", mode="before")
+    @classmethod
+    def _bends(cls, value: object) -> object:
+        if value in (1, 2):
+            raise ValueError("3 are the least, as a joint between two edges bends: add a point between head and tail")
+        return value
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -58,7 +58,8 @@ def trial(larva: Path) -> Trial:
 
 
 def test_what_a_larva_lengthens_is_its_whole_path(trial: Trial) -> None:
-    spread, noise, share = stretching(trial.body, trial.motion)
+    found = stretching(trial.body, trial.motion)
+    spread, noise, share = found.spread, found.noise, found.share
     assert noise == pytest.approx(NOISE * np.sqrt(2), rel=0.5)  # of both ends; the wave adds a little
     assert spread > 2 * noise
     assert share == pytest.approx(1, abs=0.15)  # by a stride it lengthens and goes on; noise and smoothing move that

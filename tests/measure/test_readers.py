@@ -224,12 +224,31 @@ def test_rows_without_a_reading_are_a_gap_and_a_servo_that_never_answers_is_name
         read_servo_log(path)
 
 
-@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("separator", [";", "\t", "|"])
 def test_semicolons_tabs_and_decimal_commas_of_a_spreadsheet_are_read(tmp_path, separator):
     path = tmp_path / "m.csv"
     path.write_text(separator.join(["t_s", "x_0", "y_0"]) + "\n" + separator.join(["0,5", "-1,25", "3e-1"]) + "\n")
     tracks = read_tidy(path)
     assert (tracks.time_s[0], *tracks.floor[0, 0]) == (0.5, -1.25, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("text", "cure"),
+    [
+        ("t_s x_0 y_0\n0.0 1 2\n0.1 1 2\n", "one cell of 3 words.*commas, semicolons or tabs"),
+        (
+            "t_s,x_0,y_0\n0,0,1,2,2,5\n0,1,1,2,2,5\n",
+            "row 2: has 6 cells where.*3. Twice as many: are commas in its num",
+        ),
+        ("scorer,a,a\nbodyparts,tail,tail\n", 'another kind of file begins: `format = "deeplabcut"`'),
+        ("t_s,x_0,y_0\n0.2,1,2\n0.1,1,2\n0.0,1,2\n", "All rows run backwards: sort them by their time"),
+        ("t_s,x_0,y_0\n0.1,1,2\n0.2,1,2\n0.0,1,2\n", "Two recordings in one file"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_told_what_is_wrong_with_it(tmp_path, text, cure):
+    (tmp_path / "m.csv").write_text(text)
+    with pytest.raises(InputError, match=cure):
+        read_tidy(tmp_path / "m.csv")
 
 
 def test_servo_log_in_degrees_is_refused(tmp_path):

@@ -14,7 +14,8 @@ from serpenoid.compare.records import trial_record
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv
 from serpenoid.measure import readers
-from serpenoid.measure.animal import beat, bends_run, edges_per_wave, leading, remarks
+from serpenoid.measure.animal import bends_run, edges_per_wave, leading, remarks
+from serpenoid.measure.beat import beat
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.points import read_long

@@ -8,7 +8,7 @@ and maximum likelihood through the step equations, with shape noise and pose noi
 trials together. Answers to "how sure?": camera noise alone; robust to errors that last (what is left is not noise);
 by the spread of trials, where they differ by more than chance. K has the widest of them. Simulations use the *measured*
 shapes on the recording's own frames. A fitted eps holds for one kind of dissipation element only. Writes fit.json and
-figures. Exit code 1: a fit did not converge or ran into a bound.
+figures. Exit code 1: a fit did not converge, or ran into a bound where the model does not follow the data.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
     if args.quiet or args.json:
         for complaint in complaints:
             options.complain(complaint)
-    return 1 if any("bound" in text or "converge" in text for text in complaints) else 0
+    return 1 if any("ran into its bound" in text or "converge" in text for text in complaints) else 0
 
 
 def lines(calibration: Calibration, model: Model) -> list[str]:

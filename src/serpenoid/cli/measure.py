@@ -123,7 +123,7 @@ def _beat_lines(trial: Trial, motion: Motion) -> list[str]:
     """How an animal bends: what a table commands needs no telling."""
     import numpy as np
 
-    from serpenoid.measure.animal import beat
+    from serpenoid.measure.beat import beat
 
     found = beat(motion) if trial.schedule is None else None
     if found is None:
@@ -161,10 +161,17 @@ def _seconds_words(trial: Trial, motion: Motion) -> str:
 
 def _body_words(trial: Trial, motion: Motion) -> str:
     """Length and period: where units of length or time are wrong, these two numbers show it."""
+    length = f"{metric(trial.metres)} long" if trial.metres else "of unknown length (pixels)"
+    return f"{length}; its bending repeats {_period_words(trial, motion)}"
+
+
+def _period_words(trial: Trial, motion: Motion) -> str:
+    """What plays a table repeats it exactly; an animal's beats are as they come."""
+    from serpenoid.measure.beat import beat
     from serpenoid.measure.consistency.signals import Signal
 
+    if trial.schedule is None:
+        found = beat(motion)
+        return f"every {found.period_s:.4g} s (single beats: SD {found.spread_s:.2g} s)" if found else "at no period"
     period = Signal(motion.time_s, motion.joint_angles).repeats_s
-    length = f"{metric(trial.metres)} long" if trial.metres else "of unknown length (pixels)"
-    return (
-        f"{length}; its bending repeats " + (f"every {period:.4g} s" if period else "at no period") + _promised(trial)
-    )
+    return (f"every {period:.4g} s" if period else "at no period") + _promised(trial)

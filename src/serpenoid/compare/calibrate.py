@@ -158,7 +158,7 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
     return Estimate(
         names, solution.values, sd, interval, np.hypot(robust_sd(solution), beside) + silent, differ, correlation,
         solution.noise_scale, autocorrelation(solution.segments),
-        complaints(solution, model, sd, interval, correlation), solution,
+        complaints(solution, model, sd, interval, correlation, len(set(trials))), solution,
     )  # fmt: skip
 
 

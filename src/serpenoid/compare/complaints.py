@@ -13,10 +13,13 @@ from serpenoid.model import Model
 CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
 OFF = 1.5  # times the noise, or a part of the least that chance makes of it: something is wrong
 CHANCE = 0.01
+MOST_EPS = 0.999  # K = 1, to where a fit's own tolerance ends
 
 
-def complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats) -> tuple[str, ...]:
-    """All of them; sd (P,), interval (P, 2) and correlation (P, P) of the fitted numbers."""
+def complaints(
+    solution: Solution, model: Model, sd: Floats, interval: Floats, correlation: Floats, trials: int
+) -> tuple[str, ...]:
+    """All of them; sd (P,), interval (P, 2) and correlation (P, P) of the numbers fitted to so many trials."""
     found = [model.sparse_drag] if model.sparse_drag and not model.body.is_animal else []
     lows, highs = bounds(solution.names, model)
     if not solution.converged:
@@ -25,14 +28,14 @@ def complaints(solution: Solution, model: Model, sd: Floats, interval: Floats, c
         if sd[i] > 0.5 * (highs[i] - lows[i]):
             found.append(f"these data do not determine `{name}`")
         if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
-            found.append(f"`{name}` ran into its bound {solution.values[i]:.4g}: the model cannot follow these data")
+            found.append(_at_bound(name, float(solution.values[i]), solution.noise_scale))
         elif interval[i, 0] <= lows[i] or interval[i, 1] >= highs[i]:
             found.append(f"the interval of `{name}` reaches its bound: these data do not limit it there")
         for j in range(i):
             if abs(correlation[i, j]) > CORRELATED:
                 pair = f"`{solution.names[j]}` and `{name}`"
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
-    return (*found, *_size(solution, model.body.is_animal))
+    return (*found, *_size(solution, model.body.is_animal, trials))
 
 
 def least_by_chance(freedom: int) -> float:
@@ -40,13 +43,27 @@ def least_by_chance(freedom: int) -> float:
     return float(np.sqrt(chdtri(max(freedom, 1), 1 - CHANCE) / max(freedom, 1)))
 
 
-def _size(solution: Solution, animal: bool) -> list[str]:
+def _at_bound(name: str, value: float, scale: float) -> str:
+    """Where the data are followed there the bound is an answer; otherwise they ask for more than the model has."""
+    if scale <= OFF:
+        return f"`{name}` is {value:.4g}, as far as it goes, and there the model follows these data"
+    said = f"`{name}` ran into its bound {value:.4g}: the model cannot follow these data"
+    if name == "anisotropy_ratio" and value >= MOST_EPS:
+        return (
+            f"{said}. A body that moves the way its bends run slips more easily sideways than lengthwise (K < 1: "
+            "bristles, legs), which is outside the model: nothing here fits it, and K = 1 is no estimate of it"
+        )
+    return said
+
+
+def _size(solution: Solution, animal: bool, trials: int) -> list[str]:
     """Whether what is left is as large as the noise, which is told by how markers miss the links."""
     scale, least = solution.noise_scale, least_by_chance(solution.freedom)
     if scale > OFF:
+        others = "; what trials differ by shows how far they are off at least" if trials > 1 else ""
         return [
-            f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, "
-            "and the noise interval means little; look at the robust one and the spread over trials"
+            f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, and intervals "
+            f"hold only if it is right: they do not say how far these numbers are from the body's own{others}"
         ]
     if scale >= least / OFF:
         return []

@@ -10,7 +10,7 @@ import numpy as np
 from serpenoid.compare.calibrate import Calibration, Estimate
 from serpenoid.compare.ratios import RatioStatistics
 from serpenoid.compare.three import Comparison
-from serpenoid.measure.animal import beat
+from serpenoid.measure.beat import beat
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import Trial
 from serpenoid.measure.usage import usage
@@ -63,7 +63,8 @@ def trial_record(trial: Trial) -> dict[str, Any]:
     found = beat(motion) if motion is not None and trial.schedule is None else None
     if found is not None:
         record["gait"] = {
-            "period_s": found.period_s, "frequency_hz": 1 / found.period_s, "amplitude_rad": found.amplitude_rad,
+            "period_s": found.period_s, "period_sd_s": found.spread_s, "frequency_hz": 1 / found.period_s,
+            "amplitude_rad": found.amplitude_rad,
             "waves_from_head_to_tail": found.waves,
         }  # fmt: skip
     if servo is not None:

@@ -102,12 +102,12 @@ def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
 
 
 def csv_rows(text: str, path: str | Path) -> list[list[str]]:
-    """All rows of a CSV's text. Where no comma is in the header, semicolons or tabs separate, and numbers may have
-    decimal commas, as spreadsheets of many languages write them."""
+    """All rows of a CSV's text. Where no comma is in the header, semicolons, tabs or bars separate, and numbers may
+    have decimal commas, as spreadsheets of many languages write them."""
     csv.field_size_limit(CELL_CHARACTERS)
     lines = text.splitlines()
     header = next((line for line in lines if line.strip()), "")
-    separator = next((mark for mark in ",;\t" if mark in header), ",")
+    separator = next((mark for mark in ",;\t|" if mark in header), ",")
     try:
         rows = list(csv.reader(lines, delimiter=separator))
     except csv.Error as error:

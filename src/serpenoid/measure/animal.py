@@ -5,14 +5,15 @@ run of the bends = sum (k_{j+1} k_j' - k_j k_{j+1}') / sum |.|        > 0: from 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
+from serpenoid.measure.beat import beat
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
@@ -23,7 +24,8 @@ LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
 SLOWEST = 2.0  # seconds between frames: of an animal that moves slower films are asked about their clock
 FINER = {'milliseconds (`time_unit = "ms"`)': 1e-3, 'microseconds (`time_unit = "us"`)': 1e-6}
 SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and its points do not only scatter
-BOTH = 6.0  # over F: the variance of F lengths, 2, and of their noise by second differences, 35 / 9
+ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
+BOTH = 6.0  # over the second differences there are: the variance of lengths' variance over that of their noise
 DRAWS = 20  # of white noise, smoothed as lengths are
 LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
@@ -46,41 +48,6 @@ def bends_run(motion: Motion) -> float:
     return float(turning.sum() / total) if total > 0 else 0.0
 
 
-@dataclass(frozen=True)
-class Beat:
-    """How a body bends, where it repeats: period [s], amplitude (m,) of each joint's sine of that period [rad], and
-    waves on the body, > 0 where they run from head to tail; 0: bends that stand."""
-
-    period_s: float
-    amplitude_rad: Floats
-    waves: float
-
-
-def beat(motion: Motion) -> Beat | None:
-    """None where nothing repeats. Sines of one period at a time, in the better half of the periods by frames seen:
-    points that scatter in single frames bend neighbouring joints to opposite sides, which passes for short waves."""
-    period = Signal(motion.time_s, motion.joint_angles).repeats_s
-    if period is None:
-        return None
-    rows = np.concatenate([np.arange(run.start, run.stop) for run in motion.runs])
-    number = np.floor((motion.time_s[rows] - motion.time_s[rows[0]]) / period).astype(int)
-    counts = np.bincount(number)
-    good = np.flatnonzero(counts >= np.median(counts[counts > 0]))
-    parts = [rows[number == n] for n in good]
-    bends = np.stack([_sines(motion.time_s[r], motion.smooth_angles[r], period) for r in parts])
-    phase = float(np.angle((bends[:, 1:] * bends[:, :-1].conj()).sum()))
-    amplitude = np.sqrt((np.abs(bends) ** 2).mean(axis=0))
-    return Beat(period, amplitude, phase * (bends.shape[1] + 1) / (2 * np.pi))
-
-
-def _sines(time_s: Floats, angles: Floats, period: float) -> NDArray[np.complex128]:
-    """Complex amplitude (m,) of each joint's sine in one period, about a mean."""
-    turn = 2 * np.pi * time_s / period
-    columns = np.column_stack([np.cos(turn), np.sin(turn), np.ones_like(turn)])
-    cosine, sine, _ = np.linalg.lstsq(columns, angles, rcond=None)[0]
-    return np.asarray(cosine - 1j * sine)
-
-
 def edges_per_wave(motion: Motion) -> float:
     """Edges that one wave of bending spans, from the mean phase that each joint lags behind the next; infinite: none.
 
@@ -95,17 +62,60 @@ def edges_per_wave(motion: Motion) -> float:
     return 2 * np.pi / phase if phase > 0 else np.inf
 
 
-def stretching(body: Body, motion: Motion) -> tuple[float, float, float]:
-    """SD of the body's length, SD of its white noise [body lengths], and the share of the path (0 ..) that a body could
-    crawl with it: forward by as much as it lengthens, never back,
+@dataclass(frozen=True)
+class Stretch:
+    """How a length of a body varies: SD, SD of its white noise [body lengths], whether that is more than noise, and the
+    share of the path (0 ..) that a body could crawl with it."""
+
+    spread: float
+    noise: float
+    sure: bool
+    share: float
+
+
+def stretching(body: Body, motion: Motion) -> Stretch:
+    """Of the body's length."""
+    lengths = shown_lengths(body, motion.markers).sum(axis=1)
+    return _stretch(motion, lengths, float(Signal(motion.time_s, lengths[:, None]).noise_variance[0]))
+
+
+def sliding(body: Body, motion: Motion) -> tuple[Stretch, float]:
+    """Of the way along the body to the point that moves most along it, beyond what the length of the whole does; and
+    the SD, beyond noise, of edges in proportion to the whole. Noise is that of the usual point. The curve between
+    points is guessed: surely more is what chords show, too, and what is more than arcs differ from those by."""
+    lengths = shown_lengths(body, motion.markers)
+    seen = np.isfinite(lengths).all(axis=1)
+    if not seen.any():
+        return Stretch(0.0, 0.0, False, 0.0), 0.0
+    chords = np.asarray(np.linalg.norm(np.diff(motion.markers, axis=1), axis=2))
+    whole = lengths.sum(axis=1) / np.sum(body.edges)
+    ways, straight = _ways(body, lengths), _ways(body, chords)
+    edges = lengths / np.asarray(body.edges) - whole[:, None]
+    most = int(np.argmax(ways[seen].var(axis=0)))
+    noise = float(np.median(Signal(motion.time_s, ways).noise_variance))
+    found, by_chords = (_stretch(motion, way[:, most], noise) for way in (ways, straight))
+    guessed = float((ways - straight)[seen, most].var())
+    beyond = edges[seen].var(axis=0) - Signal(motion.time_s, edges).noise_variance
+    surely = found.sure and by_chords.sure and found.spread**2 > noise + guessed
+    return replace(found, sure=surely), float(np.sqrt(max(beyond.mean(), 0.0)))
+
+
+def _ways(body: Body, lengths: Floats) -> Floats:
+    """From the tail to every point between the ends (F, N - 2), less its share of the whole."""
+    share = np.cumsum(body.edges) / np.sum(body.edges)
+    return np.asarray((np.cumsum(lengths, axis=1) - lengths.sum(axis=1)[:, None] * share)[:, :-1])
+
+
+def _stretch(motion: Motion, lengths: Floats, variance: float) -> Stretch:
+    """A body crawls with lengths (F,), of such noise, forward by as much as they grow, never back,
 
         sum |dL| / 2 / sum |dx|      L: smoothed lengths, x: the centroid
 
     less what white noise alone, smoothed as they are, would crawl.
     """
-    lengths = shown_lengths(body, motion.markers).sum(axis=1)
-    variance = float(Signal(motion.time_s, lengths[:, None]).noise_variance[0])
     runs = [r for run in motion.runs if len(r := np.arange(run.start, run.stop)[np.isfinite(lengths[run])])]
+    if not runs:
+        return Stretch(0.0, float(np.sqrt(variance)), False, 0.0)
     rng = np.random.default_rng(0)
     noise = np.sqrt(variance) * rng.normal(size=(len(lengths), DRAWS))
     drawn = np.column_stack([lengths, noise])
@@ -114,8 +124,12 @@ def stretching(body: Body, motion: Motion) -> tuple[float, float, float]:
     path = sum(
         float(np.linalg.norm(np.diff(motion.smooth_poses[run, :2], axis=0), axis=1).sum()) for run in motion.runs
     )
-    spread = float(lengths[np.concatenate(runs)].std()) if runs else 0.0
-    return spread, float(np.sqrt(variance)), crawled / path if path > 0 else 0.0
+    seen = lengths[np.concatenate(runs)]
+    robust = float(ROBUST * np.median(np.abs(seen - np.median(seen))))
+    triples = int(np.isfinite(np.diff(lengths, n=2)).sum())
+    limit = variance * (1 + SURE * np.sqrt(BOTH / max(triples, 1)))
+    sure = triples >= LEAST_ROWS and min(robust, float(seen.std())) ** 2 > limit
+    return Stretch(float(seen.std()), float(np.sqrt(variance)), bool(sure), crawled / path if path > 0 else 0.0)
 
 
 def _way(time_s: Floats, columns: Floats, variance: float) -> Floats:
@@ -134,7 +148,8 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     found = [f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
     if head_first < 0.5 and run < 0:
         found.append(
-            "as head and tail would if exchanged: if it swam forwards, set `first_point` (or reverse `markers`)"
+            "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
+            "`first_point` (or reverse `markers`)"
         )
     return (*found, *_clock(motion), *_sampling(motion), *_stretching(body, motion), *_length(motion))
 
@@ -160,22 +175,32 @@ def _sampling(motion: Motion) -> list[str]:
 
 
 def _stretching(body: Body, motion: Motion) -> list[str]:
-    spread, noise, share = stretching(body, motion)
-    frames = sum(run.stop - run.start for run in motion.runs)
-    if spread**2 <= noise**2 * (1 + SURE * np.sqrt(BOTH / frames)) or share < LEAST_SHARE:
-        return []
-    return [
-        f"its length varies by {spread:.1%} (SD; noise {noise:.1%}), and links of the model are rigid: by lengthening "
-        f"and shortening (peristalsis) a body could crawl {min(share, 1):.0%} of this path, which no fit accounts for"
-    ]
+    """As a whole, and in places while other places shorten."""
+    found, whole = [], stretching(body, motion)
+    if whole.sure and whole.share >= LEAST_SHARE:
+        found.append(
+            f"its length varies by {whole.spread:.1%} (SD; noise {whole.noise:.1%}), and links of the model are rigid: "
+            "by lengthening and shortening (peristalsis) a body could crawl "
+            f"{min(whole.share, 1):.0%} of this path, which no fit accounts for"
+        )
+    places, edges = sliding(body, motion)
+    if places.sure and places.share >= LEAST_SHARE:
+        found.append(
+            f"distances of its neighbouring points vary by {edges:.1%} (SD beyond noise) while others make up for it: "
+            "it stretches in places (peristalsis), or points slide along it. Links of the model are rigid, this passes "
+            f"for noise of the points, and no fit accounts for the {min(places.share, 1):.0%} of this path that a body "
+            "could crawl with it"
+        )
+    return found
 
 
 def _length(motion: Motion) -> list[str]:
     frames = sum(run.stop - run.start for run in motion.runs)
-    period = Signal(motion.time_s, motion.joint_angles).period_s
+    found = beat(motion)
     seconds = sum(float(motion.time_s[run.stop - 1] - motion.time_s[run.start]) for run in motion.runs)
-    if period is None:
+    if found is None:
         return [f"{seconds:.3g} s, and nothing repeats in it: a fit is possible, but says nothing about other beats"]
+    period = found.period_s
     if seconds < SHORT * period:
         return [f"too short: {seconds:.3g} s are {seconds / period:.2g} periods; intervals hold for this beat alone"]
     if frames > LONG:

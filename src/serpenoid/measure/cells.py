@@ -40,6 +40,12 @@ def read_rows(path: Path, live: bool = False) -> Rows:
         raise InputError(f"{path}: holds no complete row.")
     if not rows[0]:
         raise InputError(f"{path}: row 1: is empty, where the header belongs.")
+    words = [len(row[0].split()) for row in rows[:2] if len(row) == 1]
+    if len(words) == 2 and words[0] == words[1] > 1:
+        raise InputError(
+            f"{path}: row 1: is one cell of {words[0]} words, as is the next: spaces separate nothing here. Write "
+            "commas, semicolons or tabs between cells."
+        )
     return rows
 
 
@@ -101,9 +107,11 @@ def block(rows: Rows, first: int, columns: Sequence[int], names: Sequence[str], 
     width = len(rows[first - 1])
     for row in range(first, len(rows)):
         if len(rows[row]) != width:
+            twice = "Twice as many: are commas in its numbers? Write points there, or semicolons between cells."
+            edited = "Is the file truncated, or were rows edited by hand?"
             raise InputError(
                 f"{path}: row {row + 1}: has {len(rows[row])} cells where the header has {width}. "
-                "Is the file truncated, or were rows edited by hand?"
+                f"{twice if len(rows[row]) == 2 * width else edited}"
             )
     if first >= len(rows):
         raise InputError(f"{path}: has a header and no data rows.")
@@ -142,10 +150,13 @@ def increasing_times(times: Floats, rows: int | NDArray[np.int64], column: int, 
     back = np.flatnonzero(np.diff(times) <= 0)
     if back.size:
         row, again = int(row_of[back[0] + 1]), times[back[0] + 1] == times[back[0]]
-        twice = "Is a row there twice, or has its time too few digits? Leave it out, or write more digits."
+        cure = "Two recordings in one file? Give each trial its own."
+        if again:
+            cure = "Is a row there twice, or has its time too few digits? Leave it out, or write more digits."
+        elif len(times) > 2 and len(back) == len(times) - 1:
+            cure = "All rows run backwards: sort them by their time."
         raise InputError(
             f"{place(path, row, column, name)}: times must increase, got {times[back[0] + 1]:g} after "
-            f"{times[back[0]]:g}. "
-            f"{twice if again else 'Two recordings in one file? Give each trial its own.'}"
+            f"{times[back[0]]:g}. {cure}"
         )
     return times

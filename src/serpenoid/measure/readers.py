@@ -75,13 +75,14 @@ def _tidy(path: Path, keys: MotionKeys) -> Tracks:
 class Format:
     """A kind of motion file. read: makes tracks of one. up_axis: of points in space, where [motion] names none.
 
-    vertices: its points are the body's vertices already, in order. For a new campaign: named, whether its points have
-    names; unit, its `length_unit`; lines, more lines of [motion].
+    vertices: its points are the body's vertices already, in order. For a new campaign: animals, whether its films show
+    those; named, whether its points have names; unit, its `length_unit`; lines, more lines of [motion].
     """
 
     read: Reader
     up_axis: str | None = None
     vertices: bool = False
+    animals: bool = False
     named: bool = False
     unit: str = "m"
     lines: tuple[str, ...] = ()
@@ -98,11 +99,11 @@ def _c3d(path: Path, keys: MotionKeys) -> Tracks:
 READERS: dict[str, Format] = {
     "motive": Format(_motive, "y", named=True, lines=('up_axis = "y"                # motive: usually "y"',)),
     "c3d": Format(_c3d, "z", named=True, lines=('up_axis = "z"',)),
-    "deeplabcut": Format(_timed(read_deeplabcut), named=True, unit="px"),
-    "sleap": Format(_sleap, named=True, unit="px"),
-    "tierpsy": Format(_timed(read_tierpsy)),
-    "trex": Format(_timed(read_trex)),
-    "wcon": Format(_timed(read_wcon)),
+    "deeplabcut": Format(_timed(read_deeplabcut), animals=True, named=True, unit="px"),
+    "sleap": Format(_sleap, animals=True, named=True, unit="px"),
+    "tierpsy": Format(_timed(read_tierpsy), animals=True),
+    "trex": Format(_timed(read_trex), animals=True),
+    "wcon": Format(_timed(read_wcon), animals=True),
     "array": Format(_timed(read_array)),
     "tidy": Format(
         _tidy,

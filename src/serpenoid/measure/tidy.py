@@ -15,6 +15,8 @@ OWN_NAMES = (
     "points stand, tail first (docs/your-csv.md)."
 )
 
+FIRST_CELLS = {"scorer": "deeplabcut", "track": "sleap", "Format Version": "motive"}
+
 
 def read_tidy(
     path: str | Path,
@@ -57,7 +59,9 @@ def _tidy_places(header: list[str], path: Path) -> list[int]:
 
 
 def _own(header: list[str]) -> str:
-    """What to write for the names of a file, where two columns a point can be seen."""
+    """What to write for the names of a file, where two columns a point can be seen, or whose file it is."""
+    if header[0] in FIRST_CELLS:
+        return f'That is how another kind of file begins: `format = "{FIRST_CELLS[header[0]]}"` in [motion].'
     named = list(dict.fromkeys(re.sub(r"[0-9]+", "*", name) for name in header[1:]))
     if len(named) != 2 or any(name.count("*") != 1 for name in named) or '"' in "".join(header):
         return OWN_NAMES

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
-from serpenoid.body import Body, Floats
+from serpenoid.body import Body, Floats, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
 from serpenoid.measure.readers import NAMES, READERS
@@ -19,6 +20,7 @@ from serpenoid.table_file import write_table
 EXAMPLE = "example"
 BEGIN = "# --- made up: `serpenoid campaign add` takes this trial out again ---"
 END = "# --- end of what is made up ---"
+USUAL_KIND = "wheeled robot"
 CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
 STEP_S = 5e-3  # four in a frame of the film
@@ -29,7 +31,12 @@ UNITS = {
 
 
 QUESTIONS = (
-    Question("problem", "Problem file of the robot or animal (empty: the paper's snake)", "", existing),
+    Question(
+        "problem",
+        "Problem file of the robot or animal (empty: the paper's robot; of a tracker of animals, one as long)",
+        "",
+        existing,
+    ),
     Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", one_of(*NAMES)),
     Question("frames-per-second", "Frames per second of the cameras", "120", number(0, 1e5)),
 )
@@ -38,27 +45,37 @@ QUESTIONS = (
 def write(path: Path, answers: Answers) -> str:
     """Write campaign.toml (or the named file) with the example's files; returns a command to begin with."""
     from serpenoid.lifting import flat_only
+    from serpenoid.model import Model
     from serpenoid.problem import load
     from serpenoid.simulation.problem import gait_table
     from serpenoid.simulation.rollout import simulate_joint_angles
 
     problem = load(answers["problem"] or examples() / "snake10.toml")
     flat_only(problem.lift, problem.name)
+    assumed = not answers["problem"] and READERS[answers["format"]].animals
+    body = _animal(problem.body) if assumed else problem.body
     table, folder, duration = gait_table(problem), path.parent, problem.task.cycle_duration_s or 5.0
     closed = not problem.task.transient
-    motion = simulate_joint_angles(problem.model, _run_through(table, duration, closed), closed=closed)
+    motion = simulate_joint_angles(
+        Model(body, problem.medium) if assumed else problem.model, _run_through(table, duration, closed), closed=closed
+    )
     if not motion.status.ok:
         raise InputError(f"{problem.name}: its gait cannot be simulated: {motion.status.value}.")
-    if not problem.body.is_animal:
+    if not body.is_animal:
         write_table(folder / EXAMPLE / "joint_table.csv", table)
     steps = motion.steps_per_cycle
-    cycle = motion.vertices[: steps + 1] * problem.body.total_length_m
+    cycle = motion.vertices[: steps + 1] * body.total_length_m
     poses = motion.poses[[0, steps]]
-    shown = cycle[:, _marked(problem.body, problem.medium)]
-    _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, problem.body.total_length_m)
+    shown = cycle[:, _marked(body, problem.medium)]
+    _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, body.total_length_m)
     hint = write_schema(folder, "campaign")
-    write_text(path, _text(hint, folder.absolute().name, problem.body, problem.medium, duration, answers))
+    write_text(path, _text(hint, folder.absolute().name, body, problem.medium, duration, answers))
     return f"serpenoid measure {folder}"
+
+
+def _animal(robot: Body) -> Body:
+    """A crawler as long as a robot, of which nobody said anything."""
+    return Body(kind="crawler", vertices=robot.vertices, edge_lengths=robot.edge_lengths)
 
 
 def _run_through(table: Floats, duration: float, closed: bool) -> Floats:
@@ -98,6 +115,8 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     joints = [] if body.joints is None else [f"joints = {list(body.joints)}"]
     lengths = ", ".join(f"{edge:.6g}" for edge in body.edges_m)
     weights = ", ".join(f"{weight:.6g}" for weight in body.vertex_weights)
+    others = ", ".join(kind for kind in get_args(Kind) if kind != (body.kind or USUAL_KIND))
+    unknown = "# " if body.is_animal and not answers["problem"] else ""
     prefix = "" if body.is_animal else "Robot:"
     marked, labels = _marked(body, medium), _labels(body)
     names = ", ".join(f'"{prefix}{labels[vertex]}"' for vertex in marked)
@@ -117,9 +136,9 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
             f'name = "{name}"',
             "",
             "[body]",
-            f"vertices = {body.vertices}",
-            f'{"" if body.kind else "# "}kind = "{body.kind or "wheeled robot"}"   # or swimming robot, or an animal',
-            f"edge_lengths = [{lengths}]   # metres, tail to head: {measure}",
+            f"vertices = {body.vertices}" + "   # points along the body that you track" * bool(unknown),
+            f'{"" if body.kind else "# "}kind = "{body.kind or USUAL_KIND}"   # or {others}',
+            f"{unknown}edge_lengths = [{lengths}]   # metres, tail to head: {measure}",
             *(() if body.is_animal and body.weights is None else (f"weights = [{weights}]",)),
             *joints,
             *mass,

@@ -23,7 +23,11 @@ class AddedMass(MediumEffect):
 EFFECT = AddedMass(
     name="added_mass",
     place=None,
-    parameters=(Parameter("relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "added mass over drag level"),),
+    parameters=(
+        Parameter(
+            "relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "added mass over drag level (that of sliding sideways)"
+        ),
+    ),
     looks_like="thrust out of phase with drag: a swimmer gets farther than any drag ratio allows; quick cycles show it",
     what_to_do="no fault: keep it in the model",
     needs=frozenset({"water"}),

@@ -20,7 +20,9 @@ class Inertia(MediumEffect):
 EFFECT = Inertia(
     name="inertia",
     place=None,
-    parameters=(Parameter("relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag level"),),
+    parameters=(
+        Parameter("relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag level (that of sliding sideways)"),
+    ),
     looks_like="the body lags behind its shape, overshoots, and coasts into the pauses; quick cycles show it most",
     what_to_do="no fault: keep it in the model, or play the gait more slowly",
     of_animals=Advice(

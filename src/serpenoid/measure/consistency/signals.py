@@ -25,6 +25,7 @@ CHANCE = 0.01  # of witnesses whose rows are in disorder that are taken for moti
 AWAY = 0.1  # of the motion's size: it has begun, or has not ended
 LEAST_OVERLAP = 1 / 3  # of the motion's sum of squares: a cycle and a half, two whatever the pause
 NEAR_PERIOD = 0.06  # of a period: rests that overlap draw its first estimate aside by less
+AGREES = 0.5  # with itself a period later, of its variance: with less, nothing repeats
 REPEATING = 0.9  # of the best agreement with itself: the first such delay is the period, later ones its multiples
 
 
@@ -162,14 +163,14 @@ def _period_s(signal: Signal) -> float | None:
     enough = np.fft.irfft((np.conj(motion) * seen).real)[:count] > LEAST_OVERLAP * whole.weight.mean() * away.sum()
     usable = count if enough.all() else int(np.argmin(enough))
     agreement = products[:usable] / overlap[:usable]
-    below = np.flatnonzero(agreement < 0.5)
+    below = np.flatnonzero(agreement < AGREES)
     if not len(below):
         return None
     after = agreement[below[0] :]
     best = float(after.max())
     peaks = 1 + np.flatnonzero((after[1:-1] >= after[:-2]) & (after[1:-1] >= after[2:]))
     good = peaks[after[peaks] >= REPEATING * best] if len(peaks) else peaks
-    if best < 0.5 or not len(good):
+    if best < AGREES or not len(good):
         return None
     return float(whole.step_s * (below[0] + good[0]))
 

@@ -1,0 +1,41 @@
+"""What a fit says of itself: a bound where the data are followed is an answer; of a wrong model no interval holds."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rehearsal import snake
+from serpenoid.compare.complaints import complaints
+
+NAMES = ("anisotropy_ratio",)
+
+
+def said(value: float, noise_scale: float, trials: int = 1, model=None) -> str:
+    solution = SimpleNamespace(
+        names=NAMES, values=np.array([value]), converged=True, noise_scale=noise_scale, freedom=1000
+    )
+    interval = value + 1e-3 * np.array([[-1, 1]])
+    return " | ".join(complaints(solution, model or snake(), np.array([1e-3]), interval, np.eye(1), trials))
+
+
+def test_a_bound_at_which_the_data_are_followed_is_an_answer():
+    text = said(1.0, 1.04)
+    assert "follows these data" in text
+    assert "cannot" not in text
+    assert "ran into" not in text  # which exit code 1 is for
+
+
+def test_a_body_that_moves_the_way_its_bends_run_is_told_that_the_model_has_no_such():
+    text = said(1.0, 394.7)
+    assert "ran into its bound 1" in text
+    assert "K < 1" in text
+    assert "K < 1" not in said(1e-4, 394.7)
+
+
+@pytest.mark.parametrize("trials", [1, 4])
+def test_a_wrong_model_is_told_that_its_intervals_say_nothing(trials):
+    text = said(0.3, 11.0, trials)
+    assert "the model is wrong somewhere, and intervals hold only if it is right" in text
+    assert ("what trials differ by" in text) == (trials > 1)
+    assert not said(0.3, 1.0, trials)
