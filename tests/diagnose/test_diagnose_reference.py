@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -15,22 +15,27 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from blind.protocol import usual
 from serpenoid.cli.main import main
+from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.select import Selection
-from serpenoid.diagnose.reference import Reference, in_other_cycles
+from serpenoid.diagnose.reference import Reference, about, in_other_cycles
 from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
 TOE = Effect("toe", None, {"angle": 0.05})  # there all the time
+INERTIA = ActiveEffect.of("inertia", relaxation_time=0.05)
 ZERO = Effect("zero_offset", 6, {"offset": 0.05})
 
 
@@ -167,3 +172,31 @@ def test_names_of_the_floor_are_marked_where_what_repeats_is_news(
     found = SimpleNamespace(motion=motion, best=fit, bases=[SimpleNamespace(chi2=9.0)], settled=fit)
     (named,) = choose_motion.with_stand_ins(cast(Selection, found), [Named(slope, {}, 5.0)], inadequate)
     assert named.stand_in == marked
+
+
+def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_path: Path) -> None:
+    """Rows that are held and servos that lag look like rows that run and begin later."""
+    lag, protocol = 0.05, replace(usual(63, COMBINATIONS[:2]), held=True)
+    write(make(63, [Effect("servo_lag", None, {"lag": lag})], protocol=protocol), tmp_path)
+    then = read_recordings(tmp_path)[1]
+    model, unknown = Model(then[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)
+    servos = replace(plays(then), known=(ActiveEffect.of("servo_lag", lag=lag),))
+    reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, servos, 0.0)
+    assert reference.rows_held
+    quarter = 0.25 * then[0].schedule.cycle_duration_s
+    unsaid = [replace(r, told=None, commands=None, t0_spread=quarter).later(0.06) for r in then]
+    assert reference.plays(unsaid).held
+    for r, laid in zip(then, reference.begun(unsaid), strict=True):
+        assert laid.time[0] == pytest.approx(r.time[0], abs=1e-3)
+        assert laid.log_time[0] == pytest.approx(r.log_time[0], abs=1e-3)
+
+
+def test_what_the_mesh_misses_is_that_of_the_model_whose_error_is_a_habit(followed: tuple[Recording, ...]) -> None:
+    model, labels = Model(followed[0].body, Medium(anisotropy_ratio=0.2)), tuple(range(len(followed)))
+    other, seen = replace(model, effects=(INERTIA,)), Observation.neutral(model.body)
+    motion = Motion(make_tracks(followed, seen, other), GUESS, labels)
+    d: Any = SimpleNamespace(motion=SimpleNamespace(selection=SimpleNamespace(motion=motion)), seen=seen)
+    for track, own in zip(about(d, model).tracks, make_tracks(followed, seen, model), strict=True):
+        np.testing.assert_array_equal(track.offset, own.offset)
+    far = np.concatenate([a.offset - b.offset for a, b in zip(about(d, model).tracks, motion.tracks, strict=True)])
+    assert np.abs(far[:, :2]).max() > 1e-4  # what was subtracted from one campaign and not from the other

@@ -98,7 +98,7 @@ def diagnose(
 ) -> Diagnosis:
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
-    recordings, servos, actuation = of_servos(recordings, baseline)
+    recordings, servos, actuation = of_servos(baseline.begun(recordings), baseline)
     recordings = carried(recordings, servos, [n.effect for n in (*actuation.named, *actuation.undetected)])
     say("shape against markers")
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), Observation.neutral(baseline.model.body)
@@ -208,13 +208,16 @@ def _scored(scores: Sequence[tuple[str, int | None, float]]) -> list[tuple[str, 
     return [score for i, score in enumerate(scores) if i < SCORES or first[score[0]] == i]
 
 
-def _rows(recordings: Sequence[Recording]) -> dict[str, Any]:
-    """Whether the tables' rows are held, and who says so: the logs' commands, or what servos follow best. One player
-    plays all trials: what the commands of one say, those of others that are no clear word do not take back."""
+def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]:
+    """Whether the tables' rows are held, and who says so: the logs' commands, those of a reference, or what servos
+    follow best. One player plays all trials: what the commands of one say, those of others that are no clear word do
+    not take back."""
     held = any(r.schedule.held for r in recordings)
     told = {r.held_as_told for r in recordings} - {None} == {held}
-    source = ("commands" if told else "readings") if recordings else None
-    untold = any(r.lag_untold for r in recordings) and not told
+    before = baseline.rows_held is not None and all(r.held_as_told is None for r in recordings)
+    who = "commands" if told else "reference" if before else "readings"
+    source = who if recordings else None
+    untold = any(r.lag_untold for r in recordings) and not told and not before
     return {"rows_held": held, "rows_from": source, "lag_untold": untold}
 
 
@@ -260,7 +263,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),
         "noise_over_markers": over_markers(found.motion),
-        **_rows([t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)]),
+        **_rows([t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)], d.baseline),
         "left": {stage.name: None if stage.skipped else stage.left for stage in d.stages},
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},

@@ -13,7 +13,7 @@ Legend: W windows of a trial, R log rows, m joints.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,13 +25,16 @@ from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.repeats import by_setting
+from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.inference.explanations import laws
 from serpenoid.diagnose.inference.medium import linearised
+from serpenoid.diagnose.inference.select import retracked
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
 from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.stages.set_points import by_table
 from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
 
@@ -41,11 +44,13 @@ Setting = tuple[str, float]
 
 @dataclass(frozen=True)
 class Habit:
-    """The model's habitual error in one setting: table (T, m) [rad], mean error and its noise (W, 3), NaN unknown."""
+    """The model's habitual error in one setting: table (T, m) [rad], mean error and its noise (W, 3), NaN unknown; mesh
+    (W, 3): what the mesh of the steps adds to it, which is not in it."""
 
     table: Floats
     error: Floats
     noise: Floats
+    mesh: Floats
 
     def fits(self, track: Track) -> bool:
         """Whether the trial is of the same gait."""
@@ -70,6 +75,14 @@ class Explanation:
             n = min(count, len(habit.error))
             error[:n], noise[:n] = habit.error[:n], habit.noise[:n]
         return error, noise
+
+    def with_mesh(self, track: Track) -> Floats:
+        """The same error with that of the mesh (B - 1, 3), on which no other model than this one depends."""
+        error = self.error(track)[0]
+        known = np.flatnonzero(np.isfinite(error).any(axis=1))
+        if len(known):
+            error[known] += self.habits[track.recording.setting].mesh[known]
+        return error
 
 
 @dataclass(frozen=True)
@@ -98,6 +111,12 @@ class Reference(Baseline):
         return self.model.medium.anisotropy_ratio
 
     @property
+    def rows_held(self) -> bool | None:
+        """As all logs then said that have clear commands: one player plays the robot."""
+        said = {r.held_as_told for r in self.servos.recordings} - {None}
+        return said.pop() if len(said) == 1 else None
+
+    @property
     def inadequate(self) -> bool:
         """It was found to be so."""
         return self.missed_m > 0
@@ -123,7 +142,7 @@ class Reference(Baseline):
             return ()
         found = []
         for rival in self.explained[1:]:
-            changes = [rival.error(t)[0] - self.explained[0].error(t)[0] for t in motion.tracks]
+            changes = [rival.with_mesh(t) - self.explained[0].with_mesh(t) for t in motion.tracks]
             tracks = [
                 replace(t, offset=t.offset + np.nan_to_num(c)) for t, c in zip(motion.tracks, changes, strict=True)
             ]
@@ -141,10 +160,26 @@ class Reference(Baseline):
         explained = sorted(self.explained, key=lambda e: e.model != model)
         return replace(self, model=model, explained=tuple(explained))
 
+    def begun(self, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+        """Trials whose logs do not say when they began, where their readings meet what servos did before as those of
+        the same gait did then: what the model habitually misses has its moment in the cycle."""
+        unsaid = {r.name: r for r in recordings if r.by_servos and not r.start_said and r.told is None}
+        if not unsaid:
+            return tuple(recordings)
+        then, now = (self._late(some) for some in (self.servos.recordings, unsaid.values()))
+        before = {r.setting: late for r, late in zip(self.servos.recordings, then, strict=True)}
+        late = {name: s - before.get(r.setting, 0.0) for (name, r), s in zip(unsaid.items(), now, strict=True)}
+        return tuple(r.later(late.get(r.name, 0.0)) for r in recordings)
+
+    def _late(self, recordings: Iterable[Recording]) -> list[float]:
+        """By how much later than promised [s] readings meet best what servos did then."""
+        return replace(by_table(list(recordings), self.servos.held), known=self.servos.known).late([])
+
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """Readings with the earlier ones' error taken out: that of a gait played then is in both, and is no noise. A
         change of something else may change it by as much as it is, beyond noise; of a new gait all of it is there."""
-        now, then = plays(recordings), self.servos
+        untold = all(r.held_as_told is None for r in recordings)
+        now, then = plays(recordings, self.rows_held if untold else None), self.servos
         left = then.readings - then.realised([])
         scattered = np.where(then.read, left**2, 0.0).sum(axis=0) / then.often
         error = np.maximum(scattered - then.noise**2, 0.0)
@@ -173,7 +208,7 @@ def reference_of(d: Diagnosis) -> Reference:
     """From the diagnosis of the earlier campaign."""
     found = d.motion.selection
     motion, model = found.motion, d.extension.model
-    errors = _left(motion, model)
+    errors = _left(about(d, model), model)
     playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
     others = tuple(n.effect for n in d.named if n.effect not in model.effects)
     read = [t.recording for t in motion.tracks if isinstance(t.recording, Recording)]
@@ -183,11 +218,22 @@ def reference_of(d: Diagnosis) -> Reference:
     wrong = d.motion.stage.discrepancy_m
     guesses = laws(found) if wrong else []
     rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused), *guesses)]
-    explained = [_explanation(motion, m) for m in dict.fromkeys([model, *rivals])]
+    explained = [_explanation(about(d, m), m) for m in dict.fromkeys([model, *rivals])]
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, wrong,
         others=others, without=d.baseline.without,
     )  # fmt: skip
+
+
+def about(d: Diagnosis, model: Model) -> Motion:
+    """The earlier motion on tracks about a model: what the mesh misses is that of the model. As it is of animals."""
+    motion = d.motion.selection.motion
+    recordings = [t.recording for t in motion.tracks if isinstance(t.recording, Recording)]
+    if len(recordings) < len(motion.tracks):
+        return motion
+    again = retracked(motion, lambda other: make_tracks(recordings, d.seen, other), model)
+    shifted = [replace(t, shifted=own.shifted) for t, own in zip(again.tracks, motion.tracks, strict=True)]
+    return replace(again, tracks=tuple(shifted))
 
 
 def _explanation(motion: Motion, model: Model) -> Explanation:
@@ -213,7 +259,8 @@ def _habit(motion: Motion, errors: Sequence[Floats], trials: Sequence[int]) -> H
     mean = np.where(times > 0, np.nansum(own, axis=0) / np.maximum(times, 1), np.nan)
     first = motion.tracks[trials[0]]
     noise = motion.noise.of(first)[:count] / np.sqrt(np.maximum(times, 1))
-    return Habit(_played(first), *in_other_cycles(mean, noise, first.phase[:count]))
+    mesh = np.mean([motion.tracks[i].offset[:count] for i in trials], axis=0)
+    return Habit(_played(first), *in_other_cycles(mean, noise, first.phase[:count]), mesh)
 
 
 def in_other_cycles(mean: Floats, noise: Floats, phase: Floats) -> tuple[Floats, Floats]:

@@ -118,10 +118,8 @@ def _replayed(r: Recording, rate: float, late: Floats) -> Recording:
     s = r.schedule
     middles = np.arange(len(late)) * s.period_s + s.cycle_duration_s / 2
     late_s = float(np.nanmean(late - rate * middles))
-    return replace(
-        _at_rate(r, rate), time=r.time - late_s, log_time=r.log_time - late_s * (1 + r.clock.rate),
-        t0_spread=max(r.t0_spread, UNSURE_CYCLE * s.cycle_duration_s * (1 + rate)),  # as unsure as before
-    )  # fmt: skip
+    unsure = max(r.t0_spread, UNSURE_CYCLE * s.cycle_duration_s * (1 + rate))  # as unsure as before
+    return replace(_at_rate(r, rate).later(late_s), t0_spread=unsure)
 
 
 def _at_rate(r: Recording, rate: float) -> Recording:

@@ -126,6 +126,10 @@ class Recording:
         """Times (R,) [s since t0 on the cameras' clock] of the readings."""
         return self.log_time / (1 + self.clock.rate)
 
+    def later(self, late_s: float) -> Recording:
+        """The same with t0 so much later on the film's clock [s]."""
+        return replace(self, time=self.time - late_s, log_time=self.log_time - late_s * (1 + self.clock.rate))
+
     @property
     def end(self) -> float:
         """Last moment that both schedule and cameras cover [s]."""

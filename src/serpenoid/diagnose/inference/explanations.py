@@ -49,6 +49,11 @@ def likely(motion: Motion, found: Fit, weight: float) -> Likely:
     return Likely(weight, deviated / max(count, 1) * len(set(motion.labels)) / 2)
 
 
+def chance_alone(motion: Motion, weight: float) -> Likely:
+    """Of a fit beside an explanation that leaves nothing else."""
+    return Likely(weight, len(set(motion.labels)) / 2)
+
+
 def acts(effect: ActiveEffect) -> bool:
     """Whether it changes how the body moves, not how that is seen."""
     return effect.effect.site == "medium"

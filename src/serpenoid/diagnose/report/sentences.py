@@ -172,7 +172,11 @@ def rows(record: Record) -> list[str]:
     """How the tables' rows were taken, and who said so; nothing of animals, nor of records that do not say."""
     if not record.get("rows_from"):
         return []
-    who = {"commands": "the log's commands say so", "readings": "what servos read fits this best"}
+    who = {
+        "commands": "the log's commands say so",
+        "reference": "the commands of the reference said so",
+        "readings": "what servos read fits this best",
+    }
     how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
     unsaid = [UNSAID] if record.get("lag_untold") else []
     return [f"{how} ({who[record['rows_from']]})", *unsaid]

@@ -39,9 +39,10 @@ class Attempt:
     chi2: Floats
 
 
-def plays(recordings: Sequence[Recording]) -> Plays:
-    """Readings beside the set-points that most joints follow best, as they are or with one law for all servos."""
-    every = list(ways(recordings))
+def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
+    """Readings beside the set-points that most joints follow best, as they are or with one law for all servos; held:
+    whether rows are, where that is known."""
+    every = list(ways(recordings, held))
     noise = np.min([data.noise for data in every], axis=0)
     every = [replace(data, noise=noise) for data in every]
     found: list[tuple[Plays, list[Floats]]] = []

@@ -49,6 +49,11 @@ class Baseline:
         return None
 
     @property
+    def rows_held(self) -> bool | None:
+        """Whether rows of tables are held, as commands of an earlier campaign said; None where none did."""
+        return None
+
+    @property
     def inadequate(self) -> bool:
         """Whether its law is known to be another than the floor's: what it missed repeated."""
         return False
@@ -73,6 +78,10 @@ class Baseline:
     def observation(self) -> Observation:
         """What is known to lie between chain and markers."""
         return Observation.of(self.model.body, self.others)
+
+    def begun(self, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+        """Recordings from where they are known to begin."""
+        return tuple(recordings)
 
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """The servos' readings, beside what is expected of them."""

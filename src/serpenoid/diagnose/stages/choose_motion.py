@@ -12,10 +12,10 @@ from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_error
+from serpenoid.diagnose.data.paths import path_error, path_noise
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.tracks import NoPath, make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -23,7 +23,7 @@ from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_verte
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
-from serpenoid.diagnose.inference.explanations import acts, another, likely
+from serpenoid.diagnose.inference.explanations import acts, another, chance_alone, likely
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
@@ -31,11 +31,12 @@ from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted,
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, linearised
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, fit_guided, linearised
 from serpenoid.diagnose.inference.middles import drag_amid_edges
 from serpenoid.diagnose.inference.names import Key, Refused, Weak, seen
+from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
-from serpenoid.diagnose.inference.select import Selection, select
+from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
 from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -93,17 +94,34 @@ def choose_on_tracks(
     untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
     """
     chosen = search(track, labels, baseline, say, untestable)
-    chosen, baseline = beside_others(chosen, baseline, lambda other: search(track, labels, other, say, untestable))
+    chosen, baseline = beside_others(
+        chosen,
+        baseline,
+        lambda other: search(track, labels, other, say, untestable),
+        lambda other: begun(track, labels, other, untestable),
+    )
     asked = baseline.ratio is None  # with a reference it is known
     law = dry_friction(chosen) if asked else ""
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     parts = differing(chosen, baseline.inadequate)
     if parts is None:
         chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
+    chosen = about_nothing(chosen, lambda model: baseline.corrected(track(model)))
     searched(chosen)  # what this alone shows can be drawn while rivals are fitted
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     barred = not_looked_for(baseline, untestable)
     return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at), baseline=baseline)
+
+
+def about_nothing(chosen: Selection, retrack: Retrack) -> Selection:
+    """Where a search found effects and none is believed, on tracks about the model without them: what a mesh misses is
+    that of the model, and of one that is refused it may be large."""
+    if chosen.settled.effects or not chosen.refused:
+        return chosen
+    again = placed(retracked(chosen.motion, retrack, chosen.null.model), chosen.null)
+    motion, null = calibrated(again, fit_guided(again, chosen.null))
+    level = path_noise(motion, null.predictions)
+    return replace(chosen, motion=motion, null=null, best=null, bases=(), settled=null, noise_level_m=level)
 
 
 def not_looked_for(baseline: Baseline, untestable: Mapping[str, str] | None) -> dict[str, str]:
@@ -119,26 +137,44 @@ def search(
     untestable: Mapping[str, str] | None,
 ) -> Selection:
     """Effects beside a baseline."""
+    motion, calibrated_to = begun(track, labels, baseline, untestable)
+    return select(motion, calibrated_to.model, lambda about: baseline.corrected(track(about)), say)
+
+
+def begun(
+    track: Callable[[Model], tuple[Track, ...]],
+    labels: tuple[int, ...],
+    baseline: Baseline,
+    untestable: Mapping[str, str] | None,
+) -> tuple[Motion, Fit]:
+    """The motion beside a baseline, and eps calibrated to it."""
     model = baseline.model
     barred = not_looked_for(baseline, untestable)
     absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
-
-    def corrected(about: Model) -> tuple[Track, ...]:
-        return baseline.corrected(track(about))
-
     for _ in range(2):
-        motion = Motion(corrected(model), GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
-        model = fit_eps(motion, model).model
-    return select(motion, model, corrected, say)
+        tracks = baseline.corrected(track(model))
+        motion = Motion(tracks, GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
+        found = fit_eps(motion, model)
+        model = found.model
+    return motion, found
 
 
 def beside_others(
-    found: Selection, baseline: Baseline, again: Callable[[Baseline], Selection]
+    found: Selection,
+    baseline: Baseline,
+    again: Callable[[Baseline], Selection],
+    bare: Callable[[Baseline], tuple[Motion, Fit]],
 ) -> tuple[Selection, Baseline]:
     """Where what is left is news, the change beside the explanation of what the baseline's law misses that makes both
-    likeliest, and that explanation as the baseline."""
+    likeliest, and that explanation as the baseline. It may be that beside another one nothing has changed; bare: the
+    motion beside an explanation, and eps alone."""
     motion = found.motion
-    if not found.best.effects or not discrepancy(motion, found.settled.predictions):
+    if not discrepancy(motion, found.settled.predictions):
+        return found, baseline
+    unchanged = without_change(found, baseline, bare)
+    if unchanged is not None:
+        return again(unchanged), unchanged
+    if not found.best.effects:
         return found, baseline
     several = [(motion, baseline.model, 1.0), *baseline.otherwise(motion)]
     index = another(found, several)
@@ -149,6 +185,28 @@ def beside_others(
     anew = again(other)
     both = likely(anew.motion, anew.best, weight), likely(motion, found.best, 1.0)
     return (anew, other) if anew.best.effects and both[0].over(both[1]) > 1 else (found, baseline)
+
+
+def without_change(
+    found: Selection, baseline: Baseline, bare: Callable[[Baseline], tuple[Motion, Fit]]
+) -> Baseline | None:
+    """The explanation beside which nothing but eps need have changed, if that is likelier than what was found beside
+    the baseline's own. It is tried on tracks about its own model, if chance alone would make it likelier."""
+    own, tried = likely(found.motion, found.best, 1.0), list[tuple[float, Baseline]]()
+    for _, model, weight in baseline.otherwise(found.motion):
+        if chance_alone(found.motion, weight).over(own) <= 1:
+            continue
+        other = baseline.beside(model)
+        try:
+            motion, calibrated_to = bare(other)
+        except NoPath:
+            continue
+        motion = replace(motion, noise=found.motion.noise)
+        whole = calibrated_to.evidence.count.sum() >= found.null.evidence.count.sum()
+        if whole:
+            tried.append((likely(motion, calibrated_to, weight).over(own), other))
+    odds, best = max(tried, key=lambda t: t[0], default=(0.0, baseline))
+    return best if odds > 1 else None
 
 
 def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit, float], ...]:
@@ -203,6 +261,8 @@ def finding(
     elsewhere = {a.effect.key for a in alone}
     named = [replace(n, stand_in=True) if n.effect.key in elsewhere else n for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
+    if wrong and after >= before:  # it mends windows of a law that is wrong, and no path
+        named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
     ends = None if parts is None else _ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)

@@ -175,6 +175,11 @@ class Plays:
         course = Course(self.meshes[number], angles)
         return course.at(time - self._read_late[number].late(course))
 
+    def late(self, effects: Sequence[ActiveEffect]) -> list[float]:
+        """By how much later [s] than promised each trial's readings meet best what servos do with these effects."""
+        played = zip(self._read_late, self.meshes, self._played(effects), strict=True)
+        return [read.late(Course(mesh, angles)) for read, mesh, angles in played]
+
     @cached_property
     def _read_late(self) -> list[Readings]:
         """Of each trial."""

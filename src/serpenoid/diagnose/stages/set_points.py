@@ -22,17 +22,24 @@ from serpenoid.measure.schedule import Schedule
 JUMP_S = 1e-6  # before a row is due: a jump takes no time
 
 
-def ways(recordings: Sequence[Recording]) -> Iterator[Plays]:
-    """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them."""
+def ways(recordings: Sequence[Recording], held: bool | None = None) -> Iterator[Plays]:
+    """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them; held:
+    whether rows are, where that is known."""
     recordings = _telling(recordings)
-    yield _plays(recordings, told=False)
+    if not held:
+        yield _plays(recordings, told=False)
     # commands that jump may be goals of a profile, which runs; those that run leave no doubt
-    if all(r.held_as_told is False for r in recordings):
+    if held is False or all(r.held_as_told is False for r in recordings):
         return
     jumping = [replace(r, schedule=replace(r.schedule, held=True)) for r in recordings]
     yield _plays(jumping, told=False)
     if all(r.commands is not None for r in recordings):
         yield _plays(jumping, told=True)
+
+
+def by_table(recordings: Sequence[Recording], held: bool) -> Plays:
+    """All readings beside tables whose rows are held, or run."""
+    return _plays([replace(r, schedule=replace(r.schedule, held=held)) for r in recordings], told=False)
 
 
 def _telling(recordings: Sequence[Recording]) -> list[Recording]:
