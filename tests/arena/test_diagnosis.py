@@ -18,7 +18,7 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.inference.laws import on_dry_friction
 from serpenoid.diagnose.inference.medium import linearised
-from serpenoid.diagnose.reference import reference_of
+from serpenoid.diagnose.reference import about, reference_of
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -91,7 +91,8 @@ def test_a_wrong_zero_is_what_changed(then, folder):
 
 
 def test_the_habitual_error_is_the_mean_over_repeats(then):
-    known, motion, model = reference_of(then), then.motion.selection.motion, then.extension.model
+    known, model = reference_of(then), then.extension.model
+    motion = about(then, model)
     errors = residuals(motion.tracks, linearised(motion, model, model.effects)[1])
     first = [e for t, e in zip(motion.tracks, errors, strict=True) if t.recording.gait == "gait-1"]
     np.testing.assert_allclose(known.explained[0].habits["gait-1", 5.0].error, np.nanmean(first, axis=0), atol=1e-12)
