@@ -42,14 +42,15 @@ def test_as_likely_as_what_it_leaves_and_what_its_explanation_left() -> None:
 
 @pytest.fixture
 def beside(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Which explanation is taken, of how likely (effect, what it leaves) are beside each; the first is the baseline."""
+    """Which explanation is taken, of how likely (effect, what it leaves) are beside each; the first is the baseline.
+    found: what all names leave that were found beside it."""
 
-    def taken(*several: tuple[float, list[tuple[ActiveEffect, float]]]) -> int | None:
+    def taken(*several: tuple[float, list[tuple[ActiveEffect, float]]], found: float = 0.5) -> int | None:
         tries = [[Try(SimpleNamespace(left=left), e) for e, left in found] for _, found in several]  # type: ignore[arg-type]
         monkeypatch.setattr(explanations, "singles", lambda _, model: tries[model])
         monkeypatch.setattr(explanations, "likely", lambda _, fit, weight: Likely(weight, fit.left))
-        found: Any = SimpleNamespace(best=SimpleNamespace(effects=(DRIFT,)))
-        return another(found, [(None, i, weight) for i, (weight, _) in enumerate(several)])  # type: ignore[misc]
+        selection: Any = SimpleNamespace(motion=None, best=SimpleNamespace(effects=(DRIFT,), left=found))
+        return another(selection, [(None, i, weight) for i, (weight, _) in enumerate(several)])  # type: ignore[misc]
 
     return taken
 
@@ -65,6 +66,11 @@ def test_an_explanation_that_left_much_of_the_reference_counts_for_less(beside: 
 
 def test_the_same_name_beside_another_explanation_changes_nothing(beside: Any) -> None:
     assert beside((1.0, [(DRIFT, 3.0)]), (0.9, [(DRIFT, 1.0)])) is None
+
+
+def test_one_change_that_is_likelier_than_all_that_was_found_takes_its_explanation(beside: Any) -> None:
+    assert beside((1.0, [(DRIFT, 3.0)]), (0.2, [(DRIFT, 1.0)]), found=2.5) is None  # 0.2 e^1.5 < 1
+    assert beside((1.0, [(DRIFT, 3.0)]), (0.4, [(DRIFT, 1.0)]), found=2.5) == 1
 
 
 def test_what_the_search_has_refused_beside_its_own_explanation_is_not_tried_again(beside: Any) -> None:

@@ -6,7 +6,7 @@ window by window from the motion, moment by moment from the servos' readings. Wh
 proportion to what the change does (inference/discrepancy.py); where a gait is new, all of the error is in doubt. What
 explains the error is a guess where names are stand-ins: the change is fitted beside other guesses, too (`otherwise`):
 eps alone, what was found and refused, and every law of the body's own that explains alone what eps does not. It is
-named beside the guess that makes both campaigns likeliest (inference/explanations.py).
+named beside the guess that makes both campaigns likeliest, and it may be none (inference/explanations.py).
 
 Legend: W windows of a trial, R log rows, m joints.
 """

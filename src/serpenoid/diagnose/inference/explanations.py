@@ -61,9 +61,12 @@ def acts(effect: ActiveEffect) -> bool:
 
 def another(found: Selection, several: Sequence[Beside]) -> int | None:
     """Which explanation has beside it the likeliest single change, if that was not found beside the selection's own,
-    the first of several."""
-    own = {e.name for e in found.best.effects}
+    the first of several, or is likelier than all that was."""
+    own, whole = {e.name for e in found.best.effects}, likely(found.motion, found.best, several[0][2])
     tries = [(i, t, likely(m, t.fit, w)) for i, (m, model, w) in enumerate(several) for t in singles(m, model)]
+    index, most = min(((i, how) for i, _, how in tries), key=lambda o: _unlikely(o[1]), default=(0, whole))
+    if index and most.over(whole) > 1:
+        return index
     named = [how for _, t, how in tries if t.added.name in own]
     others = [(i, how) for i, t, how in tries if t.added.name not in own]
     if not named or not others:

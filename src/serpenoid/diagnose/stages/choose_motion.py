@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -171,42 +172,47 @@ def beside_others(
     motion = found.motion
     if not discrepancy(motion, found.settled.predictions):
         return found, baseline
-    unchanged = without_change(found, baseline, bare)
-    if unchanged is not None:
-        return again(unchanged), unchanged
+    own, others = likely(motion, found.best, 1.0), beside_each(found, baseline, bare)
+    unchanged = [likely(o.motion, o.null, o.weight).over(own) for o in others]
+    if unchanged and max(unchanged) > 1:
+        other = others[int(np.argmax(unchanged))].baseline
+        return again(other), other
     if not found.best.effects:
         return found, baseline
-    several = [(motion, baseline.model, 1.0), *baseline.otherwise(motion)]
+    several = [(motion, baseline.model, 1.0), *((o.motion, o.null.model, o.weight) for o in others)]
     index = another(found, several)
     if index is None:
         return found, baseline
-    _, model, weight = several[index]
-    other = baseline.beside(model)
+    other = others[index - 1].baseline
     anew = again(other)
-    both = likely(anew.motion, anew.best, weight), likely(motion, found.best, 1.0)
+    both = likely(anew.motion, anew.best, several[index][2]), own
     return (anew, other) if anew.best.effects and both[0].over(both[1]) > 1 else (found, baseline)
 
 
-def without_change(
-    found: Selection, baseline: Baseline, bare: Callable[[Baseline], tuple[Motion, Fit]]
-) -> Baseline | None:
-    """The explanation beside which nothing but eps need have changed, if that is likelier than what was found beside
-    the baseline's own. It is tried on tracks about its own model, if chance alone would make it likelier."""
-    own, tried = likely(found.motion, found.best, 1.0), list[tuple[float, Baseline]]()
+class Other(NamedTuple):
+    """Another explanation of what the baseline's law misses: the motion on tracks about it, eps alone, its weight."""
+
+    baseline: Baseline
+    motion: Motion
+    null: Fit
+    weight: float
+
+
+def beside_each(found: Selection, baseline: Baseline, bare: Callable[[Baseline], tuple[Motion, Fit]]) -> list[Other]:
+    """Every explanation of what the baseline's law misses beside which a change may be likelier than what was found:
+    it is so if chance is all that is left there."""
+    own, others = likely(found.motion, found.best, 1.0), list[Other]()
     for _, model, weight in baseline.otherwise(found.motion):
         if chance_alone(found.motion, weight).over(own) <= 1:
             continue
         other = baseline.beside(model)
         try:
-            motion, calibrated_to = bare(other)
+            motion, null = bare(other)
         except NoPath:
             continue
-        motion = replace(motion, noise=found.motion.noise)
-        whole = calibrated_to.evidence.count.sum() >= found.null.evidence.count.sum()
-        if whole:
-            tried.append((likely(motion, calibrated_to, weight).over(own), other))
-    odds, best = max(tried, key=lambda t: t[0], default=(0.0, baseline))
-    return best if odds > 1 else None
+        if null.evidence.count.sum() >= found.null.evidence.count.sum():
+            others.append(Other(other, replace(motion, noise=found.motion.noise), null, weight))
+    return others
 
 
 def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit, float], ...]:
