@@ -64,7 +64,7 @@ class Body(Record):
     @field_validator("vertices", mode="before")
     @classmethod
     def _bends(cls, value: object) -> object:
-        if value in (1, 2):
+        if value in (1, 2) and not isinstance(value, bool):
             raise ValueError("3 are the least, as a joint between two edges bends: add a point between head and tail")
         return value
 

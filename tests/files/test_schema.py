@@ -119,7 +119,7 @@ def test_assignments_that_are_none_are_refused(assignment: str, message: str) ->
 @pytest.mark.parametrize(
     ("section", "message"),
     [
-        ({"vertices": 2}, r"vertices: .*greater than or equal to 3, got 2"),
+        ({"vertices": 2}, r"vertices: .*3 are the least, .*got 2"),
         ({"vertices": 4, "edge_lengths": [1, 1]}, r"`edge_lengths` needs 3 numbers for 4 vertices, got 2"),
         ({"vertices": 4, "weights": [1, 1, 1]}, r"`weights` needs 4 numbers for 4 vertices, got 3"),
         ({"vertices": 4, "weights": [1, 1, 1, -1]}, r"weights, entry 4: .*greater than or equal to .*, got -1"),
