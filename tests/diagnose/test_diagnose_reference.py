@@ -182,7 +182,8 @@ def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_
     model, unknown = Model(then[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)
     servos = replace(plays(then), known=(ActiveEffect.of("servo_lag", lag=lag),))
     reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, servos, 0.0)
-    assert reference.rows_held
+    assert reference.rows_held([]) is True
+    assert reference.rows_held(then) is None  # whose own commands say it
     quarter = 0.25 * then[0].schedule.cycle_duration_s
     unsaid = [replace(r, told=None, commands=None, t0_spread=quarter).later(0.06) for r in then]
     assert reference.plays(unsaid).held

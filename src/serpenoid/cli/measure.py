@@ -123,9 +123,7 @@ def _beat_lines(trial: Trial, motion: Motion) -> list[str]:
     """How an animal bends: what a table commands needs no telling."""
     import numpy as np
 
-    from serpenoid.measure.beat import beat
-
-    found = beat(motion) if trial.schedule is None else None
+    found = motion.beat if trial.schedule is None else None
     if found is None:
         return []
     bent = ", ".join(f"{angle:.0f}" for angle in np.degrees(found.amplitude_rad))
@@ -167,11 +165,10 @@ def _body_words(trial: Trial, motion: Motion) -> str:
 
 def _period_words(trial: Trial, motion: Motion) -> str:
     """What plays a table repeats it exactly; an animal's beats are as they come."""
-    from serpenoid.measure.beat import beat
     from serpenoid.measure.consistency.signals import Signal
 
     if trial.schedule is None:
-        found = beat(motion)
+        found = motion.beat
         return f"every {found.period_s:.4g} s (single beats: SD {found.spread_s:.2g} s)" if found else "at no period"
     period = Signal(motion.time_s, motion.joint_angles).repeats_s
     return (f"every {period:.4g} s" if period else "at no period") + _promised(trial)

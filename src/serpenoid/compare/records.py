@@ -10,7 +10,6 @@ import numpy as np
 from serpenoid.compare.calibrate import Calibration, Estimate
 from serpenoid.compare.ratios import RatioStatistics
 from serpenoid.compare.three import Comparison
-from serpenoid.measure.beat import beat
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.trial import Trial
 from serpenoid.measure.usage import usage
@@ -60,7 +59,7 @@ def trial_record(trial: Trial) -> dict[str, Any]:
             "used_s": usage(trial).used_s, "dropped_s": usage(trial).dropped_s, "pieces": usage(trial).pieces,
             "passages": [{**vars(p), "displacement_body_lengths": trial.displacement(p)} for p in trial.passages],
         }  # fmt: skip
-    found = beat(motion) if motion is not None and trial.schedule is None else None
+    found = motion.beat if motion is not None and trial.schedule is None else None
     if found is not None:
         record["gait"] = {
             "period_s": found.period_s, "period_sd_s": found.spread_s, "frequency_hz": 1 / found.period_s,

@@ -214,7 +214,7 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
     not take back."""
     held = any(r.schedule.held for r in recordings)
     told = {r.held_as_told for r in recordings} - {None} == {held}
-    before = baseline.rows_held is not None and all(r.held_as_told is None for r in recordings)
+    before = baseline.rows_held(recordings) is not None
     who = "commands" if told else "reference" if before else "readings"
     source = who if recordings else None
     untold = any(r.lag_untold for r in recordings) and not told and not before

@@ -77,7 +77,7 @@ class Explanation:
         return error, noise
 
     def with_mesh(self, track: Track) -> Floats:
-        """The same error with that of the mesh (B - 1, 3), on which no other model than this one depends."""
+        """The same error (B - 1, 3) and the mesh's: what steps on the mesh miss, whatever model its error is of."""
         error = self.error(track)[0]
         known = np.flatnonzero(np.isfinite(error).any(axis=1))
         if len(known):
@@ -110,9 +110,10 @@ class Reference(Baseline):
         """The earlier campaign's."""
         return self.model.medium.anisotropy_ratio
 
-    @property
-    def rows_held(self) -> bool | None:
+    def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
         """As all logs then said that have clear commands: one player plays the robot."""
+        if any(r.held_as_told is not None for r in recordings):
+            return None
         said = {r.held_as_told for r in self.servos.recordings} - {None}
         return said.pop() if len(said) == 1 else None
 
@@ -178,8 +179,7 @@ class Reference(Baseline):
     def plays(self, recordings: Sequence[Recording]) -> Plays:
         """Readings with the earlier ones' error taken out: that of a gait played then is in both, and is no noise. A
         change of something else may change it by as much as it is, beyond noise; of a new gait all of it is there."""
-        untold = all(r.held_as_told is None for r in recordings)
-        now, then = plays(recordings, self.rows_held if untold else None), self.servos
+        now, then = plays(recordings, self.rows_held(recordings)), self.servos
         left = then.readings - then.realised([])
         scattered = np.where(then.read, left**2, 0.0).sum(axis=0) / then.often
         error = np.maximum(scattered - then.noise**2, 0.0)
@@ -208,7 +208,8 @@ def reference_of(d: Diagnosis) -> Reference:
     """From the diagnosis of the earlier campaign."""
     found = d.motion.selection
     motion, model = found.motion, d.extension.model
-    errors = _left(about(d, model), model)
+    own = about(d, model)
+    errors = _left(own, model)
     playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
     others = tuple(n.effect for n in d.named if n.effect not in model.effects)
     read = [t.recording for t in motion.tracks if isinstance(t.recording, Recording)]
@@ -218,7 +219,8 @@ def reference_of(d: Diagnosis) -> Reference:
     wrong = d.motion.stage.discrepancy_m
     guesses = laws(found) if wrong else []
     rivals = [f.model for f in (found.null, found.settled, *(r.fit for r in found.refused), *guesses)]
-    explained = [_explanation(about(d, m), m) for m in dict.fromkeys([model, *rivals])]
+    about_each = {model: own} | {rival: about(d, rival) for rival in dict.fromkeys(rivals) if rival != model}
+    explained = [_explanation(there, explanation) for explanation, there in about_each.items()]
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, wrong,
         others=others, without=d.baseline.without,

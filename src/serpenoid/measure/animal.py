@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
-from serpenoid.measure.beat import beat
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
@@ -196,7 +195,7 @@ def _stretching(body: Body, motion: Motion) -> list[str]:
 
 def _length(motion: Motion) -> list[str]:
     frames = sum(run.stop - run.start for run in motion.runs)
-    found = beat(motion)
+    found = motion.beat
     seconds = sum(float(motion.time_s[run.stop - 1] - motion.time_s[run.start]) for run in motion.runs)
     if found is None:
         return [f"{seconds:.3g} s, and nothing repeats in it: a fit is possible, but says nothing about other beats"]

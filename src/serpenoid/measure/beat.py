@@ -14,6 +14,7 @@ Legend: R rows, C centres, m joints, K rows in a window.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,9 @@ from numpy.typing import NDArray
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import AGREES, LEAST_OVERLAP, Signal
-from serpenoid.measure.trial import Motion
+
+if TYPE_CHECKING:
+    from serpenoid.measure.trial import Motion
 
 PER_TURN = 8  # centres: their phases are told apart though a beat is thrice as quick as another
 PER_OCTAVE = 8  # scales that are tried: a window of two periods tells them no finer

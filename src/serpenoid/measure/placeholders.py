@@ -44,8 +44,7 @@ def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
             words.append(_said(there, tracks, place))
             floor = np.where(there[..., None], np.nan, tracks.floor)
             space = None if tracks.space is None else np.where(there[..., None], np.nan, tracks.space)
-            if np.isfinite(floor).any():
-                tracks = replace(tracks, floor=floor, space=space)
+            tracks = replace(tracks, floor=floor, space=space)
     return tracks, "; ".join(words)
 
 

@@ -6,12 +6,14 @@ Legend: F frames, N vertices, m joints.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.measure.beat import Beat, beat
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.chain import ChainEstimate, completed, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
@@ -53,6 +55,11 @@ class Motion:
     runs: tuple[slice, ...]  # frames between long gaps and whole-body jumps
     relabelled: tuple[tuple[str, int], ...]
     unused: tuple[str, ...]
+
+    @cached_property
+    def beat(self) -> Beat | None:
+        """How it bends, if it repeats."""
+        return beat(self)
 
     @property
     def known(self) -> NDArray[np.bool_]:

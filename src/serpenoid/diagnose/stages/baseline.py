@@ -48,9 +48,9 @@ class Baseline:
         """eps, where it was measured before; the calibration still begins at the model's."""
         return None
 
-    @property
-    def rows_held(self) -> bool | None:
-        """Whether rows of tables are held, as commands of an earlier campaign said; None where none did."""
+    def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
+        """Whether rows of tables are held, as commands of an earlier campaign said; None where none did, or where those
+        of these recordings do."""
         return None
 
     @property

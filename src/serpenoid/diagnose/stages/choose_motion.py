@@ -24,7 +24,7 @@ from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_verte
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
-from serpenoid.diagnose.inference.explanations import acts, another, chance_alone, likely
+from serpenoid.diagnose.inference.explanations import Likely, acts, another, chance_alone, likely
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
@@ -99,7 +99,7 @@ def choose_on_tracks(
         chosen,
         baseline,
         lambda other: search(track, labels, other, say, untestable),
-        lambda other: begun(track, labels, other, untestable),
+        lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
     law = dry_friction(chosen) if asked else ""
@@ -138,11 +138,11 @@ def search(
     untestable: Mapping[str, str] | None,
 ) -> Selection:
     """Effects beside a baseline."""
-    motion, calibrated_to = begun(track, labels, baseline, untestable)
-    return select(motion, calibrated_to.model, lambda about: baseline.corrected(track(about)), say)
+    motion, null = eps_alone(track, labels, baseline, untestable)
+    return select(motion, null.model, lambda about: baseline.corrected(track(about)), say)
 
 
-def begun(
+def eps_alone(
     track: Callable[[Model], tuple[Track, ...]],
     labels: tuple[int, ...],
     baseline: Baseline,
@@ -172,7 +172,8 @@ def beside_others(
     motion = found.motion
     if not discrepancy(motion, found.settled.predictions):
         return found, baseline
-    own, others = likely(motion, found.best, 1.0), beside_each(found, baseline, bare)
+    own = likely(motion, found.best, 1.0)
+    others = beside_each(found, own, baseline, bare)
     unchanged = [likely(o.motion, o.null, o.weight).over(own) for o in others]
     if unchanged and max(unchanged) > 1:
         other = others[int(np.argmax(unchanged))].baseline
@@ -198,10 +199,12 @@ class Other(NamedTuple):
     weight: float
 
 
-def beside_each(found: Selection, baseline: Baseline, bare: Callable[[Baseline], tuple[Motion, Fit]]) -> list[Other]:
+def beside_each(
+    found: Selection, own: Likely, baseline: Baseline, bare: Callable[[Baseline], tuple[Motion, Fit]]
+) -> list[Other]:
     """Every explanation of what the baseline's law misses beside which a change may be likelier than what was found:
     it is so if chance is all that is left there."""
-    own, others = likely(found.motion, found.best, 1.0), list[Other]()
+    others = list[Other]()
     for _, model, weight in baseline.otherwise(found.motion):
         if chance_alone(found.motion, weight).over(own) <= 1:
             continue
