@@ -78,18 +78,37 @@ def test_what_the_data_do_not_tell_stays_where_it_is() -> None:
     assert deviations[0] > 0 == deviations[1]
 
 
+def explanation(chi2: float, does: float = 1.0) -> Any:
+    """With one coordinate; does: what a unit of it does."""
+    effect = SimpleNamespace(parameters=(SimpleNamespace(resting=0.0),))
+    evidence = SimpleNamespace(count=np.ones(1), matrix=np.full((1, 2, 2), does**2))
+    fit = SimpleNamespace(chi2=chi2, evidence=evidence, effects=[SimpleNamespace(name="a", place=None, effect=effect)])
+    return SimpleNamespace(labels=(1, 2, 3, 4, 5, 6, 6)), fit, 1.0
+
+
+def test_a_value_counts_by_what_it_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a floor that resists a hundredth as much, a hundredth of a pull says as surely that there is one."""
+    said = {100.0: 0.02, 1.0: 2.0, 10.0: -0.2}
+
+    def of_gaits(_: object, fit: Any, __: object) -> tuple[np.ndarray, np.ndarray]:
+        does = float(np.sqrt(fit.evidence.matrix[0, 1, 1]))
+        return np.array([0.2, said[does]]), np.array([0.1, 0.3 / does])
+
+    monkeypatch.setattr(law_doubt, "of_gaits", of_gaits)
+    pull = law_doubt.doubted([explanation(1.0, 100.0), explanation(1.0, 1.0)])["a", None, 0]
+    assert (pull.value, pull.deviation) == (pytest.approx(0.02), pytest.approx(0.003))
+    low, high = pull.ends
+    assert 0 < low < 0.02
+    assert high > 2.0
+    either = law_doubt.doubted([explanation(1.0, 1.0), explanation(1.0, 10.0)])["a", None, 0]
+    assert either.ends[0] < 0 < either.ends[1]
+
+
 def test_an_explanation_counts_by_how_likely_it_makes_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     """One that leaves twice as much counts an eighth with six gaits; one that leaves nine times as much, 1 / 729, is
     none: a 95 % interval leaves out more."""
-    effect = SimpleNamespace(name="a", place=None, effect=SimpleNamespace(parameters=(None,)))
     said = {1.0: 2.0, 2.0: 5.0, 9.0: 50.0}
     monkeypatch.setattr(law_doubt, "of_gaits", lambda _, fit, __: (np.array([0.2, said[fit.chi2]]), np.full(2, 0.1)))
-
-    def explanation(chi2: float) -> Any:
-        evidence = SimpleNamespace(count=np.ones(1))
-        fit = SimpleNamespace(chi2=chi2, evidence=evidence, effects=[effect])
-        return SimpleNamespace(labels=(1, 2, 3, 4, 5, 6, 6)), fit, 1.0
-
     alone = law_doubt.doubted([explanation(1.0)])["a", None, 0]
     both = law_doubt.doubted([explanation(1.0), explanation(2.0)])["a", None, 0]
     astray = law_doubt.doubted([explanation(1.0), explanation(9.0), explanation(9.0)])["a", None, 0]

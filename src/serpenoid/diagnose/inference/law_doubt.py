@@ -14,9 +14,9 @@ and Spiegelhalter, J. R. Stat. Soc. A 172, 137, 2009), and counts once more: wha
 what they have in common as it is.
 
 What one explanation of an earlier campaign says of the change, another one does not, nor what stands beside it below
-detection: the scatter of values is added, each explanation weighed by the inverse of what it left of the earlier
-campaign, and by how likely this one is with it: its gaits are the independent numbers, of unknown scale, so that is chi
-squared to the power -G / 2.
+detection: the scatter of values, by what they do, is added, each explanation weighed by the inverse of what it left of
+the earlier campaign, and by how likely this one is with it: its gaits are the independent numbers, of unknown scale, so
+that is chi squared to the power -G / 2.
 
 Legend: G gaits, P coordinates (eps first), K explanations.
 """
@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -45,10 +46,28 @@ Coordinate = tuple[str, int | None, int]  # an effect's name and place, and whic
 
 @dataclass(frozen=True)
 class Doubted:
-    """A value and its standard deviation, the law's error included."""
+    """A value and its standard deviation, the law's error included; resting: what changes nothing.
+
+    least, most: how many times as far from `resting` the value that does the same may be beside another explanation.
+    """
 
     value: float
     deviation: float
+    resting: float = 0.0
+    least: float = 1.0
+    most: float = 1.0
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Of the 95 % interval, beside every explanation."""
+        away = self.value - self.resting + NORMAL * self.deviation * np.array([-1.0, 1.0])
+        every = self.resting + np.outer([self.least, self.most], away)
+        return float(every.min()), float(every.max())
+
+    def times(self, factor: float) -> Doubted:
+        """With a value that is so many times as large, and does the same."""
+        away = (self.value - self.resting) * factor
+        return replace(self, value=self.resting + away, deviation=self.deviation * factor)
 
 
 def doubted(explained: Sequence[tuple[Motion, Fit, float]], hold: bool = True) -> dict[Coordinate, Doubted]:
@@ -56,30 +75,49 @@ def doubted(explained: Sequence[tuple[Motion, Fit, float]], hold: bool = True) -
 
     hold: what ended at a bound stays there.
     """
-    found: dict[Coordinate, list[tuple[Doubted, float]]] = {}
+    found: dict[Coordinate, list[_Told]] = {}
     left = [fit.chi2 / float(fit.evidence.count.sum()) for _, fit, _ in explained]
     for (motion, fit, earlier), mine in zip(explained, left, strict=True):
         weight = earlier * (min(left) / mine) ** (len(set(motion.labels)) / 2)
-        names = [(e.name, e.place, i) for e in fit.effects for i in range(len(e.effect.parameters))]
+        parameters = [(e, i, p.resting) for e in fit.effects for i, p in enumerate(e.effect.parameters)]
         values, deviations = of_gaits(motion, fit, hold)
-        for name, value, deviation in zip(names, values[1:], deviations[1:], strict=True):
-            found.setdefault(name, []).append((Doubted(float(value), float(deviation)), weight))
+        does = np.sqrt(np.diag(fit.evidence.matrix.sum(axis=0)))
+        for at, (e, i, resting) in enumerate(parameters, 1):
+            known = Doubted(float(values[at]), float(deviations[at]), resting)
+            found.setdefault((e.name, e.place, i), []).append(_Told(known, weight, float(does[at])))
     return {name: _together(several) for name, several in found.items()}
 
 
-def _together(several: Sequence[tuple[Doubted, float]]) -> Doubted:
-    several = _likely(several)
-    count, weights = len(several), np.array([weight for _, weight in several])
-    values, variances = np.array([d.value for d, _ in several]), np.array([d.deviation**2 for d, _ in several])
+class _Told(NamedTuple):
+    """What one explanation says of a coordinate, its weight, and what a unit of it does there."""
+
+    known: Doubted
+    weight: float
+    does: float
+
+    def over(self, first: _Told) -> float:
+        """What a unit does, over what it does beside the first explanation; 1 where one of them is held."""
+        return self.does / first.does if self.does > 0 and first.does > 0 else 1.0
+
+
+def _together(several: Sequence[_Told]) -> Doubted:
+    """By what each value does, in the first one's numbers: motion tells no size of forces. Beside a law by which the
+    floor resists a tenth as much, a tenth of a pull does the same, and says no less that there is one."""
+    first, several = several[0], _likely(several)
+    factors = [t.over(first) for t in several]
+    alike = [t.known.times(x) for t, x in zip(several, factors, strict=True)]
+    count, weights = len(several), np.array([t.weight for t in several])
+    values, variances = np.array([d.value for d in alike]), np.array([d.deviation**2 for d in alike])
     mean = float(np.average(values, weights=weights))
     between = float(np.average((values - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
-    return Doubted(mean, float(np.sqrt(np.average(variances, weights=weights) + between)))
+    deviation = float(np.sqrt(np.average(variances, weights=weights) + between))
+    return Doubted(mean, deviation, first.known.resting, min(1.0, 1 / max(factors)), max(1.0, 1 / min(factors)))
 
 
-def _likely(several: Sequence[tuple[Doubted, float]]) -> Sequence[tuple[Doubted, float]]:
+def _likely(several: Sequence[_Told]) -> Sequence[_Told]:
     """Without the least likely."""
-    ordered = sorted(several, key=lambda x: x[1])
-    summed = np.cumsum([weight for _, weight in ordered])
+    ordered = sorted(several, key=lambda t: t.weight)
+    summed = np.cumsum([t.weight for t in ordered])
     return ordered[int(np.searchsorted(summed, (1 - CONFIDENCE) * summed[-1], side="right")) :]
 
 

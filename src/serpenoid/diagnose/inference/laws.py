@@ -45,8 +45,8 @@ def dry_friction(found: Selection) -> str:
         return ""
     return (
         f"alone, dry friction (Coulomb) misses windows by {dry_alone:.1f} times chance and linear drag by {drag:.1f}; "
-        f"with what is named, linear drag by {drag_named:.1f} and dry friction by {dry_named:.1f}: the nearer law "
-        "alone, but it leaves more than linear drag with what is named, so it is not the floor's law as it stands"
+        f"with what is named, dry friction by {dry_named:.1f} and linear drag by {drag_named:.1f}: the floor may "
+        "follow neither"
     )
 
 

@@ -75,7 +75,7 @@ def inadequacy(record: Record) -> list[str]:
 
 def rival_law(record: Record) -> list[str]:
     """How another law of the floor does, or another place of the drag, and how to follow it."""
-    other, follow = record["law"], "to follow it, diagnose with a --model whose [medium] has"
+    other, follow = record["law"], "to look for causes beside it, diagnose with a --model whose [medium] has"
     found = []
     for said, key in ((other["rival"], 'law = "coulomb"'), (other["drag_at"], 'dissipation = "edge"')):
         found += [said, f"{follow} {key}"] if said else []

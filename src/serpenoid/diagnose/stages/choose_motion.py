@@ -371,8 +371,7 @@ def named_of(
         low, high = x - half, x + half
         doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
         if doubtful is not None:
-            wide = NORMAL * doubtful.deviation
-            low, high = min(low, doubtful.value - wide), max(high, doubtful.value + wide)
+            low, high = min(low, doubtful.ends[0]), max(high, doubtful.ends[1])
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
     return Named(fitted, ends, strength, tuple(bound))
