@@ -18,7 +18,7 @@ from serpenoid.cli.main import main
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import farthest, path_draws, path_error, strength
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.inference.finding import Stage, excludable
 from serpenoid.diagnose.inference.groups import band
@@ -27,8 +27,9 @@ from serpenoid.diagnose.inference.names import kept, trace, visible
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion, held_out_labels, named_of
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.values_of_motion import named_of
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.table_file import read_table

@@ -22,7 +22,8 @@ from serpenoid.diagnose.report.sentences import (
 )
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.diagnose.report.words import parameter, shown, times, title
-from serpenoid.diagnose.stages.choose_motion import finding, ratio_interval
+from serpenoid.diagnose.stages.choose_motion import finding
+from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.model import Model
 
 

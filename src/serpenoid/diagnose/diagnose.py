@@ -32,11 +32,12 @@ from serpenoid.diagnose.inference.select import unclear
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_motion, ratio_interval
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
+from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
 

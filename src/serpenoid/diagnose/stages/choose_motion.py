@@ -4,49 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
-from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, path_noise
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
-from serpenoid.diagnose.data.tracks import NoPath, make_tracks
+from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_vertex
-from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
-from serpenoid.diagnose.inference.explanations import Likely, acts, another, chance_alone, likely
-from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
+from serpenoid.diagnose.inference.explanations import acts
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import dry_friction
 from serpenoid.diagnose.inference.left_open import believed
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps, fit_guided, linearised
+from serpenoid.diagnose.inference.medium import Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.middles import drag_amid_edges
-from serpenoid.diagnose.inference.names import Key, Refused, Weak, seen
+from serpenoid.diagnose.inference.names import Key, Refused, Weak
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
 from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
+from serpenoid.diagnose.stages.values_of_motion import named_of, ratio_beside
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
-RELATIVE = 3e-3  # what smoothing the shapes leaves
 
 Searched = Callable[[Selection], None]  # hears what is named and why, before its rivals and intervals are known
 
@@ -160,77 +156,6 @@ def eps_alone(
     return motion, found
 
 
-def beside_others(
-    found: Selection,
-    baseline: Baseline,
-    again: Callable[[Baseline], Selection],
-    bare: Callable[[Baseline], tuple[Motion, Fit]],
-) -> tuple[Selection, Baseline]:
-    """Where what is left is news, the change beside the explanation of what the baseline's law misses that makes both
-    likeliest, and that explanation as the baseline. It may be that beside another one nothing has changed; bare: the
-    motion beside an explanation, and eps alone."""
-    motion = found.motion
-    if not discrepancy(motion, found.settled.predictions):
-        return found, baseline
-    own = likely(motion, found.best, 1.0)
-    others = beside_each(found, own, baseline, bare)
-    unchanged = [likely(o.motion, o.null, o.weight).over(own) for o in others]
-    if unchanged and max(unchanged) > 1:
-        other = others[int(np.argmax(unchanged))].baseline
-        return again(other), other
-    if not found.best.effects:
-        return found, baseline
-    several = [(motion, baseline.model, 1.0), *((o.motion, o.null.model, o.weight) for o in others)]
-    index = another(found, several)
-    if index is None:
-        return found, baseline
-    other = others[index - 1].baseline
-    anew = again(other)
-    both = likely(anew.motion, anew.best, several[index][2]), own
-    return (anew, other) if anew.best.effects and both[0].over(both[1]) > 1 else (found, baseline)
-
-
-class Other(NamedTuple):
-    """Another explanation of what the baseline's law misses: the motion on tracks about it, eps alone, its weight."""
-
-    baseline: Baseline
-    motion: Motion
-    null: Fit
-    weight: float
-
-
-def beside_each(
-    found: Selection, own: Likely, baseline: Baseline, bare: Callable[[Baseline], tuple[Motion, Fit]]
-) -> list[Other]:
-    """Every explanation of what the baseline's law misses beside which a change may be likelier than what was found:
-    it is so if chance is all that is left there."""
-    others = list[Other]()
-    for _, model, weight in baseline.otherwise(found.motion):
-        if chance_alone(found.motion, weight).over(own) <= 1:
-            continue
-        other = baseline.beside(model)
-        try:
-            motion, null = bare(other)
-        except NoPath:
-            continue
-        if null.evidence.count.sum() >= found.null.evidence.count.sum():
-            others.append(Other(other, replace(motion, noise=found.motion.noise), null, weight))
-    return others
-
-
-def beside_rivals(found: Selection, baseline: Baseline) -> tuple[tuple[Motion, Fit, float], ...]:
-    """What is there, fitted again beside other explanations of what the baseline's law misses, where that can be."""
-    effects, values = found.settled.effects, found.settled.coordinates
-    fits = []
-    for motion, model, weight in baseline.otherwise(found.motion) if found.best.effects else ():
-        if {e.key for e in effects} & {e.key for e in model.effects}:
-            continue  # what changed was a guess about the reference, too
-        start = np.concatenate([[model.medium.anisotropy_ratio], values[1:]])
-        fits.append((motion, fit(motion, model, effects, start, TO_THE_END), weight))
-    whole = found.settled.evidence.count.sum()
-    return tuple((m, f, weight) for m, f, weight in fits if f.evidence.count.sum() >= whole)
-
-
 def finding(
     found: Selection,
     inadequate: bool = False,
@@ -272,7 +197,7 @@ def finding(
     after = strayed(found, parts, jumps is not None and jumps in named)
     if wrong and after >= before:  # it mends windows of a law that is wrong, and no path
         named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
-    ends = None if parts is None else _ratio_beside(parts, found.settled)
+    ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
     stage = replace(stage, unlike=unlike, ratio=ends)
@@ -347,67 +272,3 @@ def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[s
         as_floors_do(motion, predictions, eps),
     )
     return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ())))
-
-
-def named_of(
-    found: Selection, base: Fit, effect: ActiveEffect, doubt: Mapping[Coordinate, Doubted] | None = None
-) -> Named:
-    """Values and intervals from the fit with all that is there, strength from what the path loses without the effect
-    (`base`); doubt: where the law is known to be wrong, what that leaves open."""
-    settled = found.settled
-    at = 1
-    for fitted in settled.effects:
-        if fitted.key == effect.key:
-            break
-        at += len(fitted.effect.parameters)
-    ends, bound, usual = {}, [], deviations(found.motion, settled)
-    for i, p in enumerate(fitted.effect.parameters):
-        x, value = fitted.coordinates[i], fitted.parameters[p.name]
-        held = value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical)
-        if held:
-            bound.append(p.name)
-        sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
-        half = NORMAL * sd + RELATIVE * abs(x)
-        low, high = x - half, x + half
-        doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
-        if doubtful is not None:
-            low, high = min(low, doubtful.ends[0]), max(high, doubtful.ends[1])
-        ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
-    strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
-    return Named(fitted, ends, strength, tuple(bound))
-
-
-def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
-    """Standard deviations of eps and all coordinates (P,), from the curvature.
-
-    hold: what ended at a bound stays there, as in the fit; else how far it may be from there.
-    """
-    evidence = fit.evidence if hold else linearised(motion, fit.model, fit.effects, hold=False)[0]
-    spread = SYSTEMATIC * max(1.0, np.sqrt(fit.chi2 / fit.evidence.count.sum()))
-    return np.sqrt(np.diag(evidence.covariance(range(len(fit.coordinates)), spread)))
-
-
-def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
-    """95 % interval of eps with what is there. Names that may be stand-ins may take a part of what resists, or
-    give it: then eps is known no better than with and without them."""
-    unsure = found.motion.ratio is None and not stage.unlike and any(n.stand_in for n in stage.named)
-    fits = [found.settled, found.null] if unsure else [found.settled]
-    low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
-    return min(low), max(high)
-
-
-def _ratio_beside(parts: Differing, settled: Fit) -> tuple[float, float]:
-    """The same beside parts that differ."""
-    half, limits = NORMAL * parts.ratio.deviation, settled.model.medium.limits(LEAST_EPS, MOST_EPS)
-    return _clipped(parts.ratio.value - half, *limits), _clipped(parts.ratio.value + half, *limits)
-
-
-def _ratio_ends(motion: Motion, found: Fit) -> tuple[float, float]:
-    """From the curvature and what gaits disagree about, within the bounds of eps."""
-    eps, low_high = found.model.medium.anisotropy_ratio, found.model.medium.limits(LEAST_EPS, MOST_EPS)
-    half = NORMAL * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
-    return _clipped(eps - half, *low_high), _clipped(eps + half, *low_high)
-
-
-def _clipped(value: float, low: float, high: float) -> float:
-    return min(max(value, low), high)

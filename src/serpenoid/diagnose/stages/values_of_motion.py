@@ -1,0 +1,85 @@
+"""Values that the stage of motion finds, and how well they are known: of what is named, and of eps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
+from serpenoid.diagnose.inference.differing import Differing
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
+from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted
+from serpenoid.diagnose.inference.medium import Fit, linearised
+from serpenoid.diagnose.inference.names import seen
+from serpenoid.diagnose.inference.select import Selection
+from serpenoid.effects.active import ActiveEffect
+
+RELATIVE = 3e-3  # what smoothing the shapes leaves
+
+
+def named_of(
+    found: Selection, base: Fit, effect: ActiveEffect, doubt: Mapping[Coordinate, Doubted] | None = None
+) -> Named:
+    """Values and intervals from the fit with all that is there, strength from what the path loses without the effect
+    (`base`); doubt: where the law is known to be wrong, what that leaves open."""
+    settled = found.settled
+    at = 1
+    for fitted in settled.effects:
+        if fitted.key == effect.key:
+            break
+        at += len(fitted.effect.parameters)
+    ends, bound, usual = {}, [], deviations(found.motion, settled)
+    for i, p in enumerate(fitted.effect.parameters):
+        x, value = fitted.coordinates[i], fitted.parameters[p.name]
+        held = value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical)
+        if held:
+            bound.append(p.name)
+        sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
+        half = NORMAL * sd + RELATIVE * abs(x)
+        low, high = x - half, x + half
+        doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
+        if doubtful is not None:
+            low, high = min(low, doubtful.ends[0]), max(high, doubtful.ends[1])
+        ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
+    strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
+    return Named(fitted, ends, strength, tuple(bound))
+
+
+def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
+    """Standard deviations of eps and all coordinates (P,), from the curvature.
+
+    hold: what ended at a bound stays there, as in the fit; else how far it may be from there.
+    """
+    evidence = fit.evidence if hold else linearised(motion, fit.model, fit.effects, hold=False)[0]
+    spread = SYSTEMATIC * max(1.0, np.sqrt(fit.chi2 / fit.evidence.count.sum()))
+    return np.sqrt(np.diag(evidence.covariance(range(len(fit.coordinates)), spread)))
+
+
+def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
+    """95 % interval of eps with what is there. Names that may be stand-ins may take a part of what resists, or
+    give it: then eps is known no better than with and without them."""
+    unsure = found.motion.ratio is None and not stage.unlike and any(n.stand_in for n in stage.named)
+    fits = [found.settled, found.null] if unsure else [found.settled]
+    low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
+    return min(low), max(high)
+
+
+def ratio_beside(parts: Differing, settled: Fit) -> tuple[float, float]:
+    """The same beside parts that differ."""
+    half, limits = NORMAL * parts.ratio.deviation, settled.model.medium.limits(LEAST_EPS, MOST_EPS)
+    return _clipped(parts.ratio.value - half, *limits), _clipped(parts.ratio.value + half, *limits)
+
+
+def _ratio_ends(motion: Motion, found: Fit) -> tuple[float, float]:
+    """From the curvature and what gaits disagree about, within the bounds of eps."""
+    eps, low_high = found.model.medium.anisotropy_ratio, found.model.medium.limits(LEAST_EPS, MOST_EPS)
+    half = NORMAL * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
+    return _clipped(eps - half, *low_high), _clipped(eps + half, *low_high)
+
+
+def _clipped(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
