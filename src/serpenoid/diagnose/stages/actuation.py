@@ -17,6 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.finding import VISIBLE
+from serpenoid.diagnose.inference.medium import CONVERGED
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.diagnose.stages.plays import Plays
@@ -29,6 +30,7 @@ from serpenoid.parallel import in_processes
 
 STEPS = 7
 REACH = 3.0  # largest change of a positive scale in one step
+HOPELESS = 1e6  # damping: no step gains anything
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,65 @@ def fit_everywhere(
 def _inside(p: Parameter, coordinate: float) -> float:
     value = min(max(p.value(coordinate), p.lower), p.upper)
     return float(p.coordinate(value)) if np.isfinite(value) else float(coordinate)
+
+
+@remembered
+def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
+    """Levenberg-Marquardt in the parameters of all effects at once: where nothing says when trials began, that depends
+    on what every joint does, and what every other one is fitted to depends on it."""
+    parameters = [e.effect.parameters[0] for e in chosen]
+    small = 1e-4 * np.array([max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])
+    layers = _side_by_side(chosen)
+
+    def at(x: Floats) -> list[ActiveEffect]:
+        return [e.with_coordinates([v]) for e, v in zip(chosen, x, strict=True)]
+
+    values, damping = np.array([e.coordinates[0] for e in chosen]), 1e-4
+    positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0)
+    left = data.left(data.realised(at(values)))
+    while True:
+        cost = float(data.sizes(left).sum())
+        here, moved = data.with_slopes(at(values), [at(values + np.where(layer, small, 0.0)) for layer in layers])
+        change = [_at_place(moved[[layer[i] for layer in layers].index(True)], e) for i, e in enumerate(chosen)]
+        slopes = np.stack([data.slope(here, here + c, x) for c, x in zip(change, small, strict=True)]) / data.noise
+        # what is left is at the best moves of clocks, so that only the bare change turns it into the gradient
+        pull = np.array([(left * c / data.noise**2).sum() for c in change]) / small
+        matrix = np.einsum("irm,jrm->ij", slopes, slopes)
+        size = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
+        gained = -np.inf
+        while gained < 0 and damping < HOPELESS:
+            step = np.linalg.solve(matrix / np.outer(size, size) + damping * np.eye(len(size)), pull / size) / size
+            step = np.where(positive, np.clip(step, -0.7 * np.abs(values), REACH * np.abs(values)), step)
+            trial = np.array([_inside(p, v) for p, v in zip(parameters, values + step, strict=True)])
+            missed = data.left(data.realised(at(trial)))
+            gained = cost - float(data.sizes(missed).sum())
+            damping *= 0.1 if gained >= 0 else 30.0
+        if gained < 0:
+            return tuple(at(values))
+        values, left, damping = trial, missed, max(damping, 1e-9)
+        if gained < CONVERGED * max(1.0, cost / float(data.often.sum())):
+            return tuple(at(values))
+
+
+def _side_by_side(chosen: Sequence[ActiveEffect]) -> list[list[bool]]:
+    """Effects that can be moved at once, as no two of them are at one joint; for each set, whether each is in it."""
+    sets: list[list[ActiveEffect]] = []
+    for e in chosen:
+        room = [s for s in sets if None not in (e.place, s[0].place) and all(e.place != other.place for other in s)]
+        if room:
+            room[0].append(e)
+        else:
+            sets.append([e])
+    return [[any(e is other for other in s) for e in chosen] for s in sets]
+
+
+def _at_place(change: Floats, effect: ActiveEffect) -> Floats:
+    """Of what is read (R, m), at the effect's joint alone; all of it of an effect at all joints."""
+    if effect.place is None:
+        return change
+    own = np.zeros_like(change)
+    own[:, effect.place - 1] = change[:, effect.place - 1]
+    return own
 
 
 @remembered

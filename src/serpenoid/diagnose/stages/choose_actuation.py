@@ -13,7 +13,15 @@ from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
-from serpenoid.diagnose.stages.actuation import Attempt, attempts, fit_everywhere, followed, needed, slopes_of
+from serpenoid.diagnose.stages.actuation import (
+    Attempt,
+    attempts,
+    fit_everywhere,
+    fit_together,
+    followed,
+    needed,
+    slopes_of,
+)
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.trials_astray import trials_astray
 from serpenoid.effects.active import ActiveEffect
@@ -124,9 +132,9 @@ def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | No
     """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
     those at other joints stay as they are: no joint touches another, but by when a trial began."""
     chosen = list(chosen)
-    touched = {e.place for e in chosen}
-    if new is not None and new.place is not None and all(data.begun(r) for r in data.recordings):
-        touched = {None, new.place}
+    if chosen and not all(data.begun(r) for r in data.recordings):
+        return fit_together(data, chosen)
+    touched = {e.place for e in chosen} if new is None or new.place is None else {None, new.place}
     for _ in range(2):
         for i, effect in enumerate(chosen):
             if effect.place not in touched:

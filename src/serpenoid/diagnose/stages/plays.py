@@ -164,16 +164,28 @@ class Plays:
 
     def _read(self, played: Sequence[Floats]) -> Floats:
         """The same when it is read (R, m)."""
-        return np.concatenate([self._sampled(number, p) for number, p in enumerate(played)]) + self.habit
+        return self._sampled(played, [self._begun_late(number, p) for number, p in enumerate(played)])
 
-    def _sampled(self, number: int, angles: Floats) -> Floats:
-        """What a trial's mesh plays (K, m) when it is read; from where readings are met best if nothing says when it
-        began."""
-        recording, time = self.recordings[number], self.times[number]
-        if self.begun(recording):
-            return angles[self.where[number]]
-        course = Course(self.meshes[number], angles)
-        return course.at(time - self._read_late[number].late(course))
+    def _sampled(self, played: Sequence[Floats], late: Sequence[float | None]) -> Floats:
+        """What each trial's mesh plays (K, m) when it is read (R, m), so much later [s]; None: as its log says."""
+        parts = zip(played, late, self.where, self.meshes, self.times, strict=True)
+        read = [p[at] if by is None else Course(mesh, p).at(time - by) for p, by, at, mesh, time in parts]
+        return np.concatenate(read) + self.habit
+
+    def _begun_late(self, number: int, angles: Floats) -> float | None:
+        """From where on what a trial's mesh plays (K, m) is met best [s], if nothing says when it began."""
+        if self.begun(self.recordings[number]):
+            return None
+        return self._read_late[number].late(Course(self.meshes[number], angles))
+
+    def with_slopes(
+        self, effects: Sequence[ActiveEffect], changed: Sequence[Sequence[ActiveEffect]]
+    ) -> tuple[Floats, list[Floats]]:
+        """What is read with some effects, and what others change of it (R, m) each while trials begin as with those."""
+        played = self._played(effects)
+        late = [self._begun_late(number, p) for number, p in enumerate(played)]
+        here = self._sampled(played, late)
+        return here, [self._sampled(self._played(other), late) - here for other in changed]
 
     def late(self, effects: Sequence[ActiveEffect]) -> list[float]:
         """By how much later [s] than promised each trial's readings meet best what servos do with these effects."""
