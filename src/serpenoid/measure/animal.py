@@ -174,7 +174,9 @@ def _sampling(motion: Motion) -> list[str]:
 
 
 def _stretching(body: Body, motion: Motion) -> list[str]:
-    """As a whole, and in places while other places shorten."""
+    """As a whole, and in places while other places shorten; of noise that lasts neither is said."""
+    if motion.stretches.alike:
+        return []
     found, whole = [], stretching(body, motion)
     if whole.sure and whole.share >= LEAST_SHARE:
         found.append(
@@ -182,13 +184,14 @@ def _stretching(body: Body, motion: Motion) -> list[str]:
             "by lengthening and shortening (peristalsis) a body could crawl "
             f"{min(whole.share, 1):.0%} of this path, which no fit accounts for"
         )
+    left = "points are put back along it" if motion.stretches.any else "this passes for noise of the points"
     places, edges = sliding(body, motion)
     if places.sure and places.share >= LEAST_SHARE:
         found.append(
             f"distances of its neighbouring points vary by {edges:.1%} (SD beyond noise) while others make up for it: "
-            "it stretches in places (peristalsis), or points slide along it. Links of the model are rigid, this passes "
-            f"for noise of the points, and no fit accounts for the {min(places.share, 1):.0%} of this path that a body "
-            "could crawl with it"
+            "it stretches in places (peristalsis), or points slide along it. Links of the model are rigid, "
+            f"{left}, and no fit accounts for the {min(places.share, 1):.0%} of this path that a body could crawl with "
+            "it"
         )
     return found
 

@@ -31,7 +31,9 @@ from serpenoid.measure.servo_alignment import (
 )
 from serpenoid.measure.smooth import smooth_states
 from serpenoid.measure.strays import without_strays
+from serpenoid.measure.stretches import Stretches, stretches, unstretched
 
+REPEATED = 2  # times that stretches are taken off: along the chain as it is with them, and as it is without
 SHORTEST_RUN = 8  # frames: less is no motion
 
 
@@ -41,6 +43,7 @@ class Motion:
 
     time_s: Floats  # (F,)
     markers: Floats  # (F, N, 2) as seen, NaN hidden
+    points: Floats  # (F, N, 2) what the chain is fitted to: the same, of an animal as if it did not stretch
     poses: Floats  # (F, 3) x, y [body lengths], heading [rad]
     joint_angles: Floats  # (F, m)
     covariance: Floats  # (F, 3 + m, 3 + m) of poses and joint angles; large in directions that nothing measured
@@ -55,6 +58,7 @@ class Motion:
     runs: tuple[slice, ...]  # frames between long gaps and whole-body jumps
     relabelled: tuple[tuple[str, int], ...]
     unused: tuple[str, ...]
+    stretches: Stretches  # of an animal
 
     @cached_property
     def beat(self) -> Beat | None:
@@ -154,8 +158,14 @@ def build_motion(
         if either_way:
             markers, strays = without_strays(body, time_s, markers, estimate)
             estimate = _helped(body, markers, helped, by_markers) if strays else estimate
-    else:
-        estimate = completed(body, markers, time_s, estimate)
+    points, stretched = markers, Stretches(np.zeros((len(time_s), body.vertices - 1)))
+    if helped is None:
+        if body.is_animal:
+            stretched = stretches(body, time_s, markers)
+        for _ in range(REPEATED if stretched.any else 0):
+            points = unstretched(body, markers, stretched, estimate.vertices)
+            estimate = estimate_chain(body, points)
+        estimate = completed(body, points, time_s, estimate)
     cuts = _cuts(estimate, time_s, strays) if like is None else (like.gaps, like.jumps, like.runs)
     if (helped is None and either_way) or not cuts[2]:
         raise InputError(
@@ -167,7 +177,7 @@ def build_motion(
         longest = float((time_s[holes] - time_s[holes - 1]).max())
         places = "1 place" if len(holes) == 1 else f"{len(holes)} places"
         notes.append(f"frames are missing from the file in {places}, for {longest:.3g} s at most")
-    return _motion(body, time_s, markers, helped, estimate, cuts, labels), servo, notes
+    return _motion(body, time_s, (markers, points), helped, estimate, cuts, (*labels, stretched)), servo, notes
 
 
 def _helped(body: Body, markers: Floats, servo: ServoAlignment, by_markers: ChainEstimate) -> ChainEstimate:
@@ -194,9 +204,16 @@ def _cuts(estimate: ChainEstimate, time_s: Floats, strays: tuple[Jump, ...]) -> 
 
 
 def _motion(
-    body: Body, time_s: Floats, markers: Floats, servo: ServoAlignment | None, first: ChainEstimate, cuts: tuple, labels
+    body: Body,
+    time_s: Floats,
+    seen: tuple[Floats, Floats],
+    servo: ServoAlignment | None,
+    first: ChainEstimate,
+    cuts: tuple,
+    labels,
 ) -> Motion:
-    """The final estimate, linear about the smooth path, on all frames of all runs."""
+    """The final estimate, linear about the smooth path, on all frames of all runs; seen: markers, and what of them the
+    chain is fitted to."""
     smooth_poses, smooth_angles = _smooth_runs(body, first, time_s, cuts[2])
     known = np.isfinite(smooth_poses[:, 0])
     poses, angles, covariance, vertices = (
@@ -204,11 +221,11 @@ def _motion(
         for shape in ((3,), (body.joint_count,), (3 + body.joint_count,) * 2, (body.vertices, 2))
     )
     readings = (None, None) if servo is None else (servo.angles[known], servo.frame_sd)
-    about = estimate_about(body, markers[known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
+    about = estimate_about(body, seen[1][known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
     poses[known], angles[known], covariance[known] = about.poses, about.joint_angles, about.covariance
     vertices[known] = about.vertices
     return Motion(
-        time_s, markers, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
+        time_s, *seen, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
         known & first.determined, known & ~first.determined, first.marker_sd, *cuts, *labels,
     )  # fmt: skip
 
