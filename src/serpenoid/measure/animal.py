@@ -168,8 +168,8 @@ def _cuts(motion: Motion) -> list[str]:
     )
     return [
         f"its whole body is elsewhere from one frame to the next at {listed(moments[:MOST_TOLD])}{also} s: is the film "
-        "cut there, or was the camera moved? Every side is used by itself, but displacements go across: name the file in "
-        f"{len(moments) + 1} trials, {split}"
+        "cut there, or was the camera moved? Every side is used by itself, but displacements go across: name the file "
+        f"in {len(moments) + 1} trials, {split}"
     ]
 
 
