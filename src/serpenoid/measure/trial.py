@@ -198,7 +198,7 @@ def _counted(never: NDArray[np.int64]) -> str:
 def _cuts(estimate: ChainEstimate, time_s: Floats, strays: tuple[Jump, ...]) -> tuple:
     """Gaps, jumps, and the runs of frames between them; strays: markers that were left out, which cut nothing."""
     gaps = find_gaps(estimate.determined, time_s)
-    jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
+    jumps = find_jumps(estimate.poses, estimate.covariance, estimate.marker_residual, estimate.marker_sd, time_s)
     jumps = tuple(sorted((*jumps, *strays), key=lambda jump: jump.frame))
     return gaps, jumps, _runs(gaps, jumps, find_holes(time_s), len(time_s))
 
