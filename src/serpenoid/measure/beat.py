@@ -76,10 +76,10 @@ def beat(motion: Motion) -> Beat | None:
     if not agreement >= AGREES:
         return None
     rate = np.clip(np.gradient(turned, sines.centres), 1 / (2 * period), 2 / period)
-    bends = _evenly_seen(time_s, sines_about(time_s, angles, sines.centres, 1 / rate), period)
-    phase = float(np.angle((bends[:, 1:] * bends[:, :-1].conj()).sum()))
-    amplitude = np.sqrt((np.abs(bends) ** 2).mean(axis=0))
-    return Beat(period, float(seconds.std()), amplitude, phase * (bends.shape[1] + 1) / (2 * np.pi))
+    own = _evenly_seen(time_s, sines_about(time_s, angles, sines.centres, 1 / rate), period)
+    phase = float(np.angle((own[:, 1:] * own[:, :-1].conj()).sum()))
+    amplitude = np.sqrt((np.abs(own) ** 2).mean(axis=0))
+    return Beat(period, float(seconds.std()), amplitude, phase * (own.shape[1] + 1) / (2 * np.pi))
 
 
 def _scale(time_s: Floats, angles: Floats) -> float | None:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.beat import Beat, beat
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.chain import ChainEstimate, completed, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
+from serpenoid.measure.consistency.hypotheses import ROLLS
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.principal_bends import smooth_curves
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
@@ -246,6 +247,17 @@ def schedule_start(
         seen = "no overlap" if found is None else f"correlation {found.correlation:.2f}"
         return schedule, "none", [f"the commanded table is not found in the recording ({seen})"]
     return replace(schedule, start_s=found.offset_s), "shape", []
+
+
+def log_covers(schedule: Schedule, log_s: Floats) -> list[str]:
+    """What of a schedule a log at times (R,) on its clock leaves out, by more than a start is unsure."""
+    least, found = schedule.cycle_duration_s / ROLLS, []
+    late, early = log_s[0] - schedule.start_s, schedule.start_s + schedule.moving_s - log_s[-1]
+    if late > least:
+        found.append(f"begins {late:.3g} s after the first command")
+    if early > least:
+        found.append(f"ends {early:.3g} s before the last")
+    return [f"its servo log {listed(found)}: there joints are what the markers show"] if found else []
 
 
 def cut_passages(
