@@ -202,11 +202,11 @@ def test_a_bumped_camera_is_found_and_nothing_where_nothing_happened():
     vertices = vertices + rng.normal(scale=SD, size=vertices.shape)
     time = np.arange(300) / 60
     calm = estimate_chain(body, vertices)
-    assert find_jumps(calm.poses, calm.marker_residual, calm.marker_sd, time) == ()
+    assert find_jumps(calm.poses, calm.covariance, calm.marker_residual, calm.marker_sd, time) == ()
     vertices[150:] += [0.02, -0.01]
     vertices[80, 3] += [0.0, 0.03]
     found = estimate_chain(body, vertices)
-    jumps = find_jumps(found.poses, found.marker_residual, found.marker_sd, time)
+    jumps = find_jumps(found.poses, found.covariance, found.marker_residual, found.marker_sd, time)
     whole = [j for j in jumps if j.vertex is None]
     assert [j.frame for j in whole] == [150]
     assert whole[0].size == pytest.approx(np.hypot(0.02, 0.01), rel=0.1)

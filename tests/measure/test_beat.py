@@ -7,6 +7,9 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from serpenoid.measure.beat import beat
+from serpenoid.measure.load import load_campaign
+from specimens import animal_campaign
+from swimmers_by_curves import Curve
 
 JOINTS = np.arange(8) / 9
 SIZE = 0.6
@@ -14,8 +17,11 @@ SIZE = 0.6
 
 def motion(time_s, angles, noise=0.0):
     noisy = angles + noise * np.random.default_rng(1).normal(size=angles.shape)
+    covariance = np.broadcast_to(
+        max(noise, 1e-6) ** 2 * np.eye(3 + angles.shape[1]), (len(time_s), *2 * [3 + angles.shape[1]])
+    )
     return SimpleNamespace(
-        time_s=time_s, joint_angles=noisy, smooth_angles=noisy, runs=(slice(0, len(time_s)),)
+        time_s=time_s, joint_angles=noisy, smooth_angles=noisy, runs=(slice(0, len(time_s)),), covariance=covariance
     )  # a stand-in: of a Motion, no more is asked
 
 
@@ -85,3 +91,14 @@ def test_what_does_not_repeat_has_no_beat():
     for angles in (still, still + 0.01 * rng.normal(size=(300, 8)), smooth, once, there_and_back, wandering):
         assert beat(motion(time, angles)) is None
     assert beat(motion(time[:5], smooth[:5])) is None
+
+
+def test_a_beat_whose_noise_is_most_of_every_joint_angle_is_counted_by_bends_of_the_whole_body(tmp_path):
+    """40 points with a noise of a tenth of their distance: of a joint angle's variance 8 in 10 parts are noise."""
+    time, points, _ = Curve(ratio=15.0, waves=1.8, amplitude=0.5, turn=0.1).film(40, 200, 8)
+    noisy = points + 0.0025 * np.random.default_rng(5).normal(size=points.shape)
+    (trial,) = load_campaign(animal_campaign(tmp_path, "a", 2 * time, 100 * noisy, "mm")).trials
+    angles = trial.motion.joint_angles
+    assert (np.diff(angles, n=2, axis=0) ** 2).mean() / 6 > 0.8 * angles.var(axis=0).mean()
+    assert trial.motion.beat.period_s == pytest.approx(2.0, rel=0.02)
+    assert trial.motion.beat.waves == pytest.approx(1.8, rel=0.05)

@@ -20,7 +20,7 @@ from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import seen_corners
 from serpenoid.measure.servo_zeros import lasting
-from serpenoid.measure.trial import build_motion
+from serpenoid.measure.trial import build_motion, log_covers
 
 SD = 0.001  # of the markers [body lengths]
 CLOCK_S = 7.3  # cameras minus log
@@ -200,3 +200,15 @@ def test_a_log_is_whole_that_is_as_long_as_the_motion_and_at_rest_at_its_ends(
     seen = schedule.commanded(time) + 0.003 * np.random.default_rng(0).normal(size=(len(time), 10))
     at = np.arange(since, until, 0.03)
     assert clock._cut(time, seen, 1.0064 * at + 100, schedule.commanded(at)) == cut
+
+
+LATE, EARLY = "begins 1.5 s after the first command", "ends 2 s before the last"
+
+
+@pytest.mark.parametrize(
+    ("first", "stop", "said"), [(0, 200, ""), (75, 200, LATE), (0, 100, EARLY), (75, 100, f"{LATE} and {EARLY}")]
+)
+def test_a_log_that_leaves_out_a_part_of_the_trial_is_told(first, stop, said):
+    schedule = Schedule(np.zeros((4, 2)), 1.0, 3, 0.5, 2.0)  # moves for 4 s
+    notes = log_covers(schedule, 2.0 + np.arange(first, stop + 1) / 50)
+    assert [note.split(" log ")[1].split(":")[0] for note in notes] == ([said] if said else [])

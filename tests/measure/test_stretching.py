@@ -57,3 +57,27 @@ def test_rigid_links_stretch_nowhere_though_no_curve_runs_between_their_ends(tmp
     points[..., 0] += 0.2 * TIME[:, None]
     said = notes(tmp_path, points + NOISE / 3 * np.random.default_rng(4).normal(size=points.shape))
     assert "stretches" not in said
+
+
+def lasting(shape, frames: int = 5) -> np.ndarray:
+    """Noise (F, N, 2) that a tracker has smoothed over some frames, of SD 1."""
+    rough = np.random.default_rng(6).normal(size=(shape[0] + frames - 1, *shape[1:]))
+    return np.lib.stride_tricks.sliding_window_view(rough, frames, axis=0).sum(axis=-1) / np.sqrt(frames)
+
+
+@pytest.mark.parametrize("stretch", [0.0, 0.05, 0.2])
+def test_what_a_body_stretches_by_is_no_noise_of_its_points(tmp_path, stretch):
+    """To what a smoothed stretch leaves of it; the misfit of rigid links to all of it is 5 and 21 times the noise."""
+    motion = load_campaign(animal_campaign(tmp_path, "a", TIME, 100 * crawler(stretch), "mm")).trials[0].motion
+    assert motion.marker_sd == pytest.approx(NOISE, rel=0.2)
+    assert motion.stretches.any == (stretch > 0)
+
+
+def test_noise_that_lasts_is_no_stretch_and_stays_noise(tmp_path):
+    """All directions have it alike; by second differences it would be a fifth, and the body would crawl by it."""
+    points = crawler(0.0, noise=0.0)
+    points = points + 2 * NOISE * lasting(points.shape)
+    (trial,) = load_campaign(animal_campaign(tmp_path, "a", TIME, 100 * points, "mm")).trials
+    assert not trial.motion.stretches.any
+    assert trial.motion.marker_sd == pytest.approx(2 * NOISE, rel=0.15)
+    assert not [note for note in trial.notes if "peristalsis" in note]

@@ -36,5 +36,5 @@ def _segment(trial: Trial, motion: Motion, rows: slice) -> Segment:
     return Segment(
         time, motion.joint_angles[rows], motion.poses[rows], motion.covariance[rows],
         motion.smooth_angles[rows], motion.smooth_poses[rows], trial.body.vertex_weights, trial.name, phase,
-        motion.markers[rows], motion.marker_sd,
+        motion.points[rows], motion.marker_sd,
     )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
 from serpenoid.measure.smooth import best_window, smooth, smoother
@@ -26,6 +26,7 @@ SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and i
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 BOTH = 6.0  # over the second differences there are: the variance of lengths' variance over that of their noise
 DRAWS = 20  # of white noise, smoothed as lengths are
+MOST_TOLD = 3  # moments
 LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
 
@@ -150,7 +151,32 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
             "`first_point` (or reverse `markers`)"
         )
-    return (*found, *_clock(motion), *_sampling(motion), *_stretching(body, motion), *_length(motion))
+    return (*found, *_clock(motion), *_cuts(motion), *_sampling(motion), *_stretching(body, motion), *_length(motion))
+
+
+def _cuts(motion: Motion) -> list[str]:
+    """Where the whole body is somewhere else and goes on from there; there and back it would be no run."""
+    ends = {run.stop for run in motion.runs} & {jump.frame for jump in motion.jumps if jump.vertex is None}
+    moments = [between(*motion.time_s[run.start - 1 : run.start + 1]) for run in motion.runs if run.start in ends]
+    if not moments:
+        return []
+    also = f" and {len(moments) - MOST_TOLD} more" if len(moments) > MOST_TOLD else ""
+    split = (
+        f"`to_s = {moments[0]}` in the first and `from_s = {moments[0]}` in the second"
+        if len(moments) == 1
+        else "each begins and ends (`from_s`, `to_s`) at these moments"
+    )
+    return [
+        f"its whole body is elsewhere from one frame to the next at {listed(moments[:MOST_TOLD])}{also} s: is the film "
+        "cut there, or was the camera moved? Every side is used by itself, but displacements go across: name the file "
+        f"in {len(moments) + 1} trials, {split}"
+    ]
+
+
+def between(before_s: float, after_s: float) -> str:
+    """A moment between two frames, with as few digits as tell it from both."""
+    digits = max(0, int(np.ceil(-np.log10((after_s - before_s) / 4))))
+    return f"{(before_s + after_s) / 2:.{digits}f}"
 
 
 def _clock(motion: Motion) -> list[str]:
@@ -174,7 +200,9 @@ def _sampling(motion: Motion) -> list[str]:
 
 
 def _stretching(body: Body, motion: Motion) -> list[str]:
-    """As a whole, and in places while other places shorten."""
+    """As a whole, and in places while other places shorten; of noise that lasts neither is said."""
+    if motion.stretches.alike:
+        return []
     found, whole = [], stretching(body, motion)
     if whole.sure and whole.share >= LEAST_SHARE:
         found.append(
@@ -182,13 +210,14 @@ def _stretching(body: Body, motion: Motion) -> list[str]:
             "by lengthening and shortening (peristalsis) a body could crawl "
             f"{min(whole.share, 1):.0%} of this path, which no fit accounts for"
         )
+    left = "points are put back along it" if motion.stretches.any else "this passes for noise of the points"
     places, edges = sliding(body, motion)
     if places.sure and places.share >= LEAST_SHARE:
         found.append(
             f"distances of its neighbouring points vary by {edges:.1%} (SD beyond noise) while others make up for it: "
-            "it stretches in places (peristalsis), or points slide along it. Links of the model are rigid, this passes "
-            f"for noise of the points, and no fit accounts for the {min(places.share, 1):.0%} of this path that a body "
-            "could crawl with it"
+            "it stretches in places (peristalsis), or points slide along it. Links of the model are rigid, "
+            f"{left}, and no fit accounts for the {min(places.share, 1):.0%} of this path that a body could crawl with "
+            "it"
         )
     return found
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import AGREES, LEAST_OVERLAP, Signal
+from serpenoid.measure.principal_bends import shown_bends
 
 if TYPE_CHECKING:
     from serpenoid.measure.trial import Motion
@@ -60,10 +61,11 @@ class Sines:
 
 
 def beat(motion: Motion) -> Beat | None:
-    """None where nothing repeats."""
-    if not Signal(motion.time_s, motion.joint_angles).moves:
-        return None
+    """None where nothing repeats; of close points noise is most of every joint angle, and little of whole bends."""
     rows = np.concatenate([np.arange(run.start, run.stop) for run in motion.runs])
+    bends = shown_bends(motion.joint_angles[rows], motion.covariance[rows][:, 3:, 3:])
+    if not Signal(motion.time_s[rows], bends).moves:
+        return None
     time_s, angles = motion.time_s[rows], motion.smooth_angles[rows]
     period = _scale(time_s, angles)
     if period is None:
@@ -74,10 +76,10 @@ def beat(motion: Motion) -> Beat | None:
     if not agreement >= AGREES:
         return None
     rate = np.clip(np.gradient(turned, sines.centres), 1 / (2 * period), 2 / period)
-    bends = _evenly_seen(time_s, sines_about(time_s, angles, sines.centres, 1 / rate), period)
-    phase = float(np.angle((bends[:, 1:] * bends[:, :-1].conj()).sum()))
-    amplitude = np.sqrt((np.abs(bends) ** 2).mean(axis=0))
-    return Beat(period, float(seconds.std()), amplitude, phase * (bends.shape[1] + 1) / (2 * np.pi))
+    own = _evenly_seen(time_s, sines_about(time_s, angles, sines.centres, 1 / rate), period)
+    phase = float(np.angle((own[:, 1:] * own[:, :-1].conj()).sum()))
+    amplitude = np.sqrt((np.abs(own) ** 2).mean(axis=0))
+    return Beat(period, float(seconds.std()), amplitude, phase * (own.shape[1] + 1) / (2 * np.pi))
 
 
 def _scale(time_s: Floats, angles: Floats) -> float | None:

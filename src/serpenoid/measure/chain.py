@@ -97,7 +97,8 @@ def completed(body: Body, vertices: Floats, time_s: Floats, by_markers: ChainEst
     if not len(left) or not by_markers.determined.any():
         return by_markers
     variance = np.diagonal(by_markers.covariance[:, 3:, 3:], axis1=1, axis2=2)
-    said = bends_in_time(body, time_s, vertices, by_markers.joint_angles, variance, by_markers.determined)
+    wholly = by_markers.determined & ~hidden  # a hidden point has a mirror position, which time knows from its own
+    said = bends_in_time(body, time_s, vertices, by_markers.joint_angles, variance, wholly)
     if body.is_animal:
         said = whole_bends(body, vertices, by_markers.marker_sd, said)
     fit = _fit(body, vertices[left], said.of_rows(left), by_markers.marker_sd)

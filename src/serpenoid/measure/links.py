@@ -69,7 +69,7 @@ def vertices_by_links(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
     link, n = link_of_edge(body), body.vertices
     psi = unknowns[:, 2:]
     unit = np.stack([np.cos(psi), np.sin(psi)], axis=2)[:, link] * body.edges[:, None]
-    reach = _reach(body)  # (N, N - 1): how much of edge j lies between centroid and vertex k
+    reach = from_centroid(body)
     points = unknowns[:, None, :2] + np.einsum("kj,fji->fki", reach, unit)
     jacobian = np.zeros((len(psi), n, 2, unknowns.shape[1]))
     jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
@@ -84,7 +84,7 @@ def _along_curve(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
     tangents, lengths = nodes_along(body)
     theta = unknowns[:, 2:] @ tangents.T
     along, across = np.cos(theta) * lengths, np.sin(theta) * lengths  # each by itself: products of matrices are fast
-    reach = np.repeat(_reach(body), NODES, axis=1)  # (N, Q)
+    reach = np.repeat(from_centroid(body), NODES, axis=1)  # (N, Q)
     jacobian = np.zeros((len(theta), body.vertices, 2, unknowns.shape[1]))
     jacobian[:, :, 0, 0] = jacobian[:, :, 1, 1] = 1.0
     own = tangents.reshape(-1, NODES, tangents.shape[1])  # of each edge
@@ -97,6 +97,8 @@ def _along_curve(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
     return unknowns[:, None, :2] + np.stack([along @ reach.T, across @ reach.T], axis=2), jacobian
 
 
-def _reach(body: Body) -> Floats:
+def from_centroid(body: Body) -> Floats:
+    """How much of edge j lies between the centroid and vertex k, (N, N - 1)."""
+    """How much of edge j lies between the centroid and vertex k, (N, N - 1)."""
     behind = np.tril(np.ones((body.vertices, body.vertices - 1)), -1)
     return behind - body.vertex_weights @ behind

@@ -16,7 +16,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.consistency.still import nothing_moved
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, schedule_start
+from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, log_covers, schedule_start
 from serpenoid.measure.trial_files import (
     Files,
     Progress,
@@ -131,6 +131,8 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
     if schedule is not None:
         schedule, source, complaints = schedule_start(schedule, files.servo_log, servo, motion)
         notes += complaints
+        if source != "none" and servo is not None and files.servo_log is not None:
+            notes += log_covers(schedule, files.servo_log.time_s + servo.offset.offset_s)
     if motion is not None:
         passages, complaints = cut_passages(motion, schedule if source != "none" else None, files.servo_log)
         notes += complaints

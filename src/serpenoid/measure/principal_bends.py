@@ -112,11 +112,23 @@ def smooth_curves(time_s: Floats, poses: Floats, joint_angles: Floats, covarianc
     return smooth_poses, bends_smoother(time_s, joint_angles, covariance[:, 3:, 3:])(joint_angles)
 
 
+def shown_bends(joint_angles: Floats, covariance: Floats) -> Floats:
+    """Bends (R, m) of the whole body that joint angles show, in units of their noise, which is known (R, m, m)."""
+    of_angles, _, mean = _principal(joint_angles, covariance)
+    return np.asarray((joint_angles - mean) @ of_angles)
+
+
+def _principal(joint_angles: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats]:
+    """Bends of angles (m, m) and back in units of the usual frame's noise, and the mean angles (m,)."""
+    size, mean = np.trace(covariance, axis1=1, axis2=2), joint_angles.mean(axis=0)
+    root = np.linalg.cholesky(covariance[np.argsort(size)[len(size) // 2]])
+    return *_axes(root, joint_angles - mean), mean
+
+
 def bends_smoother(time_s: Floats, joint_angles: Floats, covariance: Floats) -> Callable[[Floats], Floats]:
     """What smooths joint angles (R, m) like these, whose noise (R, m, m) is known: each bend has the window that Cp
     picks, and where Cp picks none of them, its mean."""
-    size, mean = np.trace(covariance, axis1=1, axis2=2), joint_angles.mean(axis=0)
-    of_angles, to_angles = _axes(np.linalg.cholesky(covariance[np.argsort(size)[len(size) // 2]]), joint_angles - mean)
+    of_angles, to_angles, mean = _principal(joint_angles, covariance)
     bends = (joint_angles - mean) @ of_angles
     variance = np.empty_like(bends)
     for b in blocks(len(variance)):

@@ -68,13 +68,18 @@ def between_jumps(poses: Floats, time_s: Floats, fewest: int) -> NDArray[np.bool
     return found
 
 
-def find_jumps(poses: Floats, marker_residual: Floats, marker_sd: float, time_s: Floats) -> tuple[Jump, ...]:
-    """Whole-body jumps from the poses (F, 3), single-marker jumps from the misfit (F, N, 2) to the rigid chain."""
-    return (*_body_jumps(poses, time_s), *_marker_jumps(marker_residual, marker_sd, time_s))
+def find_jumps(
+    poses: Floats, covariance: Floats, marker_residual: Floats, marker_sd: float, time_s: Floats
+) -> tuple[Jump, ...]:
+    """Whole-body jumps from the poses (F, 3) of such covariance (F, 3 or more, .), single-marker jumps from the misfit
+    (F, N, 2) to the rigid chain."""
+    variance = covariance[:, 0, 0] + covariance[:, 1, 1]
+    return (*_body_jumps(poses, time_s, variance), *_marker_jumps(marker_residual, marker_sd, time_s))
 
 
-def _body_jumps(poses: Floats, time_s: Floats) -> list[Jump]:
-    """A step of the centroid that neither its neighbours in time nor the run of the record explain."""
+def _body_jumps(poses: Floats, time_s: Floats, variance: Floats | None = None) -> list[Jump]:
+    """A step of the centroid that neither its neighbours in time nor the run of the record explain, nor how well its
+    ends are known (F,): where points are hidden, that is not alike."""
     known = np.flatnonzero(np.isfinite(poses[:, 0]))
     if len(known) < 8:
         return []
@@ -83,9 +88,9 @@ def _body_jumps(poses: Floats, time_s: Floats) -> list[Jump]:
     smooth = np.stack([_running_median(column, 7) for column in step.T], axis=1)
     odd = np.linalg.norm(step - smooth, axis=1)
     limit = max(SMALLEST_JUMP, JUMP_SIGMA * 1.4826 * float(np.median(odd)))
-    return [
-        Jump(int(known[i + 1]), float(time_s[known[i + 1]]), None, float(odd[i])) for i in np.flatnonzero(odd > limit)
-    ]
+    vague = np.zeros(len(odd)) if variance is None else JUMP_SIGMA * np.sqrt(variance[known][1:] + variance[known][:-1])
+    jumps = np.flatnonzero(odd > np.maximum(limit, vague))
+    return [Jump(int(known[i + 1]), float(time_s[known[i + 1]]), None, float(odd[i])) for i in jumps]
 
 
 def _running_median(values: Floats, width: int) -> Floats:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.beat import Beat, beat
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.chain import ChainEstimate, completed, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
+from serpenoid.measure.consistency.hypotheses import ROLLS
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.principal_bends import smooth_curves
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
@@ -31,7 +32,9 @@ from serpenoid.measure.servo_alignment import (
 )
 from serpenoid.measure.smooth import smooth_states
 from serpenoid.measure.strays import without_strays
+from serpenoid.measure.stretches import Stretches, stretches, unstretched
 
+REPEATED = 2  # times that stretches are taken off: along the chain as it is with them, and as it is without
 SHORTEST_RUN = 8  # frames: less is no motion
 
 
@@ -41,6 +44,7 @@ class Motion:
 
     time_s: Floats  # (F,)
     markers: Floats  # (F, N, 2) as seen, NaN hidden
+    points: Floats  # (F, N, 2) what the chain is fitted to: the same, of an animal as if it did not stretch
     poses: Floats  # (F, 3) x, y [body lengths], heading [rad]
     joint_angles: Floats  # (F, m)
     covariance: Floats  # (F, 3 + m, 3 + m) of poses and joint angles; large in directions that nothing measured
@@ -55,6 +59,7 @@ class Motion:
     runs: tuple[slice, ...]  # frames between long gaps and whole-body jumps
     relabelled: tuple[tuple[str, int], ...]
     unused: tuple[str, ...]
+    stretches: Stretches  # of an animal
 
     @cached_property
     def beat(self) -> Beat | None:
@@ -154,8 +159,14 @@ def build_motion(
         if either_way:
             markers, strays = without_strays(body, time_s, markers, estimate)
             estimate = _helped(body, markers, helped, by_markers) if strays else estimate
-    else:
-        estimate = completed(body, markers, time_s, estimate)
+    points, stretched = markers, Stretches(np.zeros((len(time_s), body.vertices - 1)))
+    if helped is None:
+        if body.is_animal:
+            stretched = stretches(body, time_s, markers)
+        for _ in range(REPEATED if stretched.any else 0):
+            points = unstretched(body, markers, stretched, estimate.vertices)
+            estimate = estimate_chain(body, points)
+        estimate = completed(body, points, time_s, estimate)
     cuts = _cuts(estimate, time_s, strays) if like is None else (like.gaps, like.jumps, like.runs)
     if (helped is None and either_way) or not cuts[2]:
         raise InputError(
@@ -167,7 +178,7 @@ def build_motion(
         longest = float((time_s[holes] - time_s[holes - 1]).max())
         places = "1 place" if len(holes) == 1 else f"{len(holes)} places"
         notes.append(f"frames are missing from the file in {places}, for {longest:.3g} s at most")
-    return _motion(body, time_s, markers, helped, estimate, cuts, labels), servo, notes
+    return _motion(body, time_s, (markers, points), helped, estimate, cuts, (*labels, stretched)), servo, notes
 
 
 def _helped(body: Body, markers: Floats, servo: ServoAlignment, by_markers: ChainEstimate) -> ChainEstimate:
@@ -188,15 +199,22 @@ def _counted(never: NDArray[np.int64]) -> str:
 def _cuts(estimate: ChainEstimate, time_s: Floats, strays: tuple[Jump, ...]) -> tuple:
     """Gaps, jumps, and the runs of frames between them; strays: markers that were left out, which cut nothing."""
     gaps = find_gaps(estimate.determined, time_s)
-    jumps = find_jumps(estimate.poses, estimate.marker_residual, estimate.marker_sd, time_s)
+    jumps = find_jumps(estimate.poses, estimate.covariance, estimate.marker_residual, estimate.marker_sd, time_s)
     jumps = tuple(sorted((*jumps, *strays), key=lambda jump: jump.frame))
     return gaps, jumps, _runs(gaps, jumps, find_holes(time_s), len(time_s))
 
 
 def _motion(
-    body: Body, time_s: Floats, markers: Floats, servo: ServoAlignment | None, first: ChainEstimate, cuts: tuple, labels
+    body: Body,
+    time_s: Floats,
+    seen: tuple[Floats, Floats],
+    servo: ServoAlignment | None,
+    first: ChainEstimate,
+    cuts: tuple,
+    labels,
 ) -> Motion:
-    """The final estimate, linear about the smooth path, on all frames of all runs."""
+    """The final estimate, linear about the smooth path, on all frames of all runs; seen: markers, and what of them the
+    chain is fitted to."""
     smooth_poses, smooth_angles = _smooth_runs(body, first, time_s, cuts[2])
     known = np.isfinite(smooth_poses[:, 0])
     poses, angles, covariance, vertices = (
@@ -204,11 +222,11 @@ def _motion(
         for shape in ((3,), (body.joint_count,), (3 + body.joint_count,) * 2, (body.vertices, 2))
     )
     readings = (None, None) if servo is None else (servo.angles[known], servo.frame_sd)
-    about = estimate_about(body, markers[known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
+    about = estimate_about(body, seen[1][known], smooth_poses[known], smooth_angles[known], first.marker_sd, *readings)
     poses[known], angles[known], covariance[known] = about.poses, about.joint_angles, about.covariance
     vertices[known] = about.vertices
     return Motion(
-        time_s, markers, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
+        time_s, *seen, poses, angles, covariance, vertices, smooth_poses, smooth_angles,
         known & first.determined, known & ~first.determined, first.marker_sd, *cuts, *labels,
     )  # fmt: skip
 
@@ -229,6 +247,17 @@ def schedule_start(
         seen = "no overlap" if found is None else f"correlation {found.correlation:.2f}"
         return schedule, "none", [f"the commanded table is not found in the recording ({seen})"]
     return replace(schedule, start_s=found.offset_s), "shape", []
+
+
+def log_covers(schedule: Schedule, log_s: Floats) -> list[str]:
+    """What of a schedule a log at times (R,) on its clock leaves out, by more than a start is unsure."""
+    least, found = schedule.cycle_duration_s / ROLLS, []
+    late, early = log_s[0] - schedule.start_s, schedule.start_s + schedule.moving_s - log_s[-1]
+    if late > least:
+        found.append(f"begins {late:.3g} s after the first command")
+    if early > least:
+        found.append(f"ends {early:.3g} s before the last")
+    return [f"its servo log {listed(found)}: there joints are what the markers show"] if found else []
 
 
 def cut_passages(

@@ -121,7 +121,7 @@ def _smoothed(body: Body, motion: Motion, run: slice) -> Smoothed:
     near = chain_vertices(body, motion.smooth_poses[run], motion.smooth_angles[run])
     return from_points(
         body, motion.time_s[run] - motion.time_s[run.start],
-        motion.markers[run] * body.total_length_m, near * body.total_length_m,
+        motion.points[run] * body.total_length_m, near * body.total_length_m,
     )  # fmt: skip
 
 

@@ -152,7 +152,8 @@ def _leaps(files: Files) -> list[Contradiction]:
         return []
     words = leap(files.labelled.vertices, files.tracks.time_s)
     cure = (
-        "was another body tracked, or did positions run away? Leave such cells empty, or end the trial before: `to_s`"
+        "was another body tracked, did positions run away, or is the film cut there? Leave such cells empty, or end "
+        "the trial before (`to_s`), and begin another there (`from_s`)"
     )
     return [] if words is None else [Contradiction(files.entry.name, "leap", f"its markers {words}", cure, np.inf)]
 

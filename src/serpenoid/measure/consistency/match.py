@@ -32,6 +32,8 @@ DAMAGED = 0.1  # prior share of joints that do what a healthy one does not
 HIGHEST_GAIN = 1.5
 COARSE = 0.1  # of a cycle that the ends of a signal may be off in a first look at a clock's rate
 FINER = 9  # rates on either side of the best in the second look: its ends are within a hundredth of a cycle
+BETWEEN = 2  # parts of a step of rates, and of half a step of starts, at which it is looked then,
+CLOSER = (1, 2, 4)  # of such, and of such steps' parts again
 AT_ONCE = 8_000  # numbers of a signal, once for each rate, that are laid together: more leave the cache of a core
 RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
 
@@ -102,13 +104,30 @@ def match(signal: Sampled, course: Course, prior: Prior = PHYSICAL) -> Match:
     """The best start of `course` in the signal; its clock may run fast or slow by `RATES`.
 
     The rates of the first look leave the ends of the signal within a tenth of a cycle of the nearest; those of the
-    second, about the best of them, within a hundredth. Promises and rivals are laid alike, or the finer look wins.
+    second, about the best of them, within a hundredth. Then it is looked between the starts of the grid: what begins
+    between two of them fits better at a wrong rate. Promises and rivals are laid alike, or the finer look wins.
     """
     cycles = min(signal.span_s, course.total_s) / course.period_s
     step = 1 / max(1.0, np.ceil(RATES * cycles / COARSE))
     first = max(_at_rates(signal, course, 1 + RATES * np.arange(-1, 1 + step / 2, step), prior), key=_score)
     finer = first.rate + RATES * step * np.arange(-FINER, FINER + 1) / (FINER + 1)
-    return max([first, *_at_rates(signal, course, finer, prior)], key=_score)
+    second = max([first, *_at_rates(signal, course, finer[np.abs(finer - 1) <= RATES], prior)], key=_score)
+    found, apart = second, max(RATES * step / (FINER + 1), signal.step_s / signal.span_s)
+    for closer in CLOSER:
+        nearer = _between(signal, course, found, apart / closer, signal.step_s / closer, prior)
+        found = max([found, *nearer], key=_score)
+    return found
+
+
+def _between(
+    signal: Sampled, course: Course, found: Match, rates_apart: float, starts_apart_s: float, prior: Prior
+) -> list[Match]:
+    """The same at rates and starts about it, within one step of rates and half a step of starts either way: a start
+    that is off is made up for by a rate that is."""
+    parts = np.arange(-BETWEEN, BETWEEN + 1) / BETWEEN
+    rates, starts = found.rate + rates_apart * parts, signal.start_s - found.start_s + starts_apart_s / 2 * parts
+    rates, starts = (x.ravel() for x in np.meshgrid(rates[np.abs(rates - 1) <= RATES], starts))
+    return _fitted(signal, course, starts, np.ones(len(rates), dtype=np.int64), rates, prior)
 
 
 def _score(found: Match) -> float:
@@ -127,7 +146,19 @@ def _at_rates(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> l
 
 
 def _laid(signal: Sampled, course: Course, rates: Floats, prior: Prior) -> list[Match]:
-    begin, starts, commanded = _commanded(signal, course, rates)
+    total, span = course.total_s * rates, signal.span_s
+    common = 0.5 * np.minimum(span, total)  # all starts leave half of the shorter of the two in common
+    begin, end = common - span, total - common + span
+    count = np.maximum(((end - begin) / signal.step_s).astype(int) + 1, len(signal.values))
+    return _fitted(signal, course, begin, count - len(signal.values) + 1, rates, prior)
+
+
+def _fitted(
+    signal: Sampled, course: Course, begin: Floats, starts: NDArray[np.int64], rates: Floats, prior: Prior
+) -> list[Match]:
+    """The best of so many starts (Q,), a step of the grid apart from `begin` (Q,) on, at each of Q rates."""
+    at = (begin[:, None] + signal.step_s * np.arange(starts.max() + len(signal.values) - 1)) / rates[:, None]
+    commanded = course.angles(at.ravel()).reshape(*at.shape, -1)
     cov, variance, mean = _sliding(signal, commanded)
     gain = _gains(cov, variance, np.asarray(np.ptp(commanded, axis=1).max(axis=0) < TICK))
     left = np.maximum(signal.spread - 2 * gain * cov + gain**2 * variance, 0.0)  # (Q, K, m)
@@ -160,18 +191,6 @@ def explained_by(left: Floats, signal: Sampled) -> float:
     noise = float(signal.noise_variance.sum())
     moved = float(signal.spread.sum()) - noise
     return 1.0 if moved < noise else 1 - max(float(left.sum()) - noise, 0.0) / moved
-
-
-def _commanded(signal: Sampled, course: Course, rates: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
-    """Commands (Q, n + K - 1, m) on the signal's grid from the first start on, that start (Q,), and how many there are
-    (Q,): all that leave half of the shorter of the two in common."""
-    total, span = course.total_s * rates, signal.span_s
-    common = 0.5 * np.minimum(span, total)
-    begin, end = common - span, total - common + span
-    count = np.maximum(((end - begin) / signal.step_s).astype(int) + 1, len(signal.values))
-    at = (begin[:, None] + signal.step_s * np.arange(count.max())) / rates[:, None]
-    angles = course.angles(at.ravel())
-    return begin, count - len(signal.values) + 1, angles.reshape(*at.shape, -1)
 
 
 def _sliding(signal: Sampled, commanded: Floats) -> tuple[Floats, Floats, Floats]:
