@@ -43,11 +43,18 @@ def run(args: argparse.Namespace) -> int:
 
     problem = load(args.problem, args.set, args.model)
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
-    result = simulate(problem)
-    sign(args)
-    motion = result.trajectory
-    mesh = mesh_of(problem, result.table) if motion.status.ok else None
-    record = write_simulation(folder, result, not args.no_figures and motion.status.ok, mesh)
+    with options.progress_bar(args, "simulating", 3) as advance:
+        size = f"{problem.task.cycles * problem.task.steps} steps of {problem.body.vertices} vertices"
+        advance(0, size)
+        result = simulate(problem)
+        sign(args)
+        motion = result.trajectory
+        advance(1, f"{size}: with 2 and 4 times as many steps")
+        mesh = mesh_of(problem, result.table) if motion.status.ok else None
+        figures = not args.no_figures and motion.status.ok
+        advance(2, f"{size}: writing{' and drawing' * figures}")
+        record = write_simulation(folder, result, figures, mesh)
+        advance(3)
     if not motion.status.ok:
         options.complain(motion.status.value)
         options.report(args, record, [])
