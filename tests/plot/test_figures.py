@@ -103,7 +103,7 @@ def test_names_of_curves_that_end_together_do_not_overlap():
     rms = np.abs(curves - curves[12]).mean(1)
     fig = figure(7.4, 4.4)
     ax = displacement_for_eps(time, curves[12], eps, curves, rms, (eps[12], curves[12]), fig.add_subplot())
-    fig.canvas.draw()
+    FigureCanvasAgg(fig).draw()
     boxes = sorted((box.y0, box.y1) for box in map(Text.get_window_extent, ax.texts))  # without the lines
     assert len(boxes) == 9
     assert all(low >= below for (_, below), (low, _) in itertools.pairwise(boxes))
