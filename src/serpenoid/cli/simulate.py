@@ -65,6 +65,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {options.signed(motion.heading_change)} rad",
         f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}{_raw(problem, motion)}",
         f"largest residual  {motion.residual:.1e}",
+        *_softening_lines(problem, motion),
         *([] if mesh is None else [f"mesh              {'a cycle: ' * (problem.task.cycles > 1)}{mesh.words}"]),
         *_rows_lines(problem, len(result.table)),
         *goal_lines(record),
@@ -82,6 +83,27 @@ def run(args: argparse.Namespace) -> int:
 def _raw(problem: Problem, motion: Trajectory) -> str:
     """E without the factor T, where the law has one."""
     return f"   (raw E {motion.energy_raw:.6g})" if problem.medium.law == "viscous" else ""
+
+
+HARDER = 10.0  # leaves a hundredth of the error, where parts stick a fifth (results/benchmarks/softening.md)
+
+
+def _softening_lines(problem: Problem, motion: Trajectory) -> list[str]:
+    """What the softening of dry friction changes, found by simulating with a tenth of it."""
+    from serpenoid.simulation.problem import simulate
+
+    medium = problem.medium
+    if medium.law != "coulomb":
+        return []
+    share = medium.softening / HARDER
+    harder = problem.model_copy(update={"medium": medium.model_copy(update={"softening": share})})
+    found = simulate(harder).trajectory
+    if not found.status.ok:
+        return [f"softening         {medium.softening:g}; with {share:g} no motion was found to compare it with"]
+    change = motion.displacement - found.displacement
+    part = f" ({100 * abs(change) / found.displacement:.2g} %)" if not found.stands_still else ""
+    what = f"with {share:g} the displacement is {found.displacement:z.6f}"
+    return [f"softening         {medium.softening:g} changes it by {change:+.1e}{part}: {what}"]
 
 
 def _rows_lines(problem: Problem, rows: int) -> list[str]:
