@@ -27,7 +27,7 @@ class Medium(Record):
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
     law: Law = Field(default="viscous", description="linear drag, or dry friction")
-    softening: Annotated[float, Field(gt=0)] = Field(
+    softening: Annotated[float, Field(ge=1e-6)] = Field(  # less changes no digit of a motion, and takes longer to solve
         default=0.01,
         description="coulomb: slip below which friction gives way, over the element's way in the body frame",
     )

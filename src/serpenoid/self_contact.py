@@ -17,9 +17,14 @@ if TYPE_CHECKING:
 
 def crosses_itself(vertices: Floats) -> np.ndarray:
     """Which chains (R, N, 2) have two edges that cross: no real body can take such a shape; shape (R,)."""
-    first, second = np.triu_indices(vertices.shape[1] - 1, k=2)
-    ends = first, first + 1, second, second + 1
-    return np.array([crosses(*(chain[k] for k in ends)).any() for chain in vertices], bool)
+    return np.array([_has_crossing(chain) for chain in vertices], bool)
+
+
+def _has_crossing(chain: Floats) -> bool:
+    """Whether edges of a chain (N, 2) cross: the sides of every vertex from every edge, each found once."""
+    side = _side(chain[:-1, None], chain[1:, None], chain[None])
+    parted = side[:, :-1] * side[:, 1:] < 0  # of edge i: whether the ends of edge j lie on its two sides
+    return bool(np.triu(parted & parted.T, k=2).any())
 
 
 def crosses(a: Floats, b: Floats, c: Floats, d: Floats) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from oracle import coulomb
 from oracle.chain import place
@@ -86,3 +87,9 @@ def test_a_problem_file_names_its_law_and_the_default_keeps_its_hash() -> None:
 def test_uneven_bodies_have_the_law_of_their_medium() -> None:
     assert uneven().law is LAWS["viscous"]
     assert friction().law is LAWS["coulomb"]
+
+
+def test_a_softening_below_what_a_motion_shows_is_refused() -> None:
+    """A search comes to it through softer friction, each three times as soft: four hundred searches for 1e-200."""
+    with pytest.raises(ValidationError, match="softening"):
+        friction(softening=1e-200)

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
 from serpenoid.body import Body, Floats
 from serpenoid.errors import InputError
+from serpenoid.gaits import EllipseGait
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise.apart import Pairs
+from serpenoid.objectives import Criteria
+from serpenoid.optimise.apart import Near, Pairs, keep_apart
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solve import solve, starts_of
 from serpenoid.optimise.solver import GaitSolver
+from serpenoid.problem import Task
 from serpenoid.simulation.steps import shape_rows
 from serpenoid.status import Status
-from specimens import problem
+from specimens import nlp_of, problem
 
 MODEL = Model(Body(vertices=6), Medium(anisotropy_ratio=0.3))
 STROKE = ("body.vertices=7", "body.joints=[2,4]", "task.steps=40", "body.joint_limit_deg=150.0")
@@ -99,6 +104,19 @@ def test_a_stroke_keeps_off_itself_at_every_time() -> None:
     share = np.tile([0.0, 0.5], 40)
     chains = pairs.chains(table, np.repeat(np.arange(40), 2), share)
     assert min(by_hand(chain, 2) for chain in chains) >= 0.08
+
+
+def test_what_a_hundred_joints_watch_is_derived_at_once() -> None:
+    """No single call lasts: an interrupt is heard between calls. All in one expression took 20 s."""
+    long = Model(Body(vertices=102), Medium(anisotropy_ratio=0.3))
+    watched = tuple(Near(0.5 * (k % 2), k % 50, k % 20, 72 + k % 20, 73 + k % 20) for k in range(60))
+
+    def own(of: Criteria) -> None:
+        keep_apart(of, long, watched, 0.1)
+
+    begin = time.process_time()
+    nlp_of(long, 50, 0, EllipseGait(), own, Task()).functions()
+    assert time.process_time() - begin < 6.0  # 0.4 s where nothing else runs
 
 
 def test_cases_and_keeping_off_are_not_combined() -> None:

@@ -95,7 +95,7 @@ def own(of: Criteria) -> None:
     """Not linear in the dissipation, which becomes a variable; pairs that keep off each other, as `self` adds them."""
     of.also_minimise((0.1 + of.dissipation) / (1 + of.displacement))
     of.subject_to(of.dissipation * of.joint_angles[0, 0], -1.0, 1.0)
-    keep_apart(of, NEAR, 0.1)
+    keep_apart(of, uneven("vertex"), NEAR, 0.1)
 
 
 def differences(nlp: GaitNLP, x: Floats, p: Floats, seed: int) -> None:

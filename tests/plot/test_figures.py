@@ -1,5 +1,6 @@
 """Whole figures: written, not blank, labelled with units, nothing cut off."""
 
+import itertools
 import re
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,15 +9,19 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 from PIL import Image
 
 from serpenoid.gaits import EllipseGait, TableGait
 from serpenoid.plot import figures, optima, sweep
 from serpenoid.plot.animate import animation
+from serpenoid.plot.beside import apart
 from serpenoid.plot.both import save
+from serpenoid.plot.calibration import displacement_for_eps
 from serpenoid.plot.hero import hero
 from serpenoid.plot.motion import over_cycles
 from serpenoid.plot.space import repeated
+from serpenoid.plot.style import figure
 from serpenoid.plot.world import targets
 from serpenoid.problem import Problem
 from serpenoid.simulation.problem import simulate
@@ -92,12 +97,24 @@ def test_multistart_figures_show_failures_too(tmp_path):
     check(tmp_path, figures.multistart_figures(tmp_path, result))
 
 
+def test_names_of_curves_that_end_together_do_not_overlap():
+    time, eps = np.linspace(0, 5, 20), np.geomspace(0.002, 0.032, 25)
+    curves = np.outer(0.7 - eps, time / 5)  # ends within 0.03, as of a body for which eps hardly matters
+    rms = np.abs(curves - curves[12]).mean(1)
+    fig = figure(7.4, 4.4)
+    ax = displacement_for_eps(time, curves[12], eps, curves, rms, (eps[12], curves[12]), fig.add_subplot())
+    FigureCanvasAgg(fig).draw()
+    boxes = sorted((box.y0, box.y1) for box in map(Text.get_window_extent, ax.texts))  # without the lines
+    assert len(boxes) == 9
+    assert all(low >= below for (_, below), (low, _) in itertools.pairwise(boxes))
+
+
 def test_names_of_optima_stand_apart_in_their_order_and_within_the_axes():
     for places in ([0.5], [0.0, 0.01, 0.02, 0.9], [0.97, 0.98, 0.99], []):
-        moved = optima.apart(np.array(places), 0.1)
+        moved = apart(np.array(places), 0.1)
         assert (np.diff(moved) >= 0.1 - 1e-12).all()
         assert moved.size == 0 or (moved.min() >= 0 and moved.max() <= 1)
-    np.testing.assert_array_equal(optima.apart(np.array([0.1, 0.5]), 0.1), [0.1, 0.5])
+    np.testing.assert_array_equal(apart(np.array([0.1, 0.5]), 0.1), [0.1, 0.5])
 
 
 def test_beyond_a_dozen_optima_are_counted_together():

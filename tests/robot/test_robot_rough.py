@@ -8,6 +8,7 @@ import re
 import resource
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,12 +21,16 @@ from emulated import (
     read_log,
     robot,
     serpenoid,
+    wait_for_rows,
     write_gait,
 )
 
+from serpenoid.errors import InputError
 from serpenoid.robot.description import TrackingRule
 from serpenoid.robot.faults import RobotFault
+from serpenoid.robot.log import ServoLog
 from serpenoid.robot.tracking import READINGS, RowClock, Tracking
+from serpenoid.scaffold.add import NewTrial, _played
 
 pytestmark = pytest.mark.usefixtures("serial_ports")
 
@@ -248,6 +253,28 @@ def test_a_full_disk_ends_with_torque_off_and_says_so(tmp_path):
         assert "motors: torque is off on every servo" in done.stderr
         assert "Traceback" not in done.stderr
         assert not any(rig.torques)
+
+
+def test_what_was_recorded_until_the_process_was_killed_can_be_used(tmp_path):
+    """All that is known before a trial ends is on the disk before it moves; a full disk keeps as much."""
+    with emulator(tmp_path) as rig:
+        words = play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=20)
+        with subprocess.Popen(command(*words), env=environment(), stdin=subprocess.DEVNULL) as playing:
+            wait_for_rows(tmp_path / "log" / "servo.csv")
+            playing.kill()
+    assert summary(tmp_path)["status"] == "unfinished"
+    assert {p.name for p in (tmp_path / "log").iterdir()} == {"servo.csv", "joint_table.csv", "trial.toml", "play.json"}
+    with pytest.raises(InputError, match="unfinished: .*--anyway"):
+        _played(NewTrial(tmp_path / "log", tmp_path / "motion.csv"))
+    assert _played(NewTrial(tmp_path / "log", tmp_path / "motion.csv", anyway=True))["cycles"] == 20
+
+
+def test_a_trial_that_has_no_room_on_the_disk_is_refused(tmp_path, monkeypatch):
+    usage = SimpleNamespace(free=1000)
+    monkeypatch.setattr("serpenoid.robot.log.shutil.disk_usage", lambda folder: usage)
+    log = ServoLog(tmp_path / "log", robot())
+    with pytest.raises(InputError, match=r"takes up to 0.4 MB, 0.0 MB are free. Make room, play fewer"):
+        log.check_room(1000)
 
 
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">/dev/full", ">&- 2>&-"])

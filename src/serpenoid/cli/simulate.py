@@ -43,11 +43,18 @@ def run(args: argparse.Namespace) -> int:
 
     problem = load(args.problem, args.set, args.model)
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
-    result = simulate(problem)
-    sign(args)
-    motion = result.trajectory
-    mesh = mesh_of(problem, result.table) if motion.status.ok else None
-    record = write_simulation(folder, result, not args.no_figures and motion.status.ok, mesh)
+    with options.progress_bar(args, "simulating", 3) as advance:
+        size = f"{problem.task.cycles * problem.task.steps} steps of {problem.body.vertices} vertices"
+        advance(0, size)
+        result = simulate(problem)
+        sign(args)
+        motion = result.trajectory
+        advance(1, f"{size}: with 2 and 4 times as many steps")
+        mesh = mesh_of(problem, result.table) if motion.status.ok else None
+        figures = not args.no_figures and motion.status.ok
+        advance(2, f"{size}: writing{' and drawing' * figures}")
+        record = write_simulation(folder, result, figures, mesh)
+        advance(3)
     if not motion.status.ok:
         options.complain(motion.status.value)
         options.report(args, record, [])
@@ -58,6 +65,7 @@ def run(args: argparse.Namespace) -> int:
         f"heading change    {options.signed(motion.heading_change)} rad",
         f"{dissipation_name(problem.medium.law)}{motion.dissipation:z.6f}{_raw(problem, motion)}",
         f"largest residual  {motion.residual:.1e}",
+        *_softening_lines(problem, motion),
         *([] if mesh is None else [f"mesh              {'a cycle: ' * (problem.task.cycles > 1)}{mesh.words}"]),
         *_rows_lines(problem, len(result.table)),
         *goal_lines(record),
@@ -75,6 +83,27 @@ def run(args: argparse.Namespace) -> int:
 def _raw(problem: Problem, motion: Trajectory) -> str:
     """E without the factor T, where the law has one."""
     return f"   (raw E {motion.energy_raw:.6g})" if problem.medium.law == "viscous" else ""
+
+
+HARDER = 10.0  # leaves a hundredth of the error, where parts stick a fifth (results/benchmarks/softening.md)
+
+
+def _softening_lines(problem: Problem, motion: Trajectory) -> list[str]:
+    """What the softening of dry friction changes, found by simulating with a tenth of it."""
+    from serpenoid.simulation.problem import simulate
+
+    medium = problem.medium
+    if medium.law != "coulomb":
+        return []
+    share = medium.softening / HARDER
+    harder = problem.model_copy(update={"medium": medium.model_copy(update={"softening": share})})
+    found = simulate(harder).trajectory
+    if not found.status.ok:
+        return [f"softening         {medium.softening:g}; with {share:g} no motion was found to compare it with"]
+    change = motion.displacement - found.displacement
+    part = f" ({100 * abs(change) / found.displacement:.2g} %)" if not found.stands_still else ""
+    what = f"with {share:g} the displacement is {found.displacement:z.6f}"
+    return [f"softening         {medium.softening:g} changes it by {change:+.1e}{part}: {what}"]
 
 
 def _rows_lines(problem: Problem, rows: int) -> list[str]:

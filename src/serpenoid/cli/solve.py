@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
+from serpenoid.cli.iterations import Iterations
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines, summary
 from serpenoid.wording import counted
 
@@ -149,14 +150,17 @@ def _search(args: argparse.Namespace, problem: Problem, folder: Path) -> MultiSt
     from serpenoid.optimise.solve import solve
     from serpenoid.studies.many_starts import solve_starts
 
-    workers = options.workers(args)
+    workers, family = options.workers(args), problem.family_of()
     with options.progress_bar(args, "starts", args.starts) as advance:
+        unknowns = family.pose_size * problem.task.steps + family.size
+        news = Iterations(lambda done, text: advance(done, f"{text}, {unknowns} unknowns"))
 
         def progress(done: int, best: Solution | None) -> None:
+            news.next_start(done)
             advance(done, "" if best is None else f"best cost {best.cost:z.6f}")
 
         if workers.jobs == 1 and workers.cluster is None:
-            return solve(problem, args.starts, args.seed, progress=progress, folder=folder)
+            return solve(problem, args.starts, args.seed, progress=progress, folder=folder, watch=news)
         return solve_starts(problem, args.starts, args.seed, workers, progress, folder)
 
 

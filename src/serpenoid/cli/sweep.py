@@ -3,9 +3,9 @@
     serpenoid sweep problems/snake10.toml --c 0:2.5:26
     serpenoid sweep problems/gait-a.toml problems/gait-b.toml problems/gait-c.toml --c 0:2.5:26 --jobs 2
 
-`--c first:last:count` or a comma-separated list. The family is continued from both ends with warm starts; the better
-answer is taken at every c. Solved points are kept: the same command goes on where it was killed. A point that fails is
-recorded with its reason in sweep.csv, and the sweep goes on (exit code 1 at the end).
+`--c first:last:count` or a comma-separated list. Every optimum that the starts find at either end is continued to the
+other with warm starts; the best answer is taken at every c. Solved points are kept: the same command goes on where it
+was killed. A point that fails is recorded with its reason in sweep.csv, and the sweep goes on (exit code 1 at the end).
 
 The cost of transport is (p_idle + dissipation) / displacement, with p_idle the idle energy per cycle in units of the
 normalised dissipation; with [power] in the problem file also in SI.

@@ -115,7 +115,8 @@ def read_toml(path: str | Path, wanted: str | None = None) -> dict[str, Any]:
         raise InputError(f"{path}: not valid TOML: nested too deeply.") from None
     except ValueError as error:  # also a number of thousands of digits
         other = mistaken(path, wanted) if wanted else None
-        raise InputError(other or f"{path}: not valid TOML: {error}.") from None
+        said = str(error).partition("; use sys.")[0]  # what a programmer would do
+        raise InputError(other or f"{path}: not valid TOML: {said}.") from None
     refuse_depth(data, path)
     return data
 

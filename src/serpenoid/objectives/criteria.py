@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import casadi as ca
 
@@ -30,6 +31,28 @@ class Gaps:
 
     of: Callable[[ca.SX], ca.SX]
     convex: bool = False
+
+
+class Apart(Protocol):
+    """Gaps (K) between parts of the body with derivatives of their own: functions of the joint
+    table (m R) as one column."""
+
+    @property
+    def least(self) -> float:
+        """What they stay above."""
+
+    @property
+    def count(self) -> int:
+        """K."""
+
+    def value(self, table: ca.MX) -> ca.MX:
+        """Gaps (K)."""
+
+    def jacobian(self, table: ca.MX) -> ca.MX:
+        """Their derivatives (K, m R)."""
+
+    def hessian(self, table: ca.MX, multipliers: ca.MX) -> ca.MX:
+        """Second derivatives (m R, m R) of multipliers . gaps."""
 
 
 @dataclass
@@ -62,6 +85,7 @@ class Criteria:
     added: list[tuple[ca.SX, Floats, Floats]] = field(init=False, default_factory=list)
 
     clear_of: list[Gaps] = field(init=False, default_factory=list)
+    apart: list[Apart] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         d = self.pose_size
@@ -150,6 +174,15 @@ class Criteria:
         """Keep `gaps` of all points of the body in the world from falling below zero at any time; see `Gaps`."""
         self.clear_of.append(Gaps(gaps, convex))
 
+    def keep_apart(self, gaps: Apart) -> None:
+        """Keep parts of the body apart: constraints after all others."""
+        self.apart.append(gaps)
+
+    @property
+    def count(self) -> int:
+        """Number of all constraints: expressions, then gaps between parts of the body."""
+        return int(self.constraints.numel()) + sum(gaps.count for gaps in self.apart)
+
     @property
     def constraints(self) -> ca.SX:
         """All constraint expressions in one column."""
@@ -174,5 +207,7 @@ class Criteria:
 
     def needs(self, symbol: ca.SX) -> bool:
         """Whether objective or constraints depend on `symbol`."""
+        if self.apart and symbol is self.angles:
+            return True
         both = ca.vertcat(self.objective, self.constraints)
         return ca.jacobian(both, symbol).nnz() > 0

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
@@ -26,13 +25,14 @@ from serpenoid.model import Model
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.self_clearance import SelfClearance
 from serpenoid.objectives.term import Demand
+from serpenoid.optimise.asked import refuse_other_angles
 from serpenoid.optimise.between import Between
 from serpenoid.optimise.clearance import MOST, RESOLUTION, Clearance
+from serpenoid.optimise.pair_rows import PairRows
 from serpenoid.self_contact import crosses
 from serpenoid.simulation.servos import realise_gait
 
 SHARES = (0.0, 0.5)  # of a step, where pairs that come near are looked for
-TINY = 1e-18
 
 
 class Near(NamedTuple):
@@ -164,22 +164,17 @@ def pairs_of(model: Model, demands: Sequence[Demand]) -> tuple[Pairs, float] | N
     return (Pairs(model, min(d.between for d in asked)), max(d.distance for d in asked)) if asked else None
 
 
-def keep_apart(of: Criteria, watched: tuple[Near, ...], distance: float) -> None:
+def keep_apart(of: Criteria, model: Model, watched: tuple[Near, ...], distance: float) -> None:
     """Constraints: the watched vertices keep their distance from the watched pieces."""
-    chains: dict[tuple[float, int], ca.SX] = {}
-    for near in watched:
-        when = near.share, near.step
-        if when not in chains:
-            row, following = near.step % of.rows, (near.step + 1) % of.rows
-            angles = (1 - near.share) * of.joint_angles[:, row] + near.share * of.joint_angles[:, following]
-            chains[when] = of.body(angles)
-        chain = chains[when]
-        point, begin = chain[:, near.vertex], chain[:, near.begin]
-        along = chain[:, near.end] - begin
-        away = point - begin
-        share = ca.fmin(ca.fmax(ca.dot(away, along) / ca.sumsqr(along), 0), 1)
-        gap = ca.sqrt(ca.sumsqr(away - share * along) + TINY)
-        of.subject_to(gap, distance, ca.inf)
+    if not watched:
+        return
+    refuse_other_angles(model)
+    _, step, vertex, begin, end = (np.array(x, int) for x in zip(*watched, strict=True))
+    shares = np.array([near.share for near in watched])
+    reach = np.vstack([np.zeros(model.structure.vertices - 1), np.tri(model.structure.vertices - 1)])
+    reach = reach * np.asarray(model.body.edges)  # vertex k lies behind edges 0 .. k - 1
+    ways = np.hstack([reach[vertex] - reach[begin], reach[end] - reach[begin]]).T
+    of.keep_apart(PairRows(model.structure, of.rows, step, shares, ways, distance))
 
 
 def _to_piece(chains: Floats, vertex: np.ndarray, begin: np.ndarray, end: np.ndarray) -> Floats:

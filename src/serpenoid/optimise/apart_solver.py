@@ -102,6 +102,6 @@ class ApartSolver(GaitSolver):
         def customise(of: Criteria) -> None:
             if self._customise is not None:
                 self._customise(of)
-            keep_apart(of, watched, self.distance + margin)
+            keep_apart(of, self.model, watched, self.distance + margin)
 
         return customise

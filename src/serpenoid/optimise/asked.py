@@ -35,6 +35,8 @@ class Asked:
         """Lower and upper bounds of all constraints."""
         added = self.criteria.added
         lower, upper = ([ends[side] for ends in added] for side in (1, 2))
+        for pairs in self.criteria.apart:
+            lower, upper = [*lower, np.full(pairs.count, pairs.least)], [*upper, np.full(pairs.count, np.inf)]
         return np.concatenate([np.zeros(0), *lower]), np.concatenate([np.zeros(0), *upper])
 
     @cached_property
@@ -53,6 +55,11 @@ class Asked:
         return self.criteria.function
 
     @cached_property
+    def _apart(self) -> list[ca.Function]:
+        table = ca.MX.sym("table", self.criteria.angles.numel())
+        return [ca.Function("apart", [table], [pairs.value(table)]) for pairs in self.criteria.apart]
+
+    @cached_property
     def _mapped(self) -> dict[int, ca.Function]:
         return {}
 
@@ -66,6 +73,8 @@ class Asked:
         count = len(gaits)
         moved = batch.poses[:, 1:] - batch.poses[:, :1]
         f, g = evaluate(self._over(count), moved, tables, batch.dissipation, gaits, np.full(1, c))
+        for gaps in self._apart:
+            g = np.vstack([g, np.hstack([gaps(table.ravel()).full() for table in tables])])
         lower, upper = self.bounds
         outside = np.maximum(lower[:, None] - g, 0) + np.maximum(g - upper[:, None], 0)
         return f[0], outside.sum(0)
@@ -99,10 +108,15 @@ def _raised(model: Model, family: LiftedFamily, gait: ca.SX, row: int) -> ca.SX:
 
 def _chain(model: Model, angles: ca.SX) -> ca.SX:
     """Vertices (2, N) in the body frame of joint angles as they are commanded."""
+    refuse_other_angles(model)
+    body = model.body
+    return kinematics.vertices(angles, ca.SX(body.edges), ca.SX(body.vertex_weights), model.structure)[0]
+
+
+def refuse_other_angles(model: Model) -> None:
+    """InputError where the body has other joint angles than those of the table."""
     if model.actuation_effects:
         raise InputError(
             f"[[effects]] `{model.actuation_effects[0].name}` makes other joint angles than those commanded: goals for "
             "single points of the body are not known with it. Ask for the centre, or leave the effect out."
         )
-    body = model.body
-    return kinematics.vertices(angles, ca.SX(body.edges), ca.SX(body.vertex_weights), model.structure)[0]

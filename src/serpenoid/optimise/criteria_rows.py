@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from serpenoid.optimise.layout import Layout
 
@@ -24,16 +25,26 @@ class CriteriaRows:
     def value(self) -> tuple[ca.MX, ca.MX]:
         """Objective and constraints."""
         f, g = self.criteria.function(*self._at)
-        return ca.densify(f), g  # nothing but demands is asked for: no entry
+        gaps = [apart.value(self._table) for apart in self.criteria.apart]
+        return ca.densify(f), ca.vertcat(g, *gaps)  # nothing but demands is asked for: no entry
 
     @property
     def count(self) -> int:
         """Number of the criteria's constraints."""
-        return int(self.criteria.constraints.numel())
+        return self.criteria.count
 
     def derived(self, factor: ca.MX | float, multipliers: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
         """Gradient of the objective, Jacobian of the constraints, Hessian of the Lagrangian by z."""
-        gradient, jacobian, hessian = self._derived(*self._at, factor, multipliers)
+        apart = self.criteria.apart
+        ends = np.cumsum([0, self.count - sum(a.count for a in apart), *(a.count for a in apart)]).tolist()
+        own, *on_apart = ca.vertsplit(multipliers, ends)
+        gradient, jacobian, hessian = self._derived(*self._at, factor, own)
+        before, after = self.layout.moved + 1, self.criteria.gait.numel()
+        for gaps, on_gaps in zip(apart, on_apart, strict=True):
+            slope = ca.horzcat(ca.MX(gaps.count, before), gaps.jacobian(self._table), ca.MX(gaps.count, after))
+            jacobian = ca.vertcat(jacobian, slope)
+            curvature = gaps.hessian(self._table, on_gaps)
+            hessian = hessian + ca.diagcat(ca.MX(before, before), curvature, ca.MX(after, after))
         return ca.densify(gradient), jacobian, hessian
 
     def slope(self) -> tuple[ca.MX, ca.MX, ca.MX]:
@@ -70,6 +81,11 @@ class CriteriaRows:
             angles = layout.gait if c.needs(c.angles) else ca.MX.zeros(c.angles.numel())
         own = layout.dissipation if layout.priced else self.dissipation if self.needs_energy else ca.MX(0)
         return [layout.poses, angles, own, layout.gait, layout.parameters[0]]
+
+    @property
+    def _table(self) -> ca.MX:
+        """The joint table (m R) as one column."""
+        return self._at[1]
 
     @cached_property
     def _derived(self) -> ca.Function:

@@ -154,13 +154,14 @@ def solve_many(
     flag: StopFlag | None = None,
     progress: Progress | None = None,
     folder: str | Path | None = None,
+    watch: Callable[[float], None] | None = None,
 ) -> MultiStart:
     """Optimise from every start (S, n), kept in `folder` when solved; polish the best of each distinct optimum."""
     found: list[tuple[Solution, Answer]] = []
     for i, start in enumerate(starts):
         if flag:
             break
-        found.append(solve_one(solver, start, c, flag=flag, store=store_of(folder, start)))
+        found.append(solve_one(solver, start, c, flag=flag, watch=watch, store=store_of(folder, start)))
         if progress is not None:
             progress(i + 1, best_of([s for s, _ in found]))
     return summarised(solver, found, c, flag)

@@ -38,12 +38,14 @@ def solve(
     customise: Customise | None = None,
     progress: Progress | None = None,
     folder: str | Path | None = None,
+    watch: Callable[[float], None] | None = None,
 ) -> MultiStart:
     """Optimise the gait of a problem, or of its file, from `starts` random gaits (its own gait is the first start).
 
-    `customise(criteria)` may add to the objective and the constraints. `progress(done, best)`
-    is called after each start. Ctrl-C ends the search and returns what there is. With `folder` each solved start is
-    kept there, and taken from there the next time (with `customise` give each choice a folder of its own).
+    `customise(criteria)` may add to the objective and the constraints. `progress(done, best)` is called after each
+    start, `watch(objective)` after each iteration of one. Ctrl-C ends the search and returns what there is. With
+    `folder` each solved start is kept there, and taken from there the next time (with `customise` give each choice a
+    folder of its own).
     """
     problem, starts, seed = problem_of(problem), whole("starts", starts, 1), whole("seed", seed, 0)
     _check_weights(problem, customise)
@@ -51,7 +53,7 @@ def solve(
     gaits = starts_of(solver, starts, seed)
     solver.prepare(gaits[0])
     with catch_interrupt() as flag:
-        found = solve_many(solver, gaits, problem.task.c, flag, progress, folder)
+        found = solve_many(solver, gaits, problem.task.c, flag, progress, folder, watch)
         return with_nearest(solver, found, customise, flag)
 
 

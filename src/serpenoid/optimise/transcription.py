@@ -90,7 +90,7 @@ class GaitNLP:
     def constraint_counts(self) -> tuple[int, int, int]:
         """Numbers of (motion, path, added) constraints; added ones: the criteria's, then gaps, instant by instant."""
         path = 2 * self.family.joints * self.path_rows
-        added = self.criteria.constraints.numel() + (self._along.total if self._along else 0)
+        added = self.criteria.count + (self._along.total if self._along else 0)
         return self._layout.start + self.law.states, path, added
 
     def split(self, x: Floats) -> tuple[Floats, Floats]:

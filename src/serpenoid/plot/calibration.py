@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
 from serpenoid.compare.calibrate import Calibration
+from serpenoid.plot.beside import name_levels
 from serpenoid.plot.style import BLUE, FAINT, GREY, INK, ORANGE, RED, SMALL, colour_bar, dress, figure, legend_above
 
 RMS_MAP = LinearSegmentedColormap.from_list("rms", [RED, "#F3D9C9", "#FFFFFF"])
@@ -25,15 +26,12 @@ def displacement_for_eps(
             ax.fill_between(time_s, curves[index], curves[index + 1], color=RMS_MAP(rms[index] / scale), lw=0)
     for index in range(0, len(eps), 3):
         ax.plot(time_s, curves[index], color=GREY, lw=0.5)
-        ax.annotate(
-            f"{eps[index]:.2g}", (time_s[-1], curves[index, -1]), xytext=(4, 0), textcoords="offset points",
-            va="center", fontsize=SMALL, color=GREY,
-        )  # fmt: skip
     ax.plot(time_s, best[1], color="#F0C400", lw=3.2, label=f"best RMS, eps = {best[0]:.4g}")
     ax.plot(time_s, measured, color=BLUE, lw=1.4, label="measured")
-    colour_bar(ax, RMS_MAP, 0, scale, "RMS error [body lengths]", pad=0.08, aspect=30)
+    colour_bar(ax, RMS_MAP, 0, scale, "RMS error [body lengths]", pad=0.1, aspect=30)
     dress(ax, "", "time [s]", "distance from the start [body lengths]")
     legend_above(ax, 2)
+    name_levels(curves[::3, -1], [f"{value:.2g}" for value in eps[::3]], ax, float(time_s[-1]), GREY)
     return ax
 
 

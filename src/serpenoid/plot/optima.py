@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
-from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, RED, SMALL, dress, figure, legend_above
+from serpenoid.plot.beside import LINE, name_levels
+from serpenoid.plot.style import BLUE, CHAIN_MAP, RED, dress, figure, legend_above
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
 
 COST_LABEL = "cost (the objective)"
 SHOWN = 12  # optima named one by one
-LINE = 0.19  # height of a name [inches]
 
 
 def optima_figure(result: MultiStart) -> Figure:
@@ -73,36 +73,10 @@ def names(costs: Floats, optimum: np.ndarray) -> tuple[list[float], list[str]]:
     return levels, [text.replace("-", "−") for text in words]
 
 
-def apart(places: Floats, gap: float) -> Floats:
-    """Places in [0, 1], rising, moved up and down until they are `gap` apart."""
-    moved = np.array(places, dtype=float)
-    for i in range(1, moved.size):
-        moved[i] = max(moved[i], moved[i - 1] + gap)
-    moved[-1:] = np.minimum(moved[-1:], 1.0)
-    for i in range(moved.size - 2, -1, -1):
-        moved[i] = min(moved[i], moved[i + 1] - gap)
-    return moved
-
-
 def _name_optima(costs: Floats, optimum: np.ndarray, ax: Axes) -> None:
     """Beside their levels, on the right."""
     levels, words = names(costs, optimum)
-    low, high = ax.get_ylim()
-    places = (np.array(levels) - low) / (high - low)
-    height = ax.get_figure(root=True).get_size_inches()[1] - 1.0  # type: ignore[union-attr] # without title, labels
-    for place, at, text in zip(places, apart(places, LINE / height), words, strict=True):
-        line: dict[str, Any] = {
-            "arrowstyle": "-",
-            "color": GREY,
-            "linewidth": 0.6,
-            "shrinkA": 0,
-            "shrinkB": 0,
-            "relpos": (0, 0.5),
-        }
-        ax.annotate(
-            text, (1.0, place), xytext=(1.03, at), xycoords="axes fraction", va="center", fontsize=SMALL, color=INK,
-            arrowprops=line,
-        )  # fmt: skip
+    name_levels(levels, words, ax)
 
 
 def _colours(optimum: np.ndarray) -> Floats:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import tempfile
 import time
 from collections.abc import Mapping
@@ -22,6 +23,8 @@ from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.ticks import to_radians
 
+LINE_BYTES = len("10000.000000,approach,1000,1000\n")
+JOINT_BYTES = len(",-0.516952,-0.516952,11.8,-0.123,30,0")  # as GROUPS, which `write` writes
 GROUPS = ("command", "position", "voltage", "load", "temperature", "error")
 
 
@@ -39,6 +42,18 @@ class ServoLog:
     def begun(self) -> bool:
         """Whether there is a recording."""
         return self._stream is not None
+
+    def check_room(self, readings: int) -> None:
+        """InputError where so many of them have no room on the disk; nothing is created."""
+        if self._path is None:
+            return
+        there = next(folder for folder in self._path.absolute().parents if folder.exists())
+        needed, free = readings * (LINE_BYTES + JOINT_BYTES * len(self._robot.joint)), shutil.disk_usage(there).free
+        if needed > free:
+            raise InputError(
+                f"{self._path}: the recording takes up to {needed / 1e6:.1f} MB, {free / 1e6:.1f} MB are free. Make "
+                "room, play fewer cycles, or choose another --log folder."
+            )
 
     def begin(self) -> None:
         """Create the file; time zero is now."""

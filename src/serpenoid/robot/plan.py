@@ -78,6 +78,11 @@ class Plan:
         return self.duration_s + max(0.0, self.row_period_s - self.pause_s)
 
     @property
+    def most_readings(self) -> int:
+        """Readings while the gait is played: one a row, and in long rows and pauses one in `READING_INTERVAL_S`."""
+        return self.steps * self.cycles + ceil(self.end_s / READING_INTERVAL_S)
+
+    @property
     def watchdog_units(self) -> int:
         """Bus Watchdog (98)."""
         return ceil(self.robot.motion.watchdog_s / WATCHDOG_UNIT_S - 1e-9)

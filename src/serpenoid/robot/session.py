@@ -21,6 +21,7 @@ from serpenoid.robot.stop import StopWatcher
 from serpenoid.robot.table import write_table
 from serpenoid.robot.ticks import to_radians
 
+UNFINISHED = "how it ended was not written: the process was killed, or the disk was full"
 RECONNECT_S = 3.0  # how long a lost port is waited for, to switch the torque off after all
 
 
@@ -54,26 +55,32 @@ def play_trial(port: str, plan: Plan, files: TrialFiles, progress: Progress) -> 
     with ExitStack() as stack:
         stack.enter_context(exclusive_port(port))
         log = stack.enter_context(ServoLog(files.folder, plan.robot))
+        log.check_room(plan.most_readings)
         recorders: list[ServoLog | PowerRecorder] = [log]
         if files.power_port is not None:
             recorders.append(stack.enter_context(PowerRecorder(files.power_port, files.folder)))
         stop = stack.enter_context(StopWatcher())
         if stop.has_keys:
             progress("emergency stop: space, Esc or q")
-        outcome = _play(port, plan, recorders, stop, progress)
+        outcome = _play(port, plan, recorders, stop, progress, files.folder)
         if files.folder is not None:
             _write_summary(files.folder, plan, outcome, log.begun)
         return outcome
 
 
 def _play(
-    port: str, plan: Plan, recorders: list[ServoLog | PowerRecorder], stop: StopWatcher, progress: Progress
+    port: str,
+    plan: Plan,
+    recorders: list[ServoLog | PowerRecorder],
+    stop: StopWatcher,
+    progress: Progress,
+    folder: Path | None,
 ) -> Outcome:
     outcome = Outcome("done", "played to the end")
     log = next(recorder for recorder in recorders if isinstance(recorder, ServoLog))
     bus = open_bus(port, plan.robot.bus.baud_rate)
     try:
-        player = Player(bus, plan, log, stop, progress, lambda: _begin(recorders))
+        player = Player(bus, plan, log, stop, progress, lambda: _begin(recorders, folder, plan))
         try:
             player.run()
             _judge_tracking(outcome, player)
@@ -90,9 +97,15 @@ def _play(
     return outcome
 
 
-def _begin(recorders: list[ServoLog | PowerRecorder]) -> None:
+def _begin(recorders: list[ServoLog | PowerRecorder], folder: Path | None, plan: Plan) -> None:
+    """Recordings, and beside them all that is known before it ends: what is recorded can be used, however that is."""
     for recorder in recorders:
         recorder.begin()
+    if folder is not None:
+        try:
+            _write_files(folder, plan, Outcome("unfinished", UNFINISHED, torque_off=False), recorded=True)
+        except OSError as error:
+            raise RobotFault(f"{folder}: cannot be written ({error.strerror}). Make room.") from None
 
 
 def _judge_tracking(outcome: Outcome, player: Player) -> None:
@@ -154,19 +167,22 @@ def _switch_off_again(bus: Bus, port: str, plan: Plan, progress: Progress) -> li
 
 
 def _write_summary(folder: Path, plan: Plan, outcome: Outcome, recorded: bool) -> None:
-    """How it went; beside a recording also the table that was played, and the campaign's trial section.
-
-    A disk that is full changes the outcome: what became of the motors is said all the same.
-    """
+    """How it went. A disk that is full changes the outcome: what became of the motors is said all the same."""
     try:
-        write_json(folder / "play.json", _summary(plan, outcome))
-        if recorded:
-            write_table(folder / "joint_table.csv", to_radians(plan.ticks, plan.robot))
-            if plan.closed:  # campaigns know no other gaits
-                write_text(folder / "trial.toml", _trial_section(folder, plan, outcome))
+        _write_files(folder, plan, outcome, recorded)
     except OSError as error:
-        outcome.notes.append(f"{folder}: the summary could not be written ({error.strerror})")
+        kept = ": readings, table and trial.toml are kept, play.json says `unfinished`" * recorded
+        outcome.notes.append(f"{folder}: the summary could not be written ({error.strerror}){kept}")
         outcome.status = "failed" if outcome.status == "done" else outcome.status
+
+
+def _write_files(folder: Path, plan: Plan, outcome: Outcome, recorded: bool) -> None:
+    """The summary; beside a recording also the table that is played, and the campaign's trial section."""
+    write_json(folder / "play.json", _summary(plan, outcome))
+    if recorded:
+        write_table(folder / "joint_table.csv", to_radians(plan.ticks, plan.robot))
+        if plan.closed:  # campaigns know no other gaits
+            write_text(folder / "trial.toml", _trial_section(folder, plan, outcome))
 
 
 def _summary(plan: Plan, outcome: Outcome) -> dict[str, Any]:

@@ -1,9 +1,10 @@
 """The family of optimal gaits over the dissipation coefficient c, continued from both ends.
 
-Each end starts from random gaits; from there every c is solved warm from its neighbour's answer. Where the two chains
-disagree the lower cost is taken: a family that folds back is followed on its better branch. Where they meet, and
-neither of two neighbours' gaits is better at the other's c, they are one branch, which is not followed twice. Every
-point is written when it is solved, so that a killed sweep goes on where it stopped.
+Each end starts from random gaits; each distinct optimum that they find there begins a branch, on which every c is
+solved warm from its neighbour's answer: what is best at an end need not lead to what is best amid. At every c the
+lowest cost is taken. Branches that meet are one, which is not followed twice; so are two of either end where neither of
+two neighbours' gaits is better at the other's c. Every point is written when it is solved, so that a killed sweep goes
+on where it stopped.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ SAME = 1e-8  # of costs: as near as optima are stationary; mirror images and hal
 
 @dataclass(frozen=True)
 class SweepPoint:
-    """One value of c: the better certified answer of the two chains; None where both failed, with the reason."""
+    """One value of c: the best certified answer of all branches; None where all failed, with the reason."""
 
     c: float
     solution: Solution | None
@@ -121,13 +122,17 @@ def sweep(
     solver.prepare(gaits[0])
     found: dict[str, dict[float, Answer]] = {}
     with catch_interrupt() as flag:
-        for name, chain_values in (("up", ordered), ("down", ordered[::-1])):
-            store = ChainStore(Path(folder) / CHAIN, name) if folder is not None else None
-            known, found[name] = found.get("up", {}), {}
-            for c, answer in _chain(solver, chain_values, gaits, store, known, flag):
-                found[name][c] = answer
+        done = 0
+        for end, values_from in (("up", ordered), ("down", ordered[::-1])):
+            stores = [_store(folder, end, i) for i in range(starts)]
+            known = list(found.values())
+            for c, answers in _branches(solver, values_from, gaits, stores, known, flag):
+                done += 1
+                for i, answer in answers.items():
+                    found.setdefault(_name(end, i), {})[c] = answer
                 if progress is not None:
-                    progress(sum(map(len, found.values())), f"c = {c:g}: {answer.outcome.objective:.6f}")
+                    least = min(answers.values(), key=_order).outcome.objective
+                    progress(done, f"c = {c:g}: {least:.6f}")
         points = tuple(_better(solver, c, found, polish, flag) for c in ordered.tolist())
     kept = sum(any(chain[c].kept for chain in found.values() if c in chain) for c in ordered.tolist())
     return Sweep(problem, points, complete=not flag, kept=kept)
@@ -147,33 +152,79 @@ def _in_order(values: Sequence[float] | Floats) -> Floats:
     return ordered
 
 
-def _chain(
+def _name(end: str, branch: int) -> str:
+    return f"{end}-{branch + 1}" if branch else end
+
+
+def _store(folder: str | Path | None, end: str, branch: int) -> ChainStore | None:
+    return None if folder is None else ChainStore(Path(folder) / CHAIN, _name(end, branch))
+
+
+def _order(answer: Answer) -> tuple[bool, float]:
+    """Solved ones first, the cheapest of them first."""
+    return not answer.outcome.status.ok, answer.outcome.objective
+
+
+def _branches(
     solver: GaitSolver,
     values: Floats,
     gaits: Floats,
-    store: ChainStore | None,
-    known: dict[float, Answer],
+    stores: list[ChainStore | None],
+    known: list[dict[float, Answer]],
     flag: StopFlag,
-) -> Iterator[tuple[float, Answer]]:
-    last: tuple[float, Answer] | None = None
+) -> Iterator[tuple[float, dict[int, Answer]]]:
+    """c and the answers of the branches that are followed there, by number."""
+    last: dict[int, tuple[float, Answer]] = {}
     for c in values.tolist():
         if flag:
             return
-        answer = _met(solver, c, last, known) or (store.load(c, solver) if store is not None else None)
-        if answer is None:
-            answer = _next(solver, c, None if last is None else last[1], gaits, flag)
-            if flag and (last is None or not answer.outcome.status.ok):
-                return  # Ctrl-C amid this point, or amid the starts that are compared at it: it is not reached
-            if store is not None and answer.outcome.status.ok:
-                store.save(c, answer)
-        if answer.outcome.status.ok:
-            last = c, answer
-        yield c, answer
+        if last:
+            found = {i: _next(solver, c, at, stores[i], known, flag) for i, at in last.items() if not flag}
+        else:
+            found = _begun(solver, c, gaits, stores, flag)
+        if flag:  # amid this point, or amid the starts that are compared at it: what is not solved is not reached
+            found = {i: answer for i, answer in found.items() if answer.outcome.status.ok and last}
+            if not found:
+                return
+        solved = {i: answer for i, answer in found.items() if answer.outcome.status.ok}
+        distinct = _distinct(solved)
+        last = {i: at for i, at in last.items() if i not in solved} | {i: (c, a) for i, a in distinct.items()}
+        yield c, found
 
 
-def _met(solver: GaitSolver, c: float, last: tuple[float, Answer] | None, known: dict[float, Answer]) -> Answer | None:
+def _begun(
+    solver: GaitSolver, c: float, gaits: Floats, stores: list[ChainStore | None], flag: StopFlag
+) -> dict[int, Answer]:
+    """The distinct optima of all starts, the best first; a failure where there is none."""
+    held = {i: store.load(c, solver) for i, store in enumerate(stores) if store is not None}
+    if held.get(0) is not None:  # written last: all are there
+        return {i: answer for i, answer in held.items() if answer is not None}
+    answers = [solver.solve(q, c, flag=flag) for q in gaits if not flag]
+    ordered = sorted(answers, key=_order)
+    good = _distinct({i: answer for i, answer in enumerate(ordered) if answer.outcome.status.ok})
+    found = dict(enumerate(good.values())) or dict(enumerate(ordered[:1]))
+    for i in reversed(range(len(good))):
+        _keep(stores[i], c, found[i], flag)
+    return found
+
+
+def _distinct(answers: dict[int, Answer]) -> dict[int, Answer]:
+    """Of those that cost the same the first."""
+    found: dict[int, Answer] = {}
+    for i, answer in answers.items():
+        if all(abs(answer.outcome.objective - other.outcome.objective) > SAME for other in found.values()):
+            found[i] = answer
+    return found
+
+
+def _keep(store: ChainStore | None, c: float, answer: Answer, flag: StopFlag) -> None:
+    if store is not None and answer.outcome.status.ok and not flag:
+        store.save(c, answer)
+
+
+def _met(solver: GaitSolver, c: float, last: tuple[float, Answer], known: dict[float, Answer]) -> Answer | None:
     """The other chain's answer at c, where both came to the same cost at the last value, on one branch with it."""
-    if last is None or last[0] not in known or c not in known:
+    if last[0] not in known or c not in known:
         return None
     (before, here), there, wanted = last, known[last[0]], known[c]
     if not (there.outcome.status.ok and wanted.outcome.status.ok):
@@ -191,14 +242,26 @@ def _cost(solver: GaitSolver, answer: Answer, c: float) -> float:
     return float(solver.costs(solver.tables(gait), gait, c).value[0])
 
 
-def _next(solver: GaitSolver, c: float, last: Answer | None, gaits: Floats, flag: StopFlag) -> Answer:
-    """Warm from the neighbour; cold from its gait where that fails; from random gaits at the end of the chain."""
-    if last is not None:
-        answer = solver.solve(last.outcome.point, c, carried=last.carried, flag=flag)
-        return answer if answer.outcome.status.ok or flag else solver.solve(last.q, c, flag=flag)
-    answers = [solver.solve(q, c, flag=flag) for q in gaits]
-    good = [a for a in answers if a.outcome.status.ok]
-    return min(good, key=lambda a: a.outcome.objective) if good else answers[0]
+def _next(
+    solver: GaitSolver,
+    c: float,
+    last: tuple[float, Answer],
+    store: ChainStore | None,
+    known: list[dict[float, Answer]],
+    flag: StopFlag,
+) -> Answer:
+    """Known of another branch, or stored; warm from the neighbour; cold from its gait where that fails."""
+    met = next((found for chain in known if (found := _met(solver, c, last, chain)) is not None), None)
+    held = store.load(c, solver) if met is None and store is not None else None
+    if met is not None or held is not None:
+        return met or held  # type: ignore[return-value]
+    before = last[1]
+    answer = solver.solve(before.outcome.point, c, carried=before.carried, flag=flag)
+    if not (answer.outcome.status.ok or flag):
+        answer = solver.solve(before.q, c, flag=flag)
+    if store is not None and answer.outcome.status.ok:
+        store.save(c, answer)
+    return answer
 
 
 def _better(
