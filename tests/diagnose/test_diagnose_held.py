@@ -21,12 +21,13 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import _at_frames, make_tracks
 from serpenoid.diagnose.data.windows import predicted_path, predictions
-from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.actuation import fit_together, plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.whole import from_command
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import relative
+from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
@@ -34,6 +35,7 @@ SEED, SETTINGS, LAG = 71, 2, 0.02  # s
 LATE, OPEN = 0.008, 0.010  # s: a trial's beginning is off, and may be
 READ_EVERY = 0.02  # s
 FINE = 5e-4  # s
+SELDOM, QUICK = 0.025, 2.0  # s from reading to reading, of the fastest row: a servo's limit
 
 
 @pytest.fixture(scope="module")
@@ -129,3 +131,48 @@ def test_a_simulation_from_commands_jumps_as_the_servos_do(
     for track, r, made in zip(tracks, followed, predictions(model, tracks), strict=True):
         told = from_command(model, track, r.schedule)
         np.testing.assert_allclose(told.displacement, made.displacement, atol=1e-4)  # readings' noise
+
+
+def _limited(r: Recording, seed: int) -> Recording:
+    """Servos that lag and turn no faster than a limit, which no one law holds, in a slow log that says nothing of when
+    rows were due."""
+    fine = np.arange(0, r.schedule.whole_s, FINE)
+    wanted = lagged(fine, replace(r.schedule, held=True).commanded(fine), np.full(len(fine) - 1, LAG))
+    quickest = QUICK * np.abs(np.diff(r.schedule.table, axis=0)).max() / r.schedule.row_s
+    read = wanted.copy()
+    for k in range(1, len(fine)):
+        read[k] = read[k - 1] + np.clip(wanted[k] - read[k - 1], -quickest * FINE, quickest * FINE)
+    time = np.arange(0, fine[-1], SELDOM)
+    seen = np.stack([np.interp(time, fine, joint) for joint in read.T], axis=1)
+    seen = np.round((seen + np.random.default_rng(seed).normal(0, TICK, seen.shape)) / TICK) * TICK
+    schedule, open_s = replace(r.schedule, held=False), r.schedule.cycle_duration_s / 4
+    return replace(r, schedule=schedule, log_time=time, position=seen, commands=None, t0_spread=open_s, told=None)
+
+
+def test_rows_that_are_held_are_told_though_no_law_of_the_catalogue_is_the_servos(
+    recordings: tuple[Recording, ...],
+) -> None:
+    """Rows that run are off by less than readings scatter about a smooth course, which rows that jump are not."""
+    assert plays([_limited(r, n) for n, r in enumerate(recordings)]).held
+
+
+def test_effects_of_several_joints_are_fitted_together_where_nothing_says_when_trials_began(
+    recordings: tuple[Recording, ...],
+) -> None:
+    """Every joint tells when a trial began, and with it what every other joint does."""
+    data = plays([_begun_late(r) for r in recordings])
+    assert not any(data.begun(r) for r in data.recordings)
+    true = [
+        ActiveEffect.of("servo_lag", None, lag=LAG),
+        ActiveEffect.of("lagging_joint", 2, lag=0.03),
+        ActiveEffect.of("gain_loss", 2, loss=0.1),
+        ActiveEffect.of("gain_loss", 5, loss=0.2),
+    ]
+    noise = np.random.default_rng(1).normal(0, data.noise, data.readings.shape)
+    data = replace(data, readings=data.realised(true) + noise)
+    begun = [e.with_coordinates([0.7 * e.coordinates[0]]) for e in true]
+    found = fit_together(data, begun)
+    assert [e.key for e in found] == [e.key for e in true]
+    for e, t in zip(found, true, strict=True):
+        assert e.coordinates[0] == pytest.approx(t.coordinates[0], rel=0.03)
+    assert data.chi2(data.realised(found)).sum() <= data.chi2(data.realised(true)).sum()

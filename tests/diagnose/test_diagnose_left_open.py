@@ -96,6 +96,8 @@ def test_a_changed_anisotropy_ratio_is_told_of_where_intervals_are_apart() -> No
     (said,) = ratio_change(now)
     assert said.startswith("the anisotropy ratio is smaller by a factor of 10 than in the reference")
     assert ratio_change(now | {"reference": None}) == []
+    taken = now["anisotropy_ratio"]["after"]  # of another explanation of the reference, that the change is told beside
+    assert ratio_change(now | {"baseline": {"anisotropy_ratio": taken}}) == []
     assert ratio_change(now | {"anisotropy_ratio": {"after": 0.03, "interval": [0.02, 0.04]}}) == []
 
 

@@ -66,6 +66,15 @@ def test_what_is_off_now_here_now_there_is_not_passed_over(recordings: tuple[Rec
     assert not stage.settled
 
 
+def test_what_markers_were_off_by_in_a_reference_is_no_news(recordings: tuple[Recording, ...]) -> None:
+    neutral, seeds = Observation.neutral(recordings[0].body), (0, len(recordings))
+    then, now = ([astray(r, seed + n)[0] for n, r in enumerate(recordings)] for seed in seeds)
+    before = choose_observation(then, neutral)[0].squares
+    assert choose_observation(now, neutral, before=before)[0].settled
+    healthy = choose_observation(recordings, neutral)[0].squares
+    assert not choose_observation(now, neutral, before=healthy)[0].settled
+
+
 def test_what_is_said_of_them_counts_and_names_and_sizes() -> None:
     words = told([(2, 0.03), (2, 0.05), (0, 0.04)], 1)
     assert words.startswith("markers are off in single frames 3 times in 1 trial, by 0.04 m (median; up to 0.05 m)")

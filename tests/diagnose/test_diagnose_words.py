@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
 from blind.protocol import usual
+from serpenoid.diagnose.inference.names import Refused
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.sentences import (
@@ -22,8 +23,9 @@ from serpenoid.diagnose.report.sentences import (
 )
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.diagnose.report.words import parameter, shown, times, title
-from serpenoid.diagnose.stages.choose_motion import finding
+from serpenoid.diagnose.stages.choose_motion import finding, refusals
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
 
@@ -239,3 +241,17 @@ def shifted(model: Model) -> Model:
     """With effects a tenth larger."""
     larger = [e.with_coordinates([1.1 * c for c in e.coordinates[:-1]]) for e in model.effects]
     return Model(model.body, model.medium, tuple(larger))
+
+
+def test_what_is_not_named_is_said_in_one_sentence_what_takes_away_most_first() -> None:
+    def refused(name: str, place: int | None, share: float, beyond: bool = False) -> Refused:
+        return Refused(ActiveEffect.neutral(name, place), share, cast("Any", None), beyond)
+
+    slope, twice = refused("slope", None, 0.93), refused("load", 3, 0.2)
+    said = refusals([refused("load", 3, 0.05), twice, slope, refused("toe", None, 0.001)])
+    assert said == (
+        "slope would take away 93% of what is left, load at vertex 3 20%, and a wrong effect could take away as much: "
+        "not named",
+    )
+    (alone,) = refusals([refused("toe", None, 0.4, beyond=True)])
+    assert alone == "toe would take away 40% of what is left, but is pushed beyond its bound: not named"

@@ -116,7 +116,7 @@ def diagnose(
 def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, Observation, tuple[Recording, ...]]:
     """The stage of observation, by clocks that are laid over each other again beside what it finds."""
     for _ in range(RELAID):
-        stage, seen = choose_observation(recordings, baseline.observation(), baseline.without)
+        stage, seen = choose_observation(recordings, baseline.observation(), baseline.without, baseline.squares)
         again, moved = relaid(recordings, seen)
         if not seen.corrects or not moved:
             break

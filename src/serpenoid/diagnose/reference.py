@@ -87,9 +87,9 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Reference(Baseline):
-    """seen: the earlier observation model; explained: the earlier motion, by the baseline's model and then by rivals;
-    servos: the earlier readings and what explains them. others: effects that were there before, beside the motion's.
-    missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
+    """seen: the earlier observation model, unseen: what it left (see `Stage`); explained: the earlier motion, by the
+    baseline's model and then by rivals; servos: the earlier readings and what explains them. others: effects that were
+    there before, beside the motion's. missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
     usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
 
@@ -99,6 +99,12 @@ class Reference(Baseline):
     largest: Floats
     servos: Plays
     missed_m: float
+    unseen: tuple[float, ...] = ()
+
+    @property
+    def squares(self) -> tuple[float, ...]:
+        """As they were before."""
+        return self.unseen
 
     @property
     def unlike(self) -> Floats:
@@ -222,7 +228,7 @@ def reference_of(d: Diagnosis) -> Reference:
     about_each = {model: own} | {rival: about(d, rival) for rival in dict.fromkeys(rivals) if rival != model}
     explained = [_explanation(there, explanation) for explanation, there in about_each.items()]
     return Reference(
-        model, d.seen, tuple(explained), usual, largest, servos, wrong,
+        model, d.seen, tuple(explained), usual, largest, servos, wrong, d.stages[1].squares,
         others=others, without=d.baseline.without,
     )  # fmt: skip
 

@@ -87,6 +87,7 @@ class Stage:
     skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
     candidates, and why. law, drag_at: how dry friction, how drag in the middles of edges does, where it does better.
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
+    squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     """
 
     name: str
@@ -102,6 +103,7 @@ class Stage:
     drag_at: str = ""
     unlike: str = ""
     ratio: tuple[float, float] | None = None
+    squares: tuple[float, ...] = ()
 
     @property
     def settled(self) -> bool:

@@ -153,9 +153,13 @@ def ratio(record: Record) -> str:
 def ratio_change(record: Record) -> list[str]:
     """Where the interval of eps and the reference's are apart: how much larger or smaller it is now."""
     now, then = record["anisotropy_ratio"], (record["reference"] or {}).get("anisotropy_ratio")
-    if then is None or (now["interval"][0] <= then["interval"][1] and then["interval"][0] <= now["interval"][1]):
+    if then is None:
         return []
-    grown = now["after"] / then["after"]
+    taken = record.get("baseline", {}).get("anisotropy_ratio") or then["after"]  # that the change is told beside
+    low, high = min(*then["interval"], taken), max(*then["interval"], taken)
+    if now["interval"][0] <= high and low <= now["interval"][1]:
+        return []
+    grown = now["after"] / taken
     factor = f"{grown:.2g} times as large as" if grown > 1 else f"smaller by a factor of {1 / grown:.2g} than"
     return [
         f"the anisotropy ratio is {factor} in the reference, beyond both intervals: what all wheels or scales have in "

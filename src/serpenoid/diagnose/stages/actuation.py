@@ -42,25 +42,25 @@ class Attempt:
 
 
 def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
-    """Readings beside the set-points that most joints follow best, as they are or with one law for all servos; held:
-    whether rows are, where that is known."""
+    """Readings beside the set-points that they follow best, as they are or with one law for all servos; held: whether
+    rows are, where that is known.
+
+    Noise is the least that readings have about any of it: about a smooth course, those of servos that jump scatter
+    widely, and a way that is wrong is followed.
+    """
     every = list(ways(recordings, held))
+    laws = (None, *(k for k in shown(every[0]) if k.place is None))
     noise = np.min([data.noise for data in every], axis=0)
-    every = [replace(data, noise=noise) for data in every]
-    found: list[tuple[Plays, list[Floats]]] = []
-    for data in every:
-        laws = (None, *(k for k in shown(data) if k.place is None))
-        played: list[Floats] = []
-        for kind in laws:
-            played.append(_by_all(data, kind))
-            if followed(data, data.alone(played[-1]), np.median):
-                simpler = _simplest([*found, (data, played)])
-                if simpler[0] is not data:
-                    return _measured(*simpler)
-                best = _told_apart(every, kind, data)
-                return _measured(best, [_by_all(best, k) for k in laws]) if best.held else best
-        found.append((data, played))
+    found = [_with_laws(replace(data, noise=noise), laws) for data in every]
+    if len(found) > 1:
+        noise = np.min([data.measured(p).noise for data, played in found for p in played], axis=0)
+        found = [(replace(data, noise=noise), played) for data, played in found]
     return _measured(*_simplest(found))
+
+
+def _with_laws(data: Plays, laws: Sequence[ActuationEffect | None]) -> tuple[Plays, list[Floats]]:
+    """A way to take set-points, and what servos play in it as they are told, and with each law."""
+    return data, [_by_all(data, kind) for kind in laws]
 
 
 def _simplest(found: Sequence[tuple[Plays, list[Floats]]]) -> tuple[Plays, list[Floats]]:
@@ -92,18 +92,6 @@ def _by_all(data: Plays, kind: ActuationEffect | None) -> Floats:
         return data.realised([])
     (law,) = fit_everywhere(data, kind.name, (), kind.starts(data.readings, data.quickest))
     return data.realised([law.effect])
-
-
-def _told_apart(every: Sequence[Plays], kind: ActuationEffect | None, first: Plays) -> Plays:
-    """The first way in which set-points are followed with a law, unless readings exclude it: about what a slow log
-    reads, noise is hardly known, and much is followed."""
-    played = [_by_all(data, kind) for data in every]
-    noise = np.min([data.measured(p).noise for data, p in zip(every, played, strict=True)], axis=0)
-    measured = [replace(data, noise=noise) for data in every]
-    misses = [_cost(data, p) for data, p in zip(measured, played, strict=True)]
-    band = most_gained(1, len(shown(first)) * len(every))
-    best, own = int(np.argmin(misses)), [data is first for data in every].index(True)
-    return measured[best if misses[own] - misses[best] > band else own]
 
 
 def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:

@@ -54,6 +54,11 @@ class Baseline:
         return None
 
     @property
+    def squares(self) -> tuple[float, ...]:
+        """What the stage of markers is known to leave, which is no news: see `Stage`."""
+        return ()
+
+    @property
     def inadequate(self) -> bool:
         """Whether its law is known to be another than the floor's: what it missed repeated."""
         return False

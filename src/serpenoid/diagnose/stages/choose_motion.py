@@ -183,7 +183,7 @@ def finding(
     alone: tuple[AtOneVertex, ...] = ()
     if words and parts is None:
         alone = at_one_vertex(found)
-        words = (*words, *(_refusal(r) for r in found.refused if r.share >= TOLD), *(a.words for a in alone))
+        words = (*words, *refusals(found.refused), *(a.words for a in alone))
     if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)):
         words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
@@ -250,11 +250,19 @@ def with_stand_ins(found: Selection, named: Sequence[Named], inadequate: bool) -
     return [replace(n, stand_in=gains.get(n.effect.key, most) < most) for n in named]
 
 
-def _refusal(refused: Refused) -> str:
-    """Why an effect that the search tried is not named."""
-    gain = f"would take away {refused.share:.0%} of what is left"
-    why = "but is pushed beyond its bound" if refused.beyond else "and a wrong effect could take away as much"
-    return f"{refused.effect.called} {gain}, {why}: not named"
+def refusals(refused: Sequence[Refused]) -> tuple[str, ...]:
+    """Why effects that the search tried are not named, what takes away most first."""
+    most = {r.effect.key: r for r in sorted(refused, key=lambda r: r.share) if r.share >= TOLD}
+    ordered = sorted(most.values(), key=lambda r: -r.share)
+    chance, beyond = [r for r in ordered if not r.beyond], [r for r in ordered if r.beyond]
+    said = [f"{_shares(chance)}, and a wrong effect could take away as much: not named"] if chance else []
+    return (*said, *(f"{_shares([r])}, but is pushed beyond its bound: not named" for r in beyond))
+
+
+def _shares(refused: Sequence[Refused]) -> str:
+    first, *others = refused
+    more = "".join(f", {r.effect.called} {r.share:.0%}" for r in others)
+    return f"{first.effect.called} would take away {first.share:.0%} of what is left{more}"
 
 
 def undetected_of(t: Weak, noise_level_m: float) -> Named:

@@ -35,11 +35,14 @@ FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short 
 
 @remembered
 def choose_observation(
-    recordings: Sequence[Recording], now: Observation, without: Set[str] = frozenset()
+    recordings: Sequence[Recording],
+    now: Observation,
+    without: Set[str] = frozenset(),
+    before: tuple[float, ...] = (),
 ) -> tuple[Stage, Observation]:
     """What is new beside the observation model `now`, and the model to be taken out of the data (weak effects too).
 
-    without: effects that are no candidates.
+    without: effects that are no candidates. before: what a reference left, which is no news (`Stage.squares`).
     """
     bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
     while (found := _next(best)) is not None:
@@ -47,7 +50,7 @@ def choose_observation(
         if best.strength(best.keys[-1]) < VISIBLE:
             break
     best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
-    best = _beside_play(best)
+    best = _beside_play(best, before)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     beyond = _beyond_bounds(best)
     other = other_lengths(best)
@@ -60,11 +63,11 @@ def choose_observation(
     named = tuple(n for n in every if n.strength >= VISIBLE)
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
-    left, words = _left_over(best)
+    left, words, squares = _left_over(best, before)
     words += () if other is None or not any(n.stand_in for n in named) else (other.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *refused)
-    return Stage("observation", named, rivals, undetected, left, words), best.now
+    return Stage("observation", named, rivals, undetected, left, words, squares=squares), best.now
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:
@@ -79,10 +82,10 @@ def _beyond_bounds(best: Looked) -> dict[Key, str]:
     return said
 
 
-def _beside_play(best: Looked) -> Looked:
+def _beside_play(best: Looked, before: tuple[float, ...]) -> Looked:
     """Without effects that only mend what the law of another one's joint leaves: they must take away enough where the
     other joints that have play are free, too."""
-    while best.size > 1 and _left_over(best)[1]:
+    while best.size > 1 and _left_over(best, before)[1]:
         gains, loose = [], [k for k in best.keys if find(k[0]).marks == "gaps"]
         for i, key in enumerate(best.keys):
             others = [j for j in map(_joint, loose) if j is not None and j != _joint(key)]
@@ -110,22 +113,27 @@ def _joint(key: Key) -> int | None:
     return place - 1 if place is not None and find(name).place == "joint" else None
 
 
-def _left_over(best: Looked) -> tuple[float, tuple[str, ...]]:
-    """Of the worst channel, its noise included, what is more than chance makes; and that in words, where visible."""
-    squares = structure(best.data, best.now)
-    worst, size = int(squares.argmax()), float(np.sqrt(squares.max()))
+def _left_over(best: Looked, before: tuple[float, ...]) -> tuple[float, tuple[str, ...], tuple[float, ...]]:
+    """Of the worst channel, its noise included, what is more than chance makes; that in words, where visible beside
+    what was left before; and mean squares of all channels and of all together."""
+    squares, all_squares = structure(best.data, best.now), best.priced.spread**2
+    known = np.array(before) if len(before) == len(squares) + 1 else np.zeros(len(squares) + 1)
+    known = np.maximum(known, 1.0)  # the noise itself, which a little of structure is in
+    news = squares / known[:-1]
+    worst = int(news.argmax())
+    size = float(np.sqrt(squares[worst]))
     joints = best.data.body.joint_count
     what = f"joint {worst + 1} bent" if worst < joints else f"the edge from vertex {worst - joints} as long"
     words: tuple[str, ...] = ()
-    if size > np.hypot(1.0, VISIBLE):  # the noise itself, which a little of structure is in, and a visible error
+    if news[worst] > 1 + VISIBLE**2:
         words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
     if words and worst < joints:
         words += _from_trial_to_trial(best, worst)
-    spread = best.priced.spread
-    if not words and spread > np.hypot(1.0, VISIBLE):  # nothing that lasts from frame to frame
-        words = (f"markers are off by {spread:.1f} times the noise of most frames, now here, now there: look for "
-                 "reflections and mistaken matches in single frames",)  # fmt: skip
-    return float(np.hypot(1.0, size)), words
+    if not words and all_squares > known[-1] * (1 + VISIBLE**2):  # nothing that lasts from frame to frame
+        words = (f"markers are off by {np.sqrt(all_squares):.1f} times the noise of most frames, now here, now there: "
+                 "look for reflections and mistaken matches in single frames, or joints that jump between two readings "
+                 "of the log",)  # fmt: skip
+    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares)
 
 
 def _from_trial_to_trial(best: Looked, joint: int) -> tuple[str, ...]:
