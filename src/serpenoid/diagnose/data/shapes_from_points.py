@@ -46,10 +46,12 @@ class States:
 
     @property
     def period(self) -> float:
-        """Time scale of the bending [s]: 2 pi rms(angle) / rms(rate); that of a wave, its period."""
+        """Time scale of the bending [s]: 2 pi rms(angle) / rms(rate); that of a wave, its period, of a shape that stays
+        as it is infinite."""
         moving = self.angles - self.angles.mean(axis=0)
         rate = np.gradient(moving, self.time, axis=0)
-        return float(2 * np.pi * np.sqrt((moving**2).mean() / (rate**2).mean()))
+        quick = (rate**2).mean()
+        return float(2 * np.pi * np.sqrt((moving**2).mean() / quick)) if quick > 0 else np.inf
 
 
 @dataclass(frozen=True)

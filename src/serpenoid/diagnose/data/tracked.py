@@ -168,12 +168,12 @@ def tracker(recordings: Sequence[TrackedRecording]) -> Callable[[Model], tuple[T
 
 
 def _mesh(states: States) -> tuple[float, float, int]:
-    """First moment [s] of the windows, their steps [s], and how many windows there are."""
+    """First moment [s] of the windows, their steps [s], and how many windows there are: none of a shape that stays."""
     frame = float(np.median(np.diff(states.time)))
     window = max(states.period / WINDOWS_PER_PERIOD, LEAST_FRAMES * frame)
     step = window / STEPS_PER_WINDOW
     first = float(states.time[0] + LEAD * step)
-    return first, step, int((states.time[-1] - first) / window)
+    return first, step, int((states.time[-1] - first) / window) if np.isfinite(window) else 0
 
 
 def _most_parts(states: States) -> int:
