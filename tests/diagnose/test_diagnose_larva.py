@@ -86,8 +86,8 @@ def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: P
 def test_a_larva_whose_points_run_into_each_other_is_refused_by_that(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A stride of 0.2 with points 0.14 apart, each carried on before the next has begun: edges shrink to nothing."""
-    coarse = {"POINTS": 8, "RATE": 16, "SECONDS": 8, "LAG": 0.8, "SWING": 0.2, "NOISE": 0.006}
+    """A stride of 0.22 with points 0.14 apart, each carried on before the next has begun: edges shrink to nothing."""
+    coarse = {"POINTS": 8, "RATE": 16, "SECONDS": 8, "LAG": 0.8, "SWING": 0.22, "NOISE": 0.006}
     for name, value in coarse.items():
         monkeypatch.setattr(sys.modules[__name__], name, value)
     _, points = crawl()
