@@ -176,3 +176,15 @@ def test_effects_of_several_joints_are_fitted_together_where_nothing_says_when_t
     for e, t in zip(found, true, strict=True):
         assert e.coordinates[0] == pytest.approx(t.coordinates[0], rel=0.03)
     assert data.chi2(data.realised(found)).sum() <= data.chi2(data.realised(true)).sum()
+
+
+def test_servos_are_expected_to_do_the_same_whether_their_lag_is_found_or_known(
+    recordings: tuple[Recording, ...],
+) -> None:
+    """Of a reference it is known; between two rows servos are followed all the same."""
+    data, lag = plays(recordings), ActiveEffect.of("servo_lag", None, lag=LAG)
+    found = carried(recordings, data, [lag])
+    known = carried(recordings, replace(data, known=(lag,)), [])
+    for one, other in zip(found, known, strict=True):
+        np.testing.assert_array_equal(one.log_time, other.log_time)
+        np.testing.assert_array_equal(one.angles_at(one.time), other.angles_at(other.time))

@@ -35,10 +35,12 @@ def _met(
 ) -> list[tuple[Recording, float, Course]]:
     """Recordings, how late their trials began [s] as far as that is open, and what servos do from there on."""
     recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
-    meshes = [np.unique(np.concatenate([corners(r.schedule), _between(r) if effects else [0.0]])) for r in recordings]
+    model = found.model(effects)
+    between = [_between(r) if model.actuation_effects else np.zeros(1) for r in recordings]  # known ones among them
+    meshes = [np.unique(np.concatenate([corners(r.schedule), t])) for r, t in zip(recordings, between, strict=True)]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     rested = [came_from(r, t) for r, t in zip(recordings, told, strict=True)]
-    played = realise_all(found.model(effects), told, meshes, came_from=rested)
+    played = realise_all(model, told, meshes, came_from=rested)
     courses = [Course(time, p.readings) for time, p in zip(meshes, played, strict=True)]
     return [(r, 0.0 if r.begins_known else _late(r, c), c) for r, c in zip(recordings, courses, strict=True)]
 
