@@ -81,7 +81,7 @@ def test_a_new_campaign_of_a_tracker_of_animals_is_an_animal_s(tmp_path: Path) -
     assert file.body.is_animal
     assert not file.lengths_given  # nobody said how long
     said = (folder / "campaign.toml").read_text()
-    assert "# or wheeled robot, swimming robot, swimmer\n" in said
+    assert "# or wheeled robot, crawling robot, swimming robot, swimmer\n" in said
     assert not [word for word in ("Robot:", "joint_table", "cycles", "play", "mass_kg", "weights") if word in said]
 
 

@@ -161,6 +161,12 @@ def test_a_swimming_robot_has_servos_and_water_and_no_wheels(tmp_path: Path) -> 
     assert not {"worn_wheel", "toe", "friction_patch", "slope"} & offered
 
 
+def test_a_crawling_robot_has_servos_and_ground_and_no_wheels() -> None:
+    offered = set(catalogue()) - not_on_offer(Body(kind="crawling robot", vertices=5))
+    assert {"servo_lag", "load", "slope", "dry_friction", "grip_saturation"} <= offered
+    assert not {"worn_wheel", "toe", "track_width", "wheel_mount", "contact_offset", "added_mass"} & offered
+
+
 def test_an_animal_with_a_joint_table_is_asked_whether_it_is_a_robot(tmp_path: Path) -> None:
     trial = '[[trial]]\nname = "one"\njoint_table = "t.csv"\ncycle_duration_s = 1.0\n'
     for kind, fine in (("swimmer", False), ("swimming robot", True)):

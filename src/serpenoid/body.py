@@ -24,17 +24,18 @@ BARE = 1e-6  # of the body's weight: a vertex that meets nothing, as a joint bet
 ANIMALS = ("swimmer", "crawler")
 # metres; sperm and bacteria to blue whales, nematodes to pythons; who is longer or shorter is asked about the unit
 PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
-    "wheeled robot": (0.02, 20.0), "swimming robot": (0.02, 20.0), "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0),
-    None: (5e-6, 40.0),
+    "wheeled robot": (0.02, 20.0), "crawling robot": (0.02, 20.0), "swimming robot": (0.02, 20.0),
+    "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0), None: (5e-6, 40.0),
 }  # fmt: skip
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
 MOST_VERTICES = 1000  # compiling takes minutes beyond
 CUT = "Cut links into more edges (`vertices`, `joints`; n a link leave out 1 / n^2 of it)"
 SPARSE = 0.02  # of a straight body's resistance to turning: ten equal edges, as in the paper, leave out 0.01
-Kind = Literal["wheeled robot", "swimming robot", "swimmer", "crawler"]
+Kind = Literal["wheeled robot", "crawling robot", "swimming robot", "swimmer", "crawler"]
 Part = Literal["servos", "wheels", "ground", "water"]
 PARTS: dict[Kind, frozenset[Part]] = {
     "wheeled robot": frozenset({"servos", "wheels", "ground"}),
+    "crawling robot": frozenset({"servos", "ground"}),  # on scales, on a skin, through sand
     "swimming robot": frozenset({"servos", "water"}),
     "swimmer": frozenset({"water"}),
     "crawler": frozenset({"ground"}),
@@ -46,7 +47,7 @@ class Body(Record):
 
     kind: Kind | None = Field(
         default=None,
-        description="wheeled robot | swimming robot | swimmer | crawler: words, default weights, effects on offer",
+        description="wheeled, crawling or swimming robot, swimmer, crawler: words, default weights, effects on offer",
     )
     vertices: int = Field(
         ge=3, le=MOST_VERTICES, description="N: head marker, joint axes, tail marker, counted together"

@@ -132,7 +132,7 @@ class CampaignFile(Record):
         if self.body.is_animal and not self.tracked_only:
             raise ValueError(
                 f'kind = "{self.body.kind}" is an animal, and has neither `servo_log` nor `joint_table`: of a robot '
-                'say "wheeled robot" or "swimming robot"'
+                'say "wheeled robot", "crawling robot" or "swimming robot"'
             )
         for trial in self.trial:
             markers, marked = trial.markers or self.motion.markers, trial.vertices or self.motion.vertices
