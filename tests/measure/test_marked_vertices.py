@@ -34,11 +34,11 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def marked(whole: Path, to: Path, key: str) -> Path:
-    """The same where joints and ends alone have markers."""
+def marked(whole: Path, to: Path, key: str, shown: list[int] = ENDS) -> Path:
+    """The same where joints and ends alone have markers, or others."""
     rows = [line.split(",") for line in (whole / "example" / "motion.csv").read_text().split()]
-    kept = [[row[0], *(cell for k in ENDS for cell in row[1 + 2 * k : 3 + 2 * k])] for row in rows]
-    kept[0] = ["t_s", *(f"{axis}_{k}" for k in range(len(ENDS)) for axis in "xy")]
+    kept = [[row[0], *(cell for k in shown for cell in row[1 + 2 * k : 3 + 2 * k])] for row in rows]
+    kept[0] = ["t_s", *(f"{axis}_{k}" for k in range(len(shown)) for axis in "xy")]
     to.mkdir(parents=True)
     (to / "motion.csv").write_text("\n".join(",".join(row) for row in kept))
     text = (whole / "campaign.toml").read_text().replace("[motion] ", f"[motion]\n{key}\n#", 1)
@@ -175,3 +175,16 @@ def test_one_length_that_is_wrong_is_told_and_markers_beside_their_places_are_no
         one_longer(Shown.of([seen], np.array([0.11, 0.19, 0.14]) * (1 + 0.05 * rng.normal(size=3)))) for _ in range(200)
     ]
     assert sum(one is not None for one in beside) <= 6
+
+
+def test_times_in_milliseconds_are_told_where_markers_show_no_joint(whole: Path, tmp_path: Path) -> None:
+    middles = [0, 1, 3, 5, 7, 8]
+    path = marked(whole, tmp_path / "middles", f"vertices = {middles}", middles)
+    assert contradictions(path) == ()
+    film = tmp_path / "middles" / "motion.csv"
+    header, *rows = film.read_text().split()
+    seconds, cells = zip(*(row.split(",", 1) for row in rows), strict=True)
+    film.write_text("\n".join([header, *(f"{1000 * float(s)},{c}" for s, c in zip(seconds, cells, strict=True))]))
+    (found,) = contradictions(path)
+    assert "run 1000 times as long as the schedule" in found.words
+    assert "are its times milliseconds?" in found.cure

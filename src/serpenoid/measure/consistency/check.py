@@ -33,8 +33,8 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
-from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of
-from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads
+from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of, match
+from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads, window
 from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
@@ -62,6 +62,7 @@ class Verdict:
     remarks: tuple[tuple[str, str], ...]  # (trial, remark)
     rivals: tuple[Rival, ...]
     torn: Mapping[str, tuple[Lost, ...]] = field(default_factory=dict)
+    leanings: Mapping[str, float] = field(default_factory=dict)  # see `_leaning`
 
 
 def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
@@ -76,13 +77,14 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
     rivals = [rival for one in judged for rival in one.rivals]
     lost = [found for one in judged for found in one.contradictions]
     torn = {trial: places for one in judged for trial, places in one.torn.items()}
-    return Verdict((*certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
+    leanings = {trial: nats for one in judged for trial, nats in one.leanings.items()}
+    return Verdict((*certain(rivals, leanings), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
 
 
 def _in_other_units(claim: Claim) -> list[Contradiction]:
     """Witnesses whose motion lasts a thousand times the promised seconds."""
     found = []
-    for signal, witness in ((claim.servos, "the servo log's positions"), (claim.cameras, "the recorded shapes")):
+    for signal, witness in ((claim.servos, "the servo log's positions"), (claim.film, "the recorded shapes")):
         if claim.schedule is not None and signal is not None and signal.enough:
             said = _other_unit(signal, claim.schedule)
             if said is not None:
@@ -121,7 +123,25 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
             lost += _unexplained(claim, one)
             remarks += [*_weakness(claim, one.contract, one.witness), *one.doubts]
     remarks += [(claim.trial, place.said) for place in torn]
-    return Verdict(tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {})
+    leaning = _leaning(claim, rivals)
+    return Verdict(
+        tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {}, {claim.trial: leaning}
+    )
+
+
+def _leaning(claim: Claim, rivals: Sequence[Rival]) -> float:
+    """By how much a film that shows no joint's angle makes the joint table likelier than the servo log [nats], where
+    these contradict each other; 0 where it follows neither."""
+    outline, servos, schedule = claim.outline, claim.servos, claim.schedule
+    doubted = any(rival.pair == ("table", "log") and rival.lead + rival.log_share > 0 for rival in rivals)
+    if not doubted or outline is None or servos is None or schedule is None or not outline.shown.enough:
+        return 0.0
+    seconds = min(float(np.ptp(outline.shown.time_s)), MOST_CYCLES * schedule.period_s)
+    courses = [course_of(schedule.seen_in(seconds)), logged(servos, servos.period_s)]
+    own = outline.shown.period_s or schedule.period_s
+    grid = window(outline.shown, min(schedule.period_s, own), max(schedule.period_s, own))
+    table, log = (match(grid, course.changed(outline.of), PHYSICAL) for course in courses)
+    return table.evidence - log.evidence if max(table.explained, log.explained) > SURE else 0.0
 
 
 def _step_of_the_log(

@@ -15,9 +15,10 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats, clock
+from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Verdict, check
-from serpenoid.measure.consistency.claim import Claim
+from serpenoid.measure.consistency.claim import Claim, outline
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.fallen import fallen
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
@@ -139,8 +140,8 @@ def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradict
     faults = _leaps(files) or _exchanged(body, files) or _fallen(body, files) or _markers(file, body, files)
     if faults:
         return faults, None
-    claim = _claim(body, files)
-    for signal in (claim.servos, claim.cameras):
+    claim = _claim(body, files, file.servo_log.angle_unit)
+    for signal in (claim.servos, claim.film):
         if signal is not None and signal.enough:
             _ = signal.period_s  # goes with it
     return [], claim
@@ -241,15 +242,17 @@ def _copies(read: Sequence[Files]) -> list[Contradiction]:
     return found
 
 
-def _claim(body: Body, files: Files) -> Claim:
-    cameras = servos = commands = None
+def _claim(body: Body, files: Files, angle_unit: AngleUnit) -> Claim:
+    cameras = servos = commands = shown = None
     if files.tracks is not None and files.labelled is not None:
         cameras = Signal(files.tracks.time_s, marker_angles(body, files.labelled.vertices))
+        if not cameras.enough:
+            shown = outline(body, files.tracks.time_s, files.labelled.vertices)
     log = files.servo_log
     if log is not None:
         servos = Signal(log.time_s, log.position)
         commands = None if log.command is None else Signal(*_played(log, log.command))
-    return Claim(files.entry.name, _label(files), files.schedule, cameras, servos, commands)
+    return Claim(files.entry.name, _label(files), files.schedule, cameras, servos, commands, shown, angle_unit)
 
 
 def _played(log: ServoLog, values: Floats) -> tuple[Floats, Floats]:
