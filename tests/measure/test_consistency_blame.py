@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from serpenoid.body import Body
 from serpenoid.measure.consistency.blame import certain
 from serpenoid.measure.consistency.check import check
-from serpenoid.body import Body
 from serpenoid.measure.consistency.claim import Claim, outline
 from serpenoid.measure.consistency.hypotheses import TABLE_AND_LOG
 from serpenoid.measure.consistency.rivals import ODDS, Rival, _doubts

@@ -39,7 +39,7 @@ class Contradiction:
 def certain(rivals: Sequence[Rival], leanings: Mapping[str, float] | None = None) -> list[Contradiction]:
     """The best certain rivals of every trial; what would be wrong in every trial has the evidence of them all.
 
-    leanings: by how much the markers of trials, which show no joint's angle, make the table likelier than the log [nats].
+    leanings: by how much the markers of trials, which show no joint's angle, make the table likelier than the log.
     """
     together: dict[Kind, float] = defaultdict(float)
     for rival in rivals:

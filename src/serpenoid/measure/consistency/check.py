@@ -78,7 +78,9 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
     lost = [found for one in judged for found in one.contradictions]
     torn = {trial: places for one in judged for trial, places in one.torn.items()}
     leanings = {trial: nats for one in judged for trial, nats in one.leanings.items()}
-    return Verdict((*certain(rivals, leanings), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
+    return Verdict(
+        (*certain(rivals, leanings), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn
+    )
 
 
 def _in_other_units(claim: Claim) -> list[Contradiction]:

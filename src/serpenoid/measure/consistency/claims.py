@@ -123,6 +123,8 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
     own = {files.entry.name: files for files in read}
     said = [_likeliest(file, body, own[c.trial], c) if c.kind == "nothing" else c for c in verdict.contradictions]
+    accused = {one.trial for one in said}
+    said += [copy for copy, other in _copied_logs(read) if not accused & {copy.trial, other}]
     return replace(verdict, contradictions=tuple(said))
 
 
@@ -239,6 +241,25 @@ def _copies(read: Sequence[Files]) -> list[Contradiction]:
         if other != trial:
             words, cure = f"its recording is that of trial `{other}`, number by number", "name its own, or leave it out"
             found.append(Contradiction(trial, "copy", words, cure, np.inf))
+    return found
+
+
+def _copied_logs(read: Sequence[Files]) -> list[tuple[Contradiction, str]]:
+    """Logs that are another trial's, with that trial: servos read alike twice no more than cameras see alike. Parts of
+    one film may have one log."""
+    found = []
+    first: dict[tuple[str, bytes], Files] = {}
+    for files in read:
+        for log, key in ((files.servo_log, "servo_log"), (files.power_log, "power_log")):
+            if log is None:
+                continue
+            values = log.position if isinstance(log, ServoLog) else log.power_W[:, None]
+            other = first.setdefault((key, sha256(np.column_stack([log.time_s, values]).tobytes()).digest()), files)
+            if other is files or (files.tracks and other.tracks and files.tracks.source == other.tracks.source):
+                continue
+            words = f"its {key.replace('_', ' ')} is that of trial `{other.entry.name}`, number by number"
+            cure = f"which of the two is it of? Name each trial's own in `{key}`, or leave it out"
+            found.append((Contradiction(files.entry.name, "copy", words, cure, np.inf), other.entry.name))
     return found
 
 
