@@ -26,6 +26,7 @@ from serpenoid.measure.consistency.hypotheses import (
     Fault,
     in_one_film,
     in_other_unit,
+    other_angles,
     other_unit,
     rounded,
     schedule_faults,
@@ -50,6 +51,7 @@ SCALED = 0.05  # commands of a log that differ so much from the table's are anot
 ALIKE = 0.1  # of a gain: those of one cause differ by less
 LOG_CURE = "name that file in `servo_log`"
 CURES = {"log": LOG_CURE, "markers": "are the recordings of two trials exchanged? Name each trial's own in `motion`"}
+RARE = 0.01  # of rows are outliers
 PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
@@ -70,7 +72,7 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
 
     Units first: recordings that last a thousand times too long take as much longer to be laid over anything.
     """
-    units = [found for claim in claims for found in _in_other_units(claim)]
+    units = [found for claim in claims for found in [*_in_other_units(claim), *_in_other_angles(claim)]]
     if units:
         return Verdict(tuple(units), (), ())
     judged = in_processes([(_judged, (claim, claims, tables)) for claim in claims])
@@ -92,6 +94,34 @@ def _in_other_units(claim: Claim) -> list[Contradiction]:
             if said is not None:
                 found.append(Contradiction(claim.trial, "rate", f"{witness} {said[0]}", said[1], np.inf))
     return found
+
+
+def _in_other_angles(claim: Claim) -> list[Contradiction]:
+    """A servo log that swings as far as another unit makes of what was promised, else of what cameras show: as long as
+    a play in the joints is not known from motion, nothing laid over it tells."""
+    cameras = claim.cameras if claim.cameras is not None and claim.cameras.enough else None
+    log = next((s for s in (claim.commands, claim.servos) if s is not None and s.enough), None)
+    if claim.schedule is not None:
+        course = course_of(claim.schedule)
+        promised = _swings(course.angles(np.linspace(0.0, course.period_s, PROMISED)))
+    elif cameras is not None:
+        promised = _swings(cameras.values[cameras.known])
+    else:
+        return []
+    if log is None or log.values.shape[1] != len(promised):
+        return []
+    told = promised > AWAY * promised.max()
+    times = np.maximum(_swings(log.values[log.known])[told], np.finfo(float).tiny) / promised[told]
+    said = other_angles(times, claim.angle_unit)
+    if said is None:
+        return []
+    words = f"the servo log's positions move {said[0]}".format("on film" if claim.schedule is None else "promised")
+    return [Contradiction(claim.trial, "angle_unit", words, said[1], np.inf)]
+
+
+def _swings(angles: Floats) -> Floats:
+    """How far joints (m,) turn from one side to the other in angles (R, m), but for rare rows."""
+    return np.asarray(np.ptp(np.quantile(angles, [RARE, 1 - RARE], axis=0), axis=0))
 
 
 def _other_unit(signal: Signal, schedule: Schedule) -> tuple[str, str] | None:
