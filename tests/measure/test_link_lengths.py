@@ -52,9 +52,7 @@ def test_a_link_that_is_told_wrong_is_said_with_both_lengths(link, off):
     true = EDGES[2 * link] + EDGES[2 * link + 1]
     assert f"from vertex {2 * link} to vertex {2 * link + 2}" in said
     assert f"`edge_lengths` says {true + 2 * off:.4g}" in said
-    assert float(said.split(" show ")[1].split(" m ")[0]) == pytest.approx(
-        true, abs=abs(off) / 5
-    )  # a tenth of what is wrong
+    assert float(said.split(" show ")[1].split(" m ")[0]) == pytest.approx(true, abs=abs(off) / 5)
 
 
 @pytest.mark.parametrize("seed", range(10))
