@@ -7,14 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from serpenoid.body import Body
 from serpenoid.measure.consistency.blame import certain
 from serpenoid.measure.consistency.check import check
-from serpenoid.measure.consistency.claim import Claim
+from serpenoid.measure.consistency.claim import Claim, outline
 from serpenoid.measure.consistency.hypotheses import TABLE_AND_LOG
 from serpenoid.measure.consistency.rivals import ODDS, Rival, _doubts
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.schedule import Schedule
 
+MIDDLES = [0, 1, 3, 5, 7, 9, 11, 12]  # of six links: their markers show no joint's angle
 CURES = {
     "signs": {"table": "flip the signs of `joint_table`", "log": "flip the signs of the servo log",
               "markers": "check `up_axis`"},
@@ -44,7 +47,19 @@ def claim(change, wrong: str, sources: str, seed: int) -> Claim:
     seen, read = angles + rng.normal(0, 0.01, angles.shape), angles + rng.normal(0, 0.002, angles.shape)
     film = Signal(time + 7, change(seen) if wrong == "markers" else seen) if "m" in sources else None
     log = Signal(time + 90, change(read) if wrong == "log" else read) if "l" in sources else None
-    return Claim("t", "gait", told, cameras=film, servos=log)
+    bends = outline(ROBOT, time + 7, marked(seen, rng)) if "o" in sources else None
+    return Claim("t", "gait", told, cameras=film, servos=log, outline=bends)
+
+
+ROBOT = Body(vertices=13, joints=(2, 4, 6, 8, 10), edge_lengths=tuple(0.05 + 0.005 * (k // 2) for k in range(12)))
+
+
+def marked(angles: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Vertices (F, N, 2) on film, those in the middles of links and at the ends of the body."""
+    whole = chain_vertices(ROBOT, np.zeros((len(angles), 3)), angles)
+    shown = np.full_like(whole, np.nan)
+    shown[:, MIDDLES] = whole[:, MIDDLES] + rng.normal(0, 0.0005, whole[:, MIDDLES].shape)
+    return shown
 
 
 @pytest.mark.parametrize("kind", CURES)
@@ -56,6 +71,8 @@ def claim(change, wrong: str, sources: str, seed: int) -> Claim:
         ("lm", "markers", ["markers"]),
         ("l", "table", ["table", "log"]),  # nobody knows which
         ("m", "table", ["table", "markers"]),
+        ("lo", "table", ["table"]),  # a film that shows no joint's angle knows all the same
+        ("lo", "log", ["log"]),
     ],
 )
 def test_the_source_that_stands_against_both_others_is_blamed(kind, sources, wrong, blamed):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,27 @@ def test_who_moves_less_than_promised_is_named_with_what_that_may_be(witness, ga
     moving = [0, 1, 2, 3, 4]
     (remark,) = check([witnesses(gait(moving), np.array(gains), witness)], {"gait": gait(moving)}).remarks
     assert said in remark[1]
+
+
+UNITS = {"rad": 1.0, "deg": np.pi / 180, "ticks": TICK}
+
+
+@pytest.mark.parametrize("witness", ["commands", "servos"])
+@pytest.mark.parametrize(("written", "read", "size"), [
+    ("rad", "deg", 1.0), ("deg", "rad", 0.08), ("rad", "ticks", 1.0), ("deg", "ticks", 1.0),
+])  # fmt: skip
+def test_a_log_in_another_unit_of_angles_is_told_with_it(witness, written, read, size):
+    rows = size * gait([0, 1, 2, 4])
+    gains = np.array([0.9, 1.0, 0.8, 1.0, 1.1]) * UNITS[read] / UNITS[written]
+    claim = replace(witnesses(rows, gains, "commands"), angle_unit=read)
+    if witness == "servos":
+        claim = replace(claim, commands=None, servos=claim.commands)
+    (found,) = check([claim], {"gait": rows}).contradictions
+    assert found.kind == "angle_unit"
+    assert found.cure == f'set `angle_unit = "{written}"` in [servo_log]'
+
+
+@pytest.mark.parametrize("gains", [[0.02, 1, 0.02, 1, 0.02], [0.1] * 5, [0.0] * 4 + [0.5]])
+def test_servos_that_are_weak_or_stuck_are_no_other_unit(gains):
+    claim = replace(witnesses(gait([0, 1, 2, 3, 4]), np.array(gains), "servos"), angle_unit="deg")
+    assert "angle_unit" not in [one.kind for one in check([claim], {}).contradictions]

@@ -34,11 +34,11 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def marked(whole: Path, to: Path, key: str) -> Path:
-    """The same where joints and ends alone have markers."""
+def marked(whole: Path, to: Path, key: str, shown: list[int] = ENDS) -> Path:
+    """The same where joints and ends alone have markers, or others."""
     rows = [line.split(",") for line in (whole / "example" / "motion.csv").read_text().split()]
-    kept = [[row[0], *(cell for k in ENDS for cell in row[1 + 2 * k : 3 + 2 * k])] for row in rows]
-    kept[0] = ["t_s", *(f"{axis}_{k}" for k in range(len(ENDS)) for axis in "xy")]
+    kept = [[row[0], *(cell for k in shown for cell in row[1 + 2 * k : 3 + 2 * k])] for row in rows]
+    kept[0] = ["t_s", *(f"{axis}_{k}" for k in range(len(shown)) for axis in "xy")]
     to.mkdir(parents=True)
     (to / "motion.csv").write_text("\n".join(",".join(row) for row in kept))
     text = (whole / "campaign.toml").read_text().replace("[motion] ", f"[motion]\n{key}\n#", 1)
@@ -175,3 +175,46 @@ def test_one_length_that_is_wrong_is_told_and_markers_beside_their_places_are_no
         one_longer(Shown.of([seen], np.array([0.11, 0.19, 0.14]) * (1 + 0.05 * rng.normal(size=3)))) for _ in range(200)
     ]
     assert sum(one is not None for one in beside) <= 6
+
+
+def test_times_in_milliseconds_are_told_where_markers_show_no_joint(whole: Path, tmp_path: Path) -> None:
+    middles = [0, 1, 3, 5, 7, 8]
+    path = marked(whole, tmp_path / "middles", f"vertices = {middles}", middles)
+    assert contradictions(path) == ()
+    film = tmp_path / "middles" / "motion.csv"
+    header, *rows = film.read_text().split()
+    seconds, cells = zip(*(row.split(",", 1) for row in rows), strict=True)
+    film.write_text("\n".join([header, *(f"{1000 * float(s)},{c}" for s, c in zip(seconds, cells, strict=True))]))
+    (found,) = contradictions(path)
+    assert "run 1000 times as long as the schedule" in found.words
+    assert "are its times milliseconds?" in found.cure
+
+
+@pytest.mark.parametrize("shown", WHERE.values(), ids=WHERE)
+@pytest.mark.parametrize("place", [0, 2, -1])
+def test_a_marker_whose_x_and_y_are_exchanged_is_told_with_that_cure(shown, place):
+    shown = list(shown)
+    body, points = chain(25, tuple(range(4, 24, 4)), [link / 4 for link in LINKS for _ in range(4)])
+    points[:, shown[place]] = points[:, shown[place], ::-1]
+    kind, words = faults(body, points, shown)[0]
+    assert (kind, words) == ("transposed", f"have x and y of `m{shown[place]}` exchanged")
+
+
+@pytest.mark.parametrize(
+    ("columns", "across", "said"),
+    [(None, "x_{}", ["vertex_3", "vertex_5"]), ("M*", "M{}_x", ["M3 (vertex 3)", "M4 (vertex 5)"])],
+)
+def test_markers_are_called_what_the_file_calls_them(whole: Path, tmp_path: Path, columns, across, said) -> None:
+    shown = [0, 1, 3, 5, 7, 8]
+    keys = f"vertices = {shown}"
+    if columns:
+        keys += f'\ncolumns = {{ time = "t_s", x = "{columns}_x", y = "{columns}_y" }}'
+    path = marked(whole, tmp_path / f"called{len(said[0])}", keys, shown)
+    film = path.parent / tmp_path / path.stem / "motion.csv"
+    rows = [row.split(",") for row in film.read_text().split()]
+    swapped = [[*row[:5], *row[7:9], *row[5:7], *row[9:]] for row in rows]
+    names = [[across.format(k + bool(columns)), across.format(k + bool(columns)).replace("x", "y")] for k in range(6)]
+    swapped[0] = ["t_s", *(name for pair in names for name in pair)]
+    film.write_text("\n".join(",".join(row) for row in swapped))
+    (found,) = contradictions(path)
+    assert f"`{said[0]}` and `{said[1]}` exchanged" in found.words

@@ -17,6 +17,7 @@ FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of t
 TINY = 1e-300  # of two signals that agree to the last bit
 CUT_S = 0.1  # in which a record at its end moves, or rests
 EARLY = 0.05  # of logs end early: as rare as what else is wrong (`consistency.rivals.FAULTY`)
+LEAST_COMMON = 4  # rows of two records: fewer are no overlap
 HOLE = 3.0  # typical frames: a longer gap is not bridged
 
 
@@ -107,6 +108,8 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     )  # fmt: skip
     shift = float(best + found.x)
     a, b = _common(shift, t, signal, other_s, other)
+    if len(a) < LEAST_COMMON:
+        return None
     scale = np.sqrt((a**2).sum() * (b**2).sum())
     correlation = float((a * b).sum() / scale) if scale > 0 else 0.0
     return Offset(shift, correlation, float(np.sqrt(np.mean((a - b) ** 2))))
@@ -185,9 +188,9 @@ def _common(shift: float, t: Floats, signal: Floats, other_s: Floats, other: Flo
     moved = interpolate(other_s + shift, other, t)
     both = np.isfinite(moved).all(axis=1)
     a, b = signal[both], moved[both]
-    return a - a.mean(axis=0), b - b.mean(axis=0)
+    return (a - a.mean(axis=0), b - b.mean(axis=0)) if both.any() else (a, b)
 
 
 def _cost(shift: float, t: Floats, signal: Floats, other_s: Floats, other: Floats) -> float:
     a, b = _common(shift, t, signal, other_s, other)
-    return float(((a - b) ** 2).mean()) if len(a) >= 4 else np.inf
+    return float(((a - b) ** 2).mean()) if len(a) >= LEAST_COMMON else np.inf

@@ -15,6 +15,7 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.consistency.still import nothing_moved
+from serpenoid.measure.link_lengths import hidden_lengths
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, log_covers, schedule_start
 from serpenoid.measure.trial_files import (
@@ -94,7 +95,9 @@ def _aligned(
             progress(len(found), len(read), read[index].entry.name)
         found[read[index].entry.name] = trial
     trials = of_every_trial(file.trial, lambda entry: _whole(found[entry.name]))
-    return body, tuple(replace(trial, notes=trial.notes + said.get(trial.name, ())) for trial in trials)
+    hidden = hidden_lengths(body, trials) if file.lengths_given else ""
+    more = (hidden,) if hidden else ()
+    return body, tuple(replace(trial, notes=trial.notes + said.get(trial.name, ()) + more) for trial in trials)
 
 
 def _kept(file: CampaignFile, files: Files, body: Body) -> Trial | InputError:

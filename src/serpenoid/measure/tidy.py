@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from os.path import commonprefix
 from pathlib import Path
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
 from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, shown
-from serpenoid.measure.tracks import METRES, Tracks, upright
+from serpenoid.measure.tracks import METRES, Tracks, in_places, upright
 
 OWN_NAMES = (
     'Own names: `columns = { time = "Time (s)", x = "M*_x", y = "M*_y" }` in [motion], `*` where the numbers of the '
@@ -41,9 +42,15 @@ def read_tidy(
     unit = 1 / float(frames_per_second or 1) if counts else SECONDS[time_unit]
     times = increasing_times(data[:, 0], 1, places[0], path, called[0]) * unit
     floor = whole_points(data[:, 1:].reshape(len(data), -1, 2), 1, places[1::2], called[1::2], path)
-    names = tuple(f"vertex_{k}" for k in range(floor.shape[1]))
+    names = in_places(floor.shape[1]) if columns is None else _stems(called[1::2], called[2::2])
     floor = upright(floor, length_unit) * METRES[length_unit]
     return Tracks(times, names, floor, str(path), (False,) * len(names), length_unit != "px")
+
+
+def _stems(across: list[str], up: list[str]) -> tuple[str, ...]:
+    """What each point is called in its own columns: how both begin (`M4` of `M4_x` and `M4_y`), else the first."""
+    stems = tuple(commonprefix(both).rstrip(" _-.:") for both in zip(across, up, strict=True))
+    return stems if all(stems) and len(set(stems)) == len(stems) else tuple(across)
 
 
 def _tidy_places(header: list[str], path: Path) -> list[int]:

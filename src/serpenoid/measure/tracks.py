@@ -24,6 +24,11 @@ def upright(floor: Floats, unit: str) -> Floats:
     return floor * DOWN if unit == "px" else floor
 
 
+def in_places(count: int) -> tuple[str, ...]:
+    """Names of points that a file gives none, by their places in it."""
+    return tuple(f"vertex_{k}" for k in range(count))
+
+
 @dataclass(frozen=True)
 class Tracks:
     """F frames of M named markers. NaN: not seen. `scale_known` is False for pixels."""

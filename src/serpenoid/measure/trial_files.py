@@ -23,7 +23,7 @@ from serpenoid.measure.placeholders import without_placeholders
 from serpenoid.measure.readers import READERS
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
-from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.tracks import Tracks, in_places
 from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
@@ -185,8 +185,8 @@ def marker_names(tracks: Tracks | None, keys: MotionKeys, body: Body) -> list[st
         return names
     head_first = (keys.first_point or tracks.first_point) == "head"
     for vertex, name in zip(marked, tracks.names[::-1] if head_first else tracks.names, strict=True):
-        names[vertex] = name
-    return names
+        names[vertex] = name if keys.vertices is None else f"{name} (vertex {vertex})"
+    return [f"vertex_{k}" for k in range(body.vertices)] if tracks.names == in_places(len(marked)) else names
 
 
 def _between(marked: Sequence[int], edges: Floats | None, body: Body) -> Floats | None:

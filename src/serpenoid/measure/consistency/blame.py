@@ -8,11 +8,11 @@ every trial or in none, so what is said agrees over the gaits of a campaign.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from serpenoid.measure.consistency.hypotheses import BOTH, IN_ONE_FILM
-from serpenoid.measure.consistency.rivals import Rival, leads
+from serpenoid.measure.consistency.rivals import ODDS, Rival, leads
 
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
 OF_FILES = {"table", "log", "file"}  # kinds of what belongs to another trial
@@ -36,8 +36,11 @@ class Contradiction:
         return f"{self.words}. Remedy: {self.cure}{'' if self.cure.endswith('?') else '.'}"
 
 
-def certain(rivals: Sequence[Rival]) -> list[Contradiction]:
-    """The best certain rivals of every trial; what would be wrong in every trial has the evidence of them all."""
+def certain(rivals: Sequence[Rival], leanings: Mapping[str, float] | None = None) -> list[Contradiction]:
+    """The best certain rivals of every trial; what would be wrong in every trial has the evidence of them all.
+
+    leanings: by how much the markers of trials, which show no joint's angle, make the table likelier than the log.
+    """
     together: dict[Kind, float] = defaultdict(float)
     for rival in rivals:
         together[_kind(rival)] += rival.lead
@@ -48,10 +51,27 @@ def certain(rivals: Sequence[Rival]) -> list[Contradiction]:
     by_trial: dict[str, list[Rival]] = defaultdict(list)
     for rival in _agreed(sure, together):
         by_trial[rival.trial].append(rival)
+    sided = _sided(by_trial, leanings or {})
     return [
-        _contradiction(trial, found, [pair for name, pair in compared if name == trial])
+        _contradiction(trial, found, [pair for name, pair in compared if name == trial], sided.get(trial))
         for trial, found in by_trial.items()
     ]
+
+
+def _sided(by_trial: Mapping[str, Sequence[Rival]], leanings: Mapping[str, float]) -> dict[str, str]:
+    """Which of table and log the markers of a trial are certain to follow; what is wrong in every trial is decided by
+    them all."""
+    together: dict[Kind, float] = defaultdict(float)
+    for trial, found in by_trial.items():
+        for kind in {_kind(rival) for rival in found if rival.everywhere}:
+            together[kind] += leanings.get(trial, 0.0)
+    sided = {}
+    for trial, found in by_trial.items():
+        best = max(found, key=lambda rival: rival.lead + rival.log_share)
+        nats = together[_kind(best)] if best.everywhere else leanings.get(trial, 0.0)
+        if abs(nats) > ODDS:
+            sided[trial] = "table" if nats > 0 else "log"
+    return sided
 
 
 def _kind(rival: Rival) -> Kind:
@@ -79,12 +99,14 @@ def _agreed(sure: Sequence[Rival], together: dict[Kind, float]) -> list[Rival]:
     return kept
 
 
-def _contradiction(trial: str, found: Sequence[Rival], compared: Iterable[Pair]) -> Contradiction:
+def _contradiction(trial: str, found: Sequence[Rival], compared: Iterable[Pair], sided: str | None) -> Contradiction:
     best = max(rival.lead + rival.log_share for rival in found)
     near = sorted(found, key=lambda rival: -rival.lead - rival.log_share)
     near = [rival for rival in near if rival.lead + rival.log_share > best - TIED][:3]
     against = {(rival.pair, _at_root(rival)) for rival in found}
     clean = set(compared) - {pair for pair, _ in against}
+    if sided is not None:
+        clean.add((sided, "markers"))
     words = "; or ".join(dict.fromkeys(rival.words for rival in near))
     cures = [cure for rival in near for cure in rival.cured(_blamed(rival, against, clean))]
     return Contradiction(trial, near[0].kind, words, "; or ".join(dict.fromkeys(cures)), float(best))

@@ -26,6 +26,7 @@ from serpenoid.measure.consistency.hypotheses import (
     Fault,
     in_one_film,
     in_other_unit,
+    other_angles,
     other_unit,
     rounded,
     schedule_faults,
@@ -33,8 +34,8 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
-from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of
-from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads
+from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of, match
+from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads, window
 from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
@@ -50,6 +51,7 @@ SCALED = 0.05  # commands of a log that differ so much from the table's are anot
 ALIKE = 0.1  # of a gain: those of one cause differ by less
 LOG_CURE = "name that file in `servo_log`"
 CURES = {"log": LOG_CURE, "markers": "are the recordings of two trials exchanged? Name each trial's own in `motion`"}
+RARE = 0.01  # of rows are outliers
 PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
@@ -62,6 +64,7 @@ class Verdict:
     remarks: tuple[tuple[str, str], ...]  # (trial, remark)
     rivals: tuple[Rival, ...]
     torn: Mapping[str, tuple[Lost, ...]] = field(default_factory=dict)
+    leanings: Mapping[str, float] = field(default_factory=dict)  # see `_leaning`
 
 
 def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
@@ -69,25 +72,56 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
 
     Units first: recordings that last a thousand times too long take as much longer to be laid over anything.
     """
-    units = [found for claim in claims for found in _in_other_units(claim)]
+    units = [found for claim in claims for found in [*_in_other_units(claim), *_in_other_angles(claim)]]
     if units:
         return Verdict(tuple(units), (), ())
     judged = in_processes([(_judged, (claim, claims, tables)) for claim in claims])
     rivals = [rival for one in judged for rival in one.rivals]
     lost = [found for one in judged for found in one.contradictions]
     torn = {trial: places for one in judged for trial, places in one.torn.items()}
-    return Verdict((*certain(rivals), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn)
+    leanings = {trial: nats for one in judged for trial, nats in one.leanings.items()}
+    return Verdict(
+        (*certain(rivals, leanings), *lost), tuple(r for one in judged for r in one.remarks), tuple(rivals), torn
+    )
 
 
 def _in_other_units(claim: Claim) -> list[Contradiction]:
     """Witnesses whose motion lasts a thousand times the promised seconds."""
     found = []
-    for signal, witness in ((claim.servos, "the servo log's positions"), (claim.cameras, "the recorded shapes")):
+    for signal, witness in ((claim.servos, "the servo log's positions"), (claim.film, "the recorded shapes")):
         if claim.schedule is not None and signal is not None and signal.enough:
             said = _other_unit(signal, claim.schedule)
             if said is not None:
                 found.append(Contradiction(claim.trial, "rate", f"{witness} {said[0]}", said[1], np.inf))
     return found
+
+
+def _in_other_angles(claim: Claim) -> list[Contradiction]:
+    """A servo log that swings as far as another unit makes of what was promised, else of what cameras show: as long as
+    a play in the joints is not known from motion, nothing laid over it tells."""
+    cameras = claim.cameras if claim.cameras is not None and claim.cameras.enough else None
+    log = next((s for s in (claim.commands, claim.servos) if s is not None and s.enough), None)
+    if claim.schedule is not None:
+        course = course_of(claim.schedule)
+        promised = _swings(course.angles(np.linspace(0.0, course.period_s, PROMISED)))
+    elif cameras is not None:
+        promised = _swings(cameras.values[cameras.known])
+    else:
+        return []
+    if log is None or log.values.shape[1] != len(promised):
+        return []
+    told = promised > AWAY * promised.max()
+    times = np.maximum(_swings(log.values[log.known])[told], np.finfo(float).tiny) / promised[told]
+    said = other_angles(times, claim.angle_unit)
+    if said is None:
+        return []
+    words = f"the servo log's positions move {said[0]}".format("on film" if claim.schedule is None else "promised")
+    return [Contradiction(claim.trial, "angle_unit", words, said[1], np.inf)]
+
+
+def _swings(angles: Floats) -> Floats:
+    """How far joints (m,) turn from one side to the other in angles (R, m), but for rare rows."""
+    return np.asarray(np.ptp(np.quantile(angles, [RARE, 1 - RARE], axis=0), axis=0))
 
 
 def _other_unit(signal: Signal, schedule: Schedule) -> tuple[str, str] | None:
@@ -121,7 +155,25 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
             lost += _unexplained(claim, one)
             remarks += [*_weakness(claim, one.contract, one.witness), *one.doubts]
     remarks += [(claim.trial, place.said) for place in torn]
-    return Verdict(tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {})
+    leaning = _leaning(claim, rivals)
+    return Verdict(
+        tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {}, {claim.trial: leaning}
+    )
+
+
+def _leaning(claim: Claim, rivals: Sequence[Rival]) -> float:
+    """By how much a film that shows no joint's angle makes the joint table likelier than the servo log [nats], where
+    these contradict each other; 0 where it follows neither."""
+    outline, servos, schedule = claim.outline, claim.servos, claim.schedule
+    doubted = any(rival.pair == ("table", "log") and rival.lead + rival.log_share > 0 for rival in rivals)
+    if not doubted or outline is None or servos is None or schedule is None or not outline.shown.enough:
+        return 0.0
+    seconds = min(float(np.ptp(outline.shown.time_s)), MOST_CYCLES * schedule.period_s)
+    courses = [course_of(schedule.seen_in(seconds)), logged(servos, servos.period_s)]
+    own = outline.shown.period_s or schedule.period_s
+    grid = window(outline.shown, min(schedule.period_s, own), max(schedule.period_s, own))
+    table, log = (match(grid, course.changed(outline.of), PHYSICAL) for course in courses)
+    return table.evidence - log.evidence if max(table.explained, log.explained) > SURE else 0.0
 
 
 def _step_of_the_log(

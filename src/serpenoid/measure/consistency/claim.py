@@ -4,16 +4,50 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import held
+from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Prior
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.links import bends, link_of_edge
 from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.servo_alignment import seen_corners
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What a film shows whose markers are not at the joints: the bends (F, K - 2) of the polygon through K vertices."""
+
+    body: Body
+    corners: tuple[int, ...]
+    shown: Signal
+
+    def of(self, angles: Floats) -> Floats:
+        """The same bends of joint angles (R, m)."""
+        along = np.cumsum(np.concatenate([np.zeros((len(angles), 1)), angles], axis=1), axis=1)
+        along = along[:, link_of_edge(self.body)]
+        edges = np.stack([np.cos(along), np.sin(along)], axis=2) * self.body.edges[:, None]
+        points = np.concatenate([np.zeros((len(angles), 1, 2)), np.cumsum(edges, axis=1)], axis=1)
+        return bends(points[:, list(self.corners)])
+
+
+def outline(body: Body, time_s: Floats, vertices: Floats) -> Outline | None:
+    """Of vertices (F, N, 2) of a robot, NaN hidden; None: those that are seen are no polygon."""
+    corners = tuple(seen_corners(body, vertices))
+    if body.is_animal or len(corners) < 3:
+        return None
+    return Outline(body, corners, Signal(time_s, bends(vertices[:, list(corners)])))
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A trial's promise and its witnesses, each on its own clock; any witness may be missing."""
+    """A trial's promise and its witnesses, each on its own clock; any witness may be missing.
+
+    outline: where cameras do not show the joints' angles; angle_unit: in which the servo log was read.
+    """
 
     trial: str
     label: str  # of its joint table
@@ -21,6 +55,15 @@ class Claim:
     cameras: Signal | None = None
     servos: Signal | None = None
     commands: Signal | None = None
+    outline: Outline | None = None
+    angle_unit: AngleUnit = "rad"
+
+    @property
+    def film(self) -> Signal | None:
+        """How the body bends on film: its joints' angles, else its outline's."""
+        if self.outline is not None and not (self.cameras is not None and self.cameras.enough):
+            return self.outline.shown
+        return self.cameras
 
     @property
     def witnesses(self) -> list[tuple[Signal | None, str, Prior]]:

@@ -15,9 +15,10 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats, clock
+from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Verdict, check
-from serpenoid.measure.consistency.claim import Claim
+from serpenoid.measure.consistency.claim import Claim, outline
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.fallen import fallen
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
@@ -122,6 +123,8 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
     own = {files.entry.name: files for files in read}
     said = [_likeliest(file, body, own[c.trial], c) if c.kind == "nothing" else c for c in verdict.contradictions]
+    accused = {one.trial for one in said}
+    said += [copy for copy, other in _copied_logs(read) if not accused & {copy.trial, other}]
     return replace(verdict, contradictions=tuple(said))
 
 
@@ -139,8 +142,8 @@ def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradict
     faults = _leaps(files) or _exchanged(body, files) or _fallen(body, files) or _markers(file, body, files)
     if faults:
         return faults, None
-    claim = _claim(body, files)
-    for signal in (claim.servos, claim.cameras):
+    claim = _claim(body, files, file.servo_log.angle_unit)
+    for signal in (claim.servos, claim.film):
         if signal is not None and signal.enough:
             _ = signal.period_s  # goes with it
     return [], claim
@@ -241,15 +244,36 @@ def _copies(read: Sequence[Files]) -> list[Contradiction]:
     return found
 
 
-def _claim(body: Body, files: Files) -> Claim:
-    cameras = servos = commands = None
+def _copied_logs(read: Sequence[Files]) -> list[tuple[Contradiction, str]]:
+    """Logs that are another trial's, with that trial: servos read alike twice no more than cameras see alike. Parts of
+    one film may have one log."""
+    found = []
+    first: dict[tuple[str, bytes], Files] = {}
+    for files in read:
+        for log, key in ((files.servo_log, "servo_log"), (files.power_log, "power_log")):
+            if log is None:
+                continue
+            values = log.position if isinstance(log, ServoLog) else log.power_W[:, None]
+            other = first.setdefault((key, sha256(np.column_stack([log.time_s, values]).tobytes()).digest()), files)
+            if other is files or (files.tracks and other.tracks and files.tracks.source == other.tracks.source):
+                continue
+            words = f"its {key.replace('_', ' ')} is that of trial `{other.entry.name}`, number by number"
+            cure = f"which of the two is it of? Name each trial's own in `{key}`, or leave it out"
+            found.append((Contradiction(files.entry.name, "copy", words, cure, np.inf), other.entry.name))
+    return found
+
+
+def _claim(body: Body, files: Files, angle_unit: AngleUnit) -> Claim:
+    cameras = servos = commands = shown = None
     if files.tracks is not None and files.labelled is not None:
         cameras = Signal(files.tracks.time_s, marker_angles(body, files.labelled.vertices))
+        if not cameras.enough:
+            shown = outline(body, files.tracks.time_s, files.labelled.vertices)
     log = files.servo_log
     if log is not None:
         servos = Signal(log.time_s, log.position)
         commands = None if log.command is None else Signal(*_played(log, log.command))
-    return Claim(files.entry.name, _label(files), files.schedule, cameras, servos, commands)
+    return Claim(files.entry.name, _label(files), files.schedule, cameras, servos, commands, shown, angle_unit)
 
 
 def _played(log: ServoLog, values: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.hypotheses import rounded
-from serpenoid.measure.consistency.layout import PLACED, Layout, evidence, flatness, layout
+from serpenoid.measure.consistency.layout import PLACED, Layout, beside, evidence, flatness, layout
 from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.tracks import floor_plane
 
@@ -27,7 +27,7 @@ NO_UNIT = 1e-9  # of the promised length: less than another unit makes of it
 AXES = "xyz"
 LEVEL = 0.02  # rad: cameras are levelled to this
 SWAPS = 3  # pairs exchanged at once that are looked for
-KINDS = 5  # up axis, unit, order, one length, one marker elsewhere
+KINDS = 6  # up axis, unit, order, one length, one marker elsewhere, its columns exchanged
 LARGEST = 40  # markers up to which every pair is tried; beyond, pairs up to a tenth of the body apart
 
 
@@ -54,6 +54,7 @@ def marker_faults(plan: Layout, names: Sequence[str], plane: Plane | None) -> li
         *_axes(plan, plane),
         *_lengths(plan, names, base),
         *_elsewhere(plan, names),
+        *_transposed(plan, names, base),
     ]
     return sorted((fault for fault in found if fault.gain > 0), key=lambda fault: -fault.gain)
 
@@ -191,4 +192,18 @@ def _elsewhere(plan: Layout, names: Sequence[str]) -> list[MarkerFault]:
         )
         cure = f"is a column of `{names[k]}` in another unit, or of another point?"
         found.append(MarkerFault("elsewhere", words, cure, float(gain)))
+    return found
+
+
+def _transposed(plan: Layout, names: Sequence[str], base: float) -> list[MarkerFault]:
+    """A marker whose x stands where its y belongs; where a floor's axes run against the file's, both change sign."""
+    found, order = [], range(len(names))
+    for k in beside(plan):
+        name = names[k]
+        for sign in (1.0, -1.0):
+            points = plan.points.copy()
+            points[:, k] = sign * points[:, k, ::-1]
+            gain = evidence(layout(points, plan.reach), order) - base - np.log(2 * KINDS * len(names))
+            words, cure = f"have x and y of `{name}` exchanged", f"exchange the two columns of `{name}`"
+            found.append(MarkerFault("transposed", words, cure, float(gain)))
     return found

@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.match import (
     Course,
     Match,
@@ -25,7 +26,7 @@ from serpenoid.measure.consistency.match import (
     match_columns,
 )
 from serpenoid.measure.consistency.signals import Sampled
-from serpenoid.measure.logs import TICK
+from serpenoid.measure.logs import ANGLES, TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.wording import counted
 
@@ -35,6 +36,7 @@ SAME_TABLE = 1e-6  # rad: tables written with six decimals
 STOPS = 5  # moments about the one that is seen, a twelfth of a cycle apart: servos take time to come to rest
 ROLLS = 12  # starting rows that are tried, a twelfth of a cycle apart; one twelfth is not told from play in the joints
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
+ANGLE_WORDS = {"rad": "radians", "deg": "degrees", "ticks": "ticks of a servo"}
 FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, only a unit or other times make so much
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
@@ -226,6 +228,18 @@ def other_unit(longer: float) -> tuple[str, str] | None:
         return None
     cure = in_other_unit(longer, ROUGHLY) or "are its times those of this motion, and in seconds (`time_unit`)?"
     return f"run {rounded(10.0 ** round(np.log10(longer)))} times as long as the schedule", cure
+
+
+def other_angles(times: Floats, unit: AngleUnit) -> tuple[str, str] | None:
+    """Words and cure where every joint (m,) of a servo log moves as many times as far as promised as another unit of
+    angles makes: a weak servo has its own factor, and no servo so small a one."""
+    for other, (_, one) in ANGLES.items():
+        factor = ANGLES[unit][1] / one
+        if other != unit and len(times) and np.abs(np.log(times / factor)).max() < ROUGHLY:
+            words = f"in every joint {float(f'{np.median(times):.2g}'):g} times as far as {{}}: they are "
+            words += f"{ANGLE_WORDS[other]}, and were read as {ANGLE_WORDS[unit]}"
+            return words, f'set `angle_unit = "{other}"` in [servo_log]'
+    return None
 
 
 def _rolled(schedule: Schedule) -> list[Fault]:

@@ -70,17 +70,32 @@ def evidence(plan: Layout, order: Sequence[int], scale: float = 1.0, reach: Reac
         return -np.inf
     often, mean, scatter, count = often[seen], scale * mean[seen], scale**2 * scatter[seen], int(seen.sum())
     typical = np.median(mean) if allowed is None else float(np.median(allowed.high))
-    about = mean
-    if allowed is not None:
-        low, high = allowed.low[seen], allowed.high[seen]
-        about = np.clip(mean, low, high)
-        scatter = np.maximum(scatter - often * (high - about) * (about - low), 0.0)
-    square = (scatter + often * (mean - about) ** 2).sum() / often.sum()
+    square = _missed(often, mean, scatter, None if allowed is None else (allowed.low[seen], allowed.high[seen])).sum()
+    square = square / often.sum()
     miss = float(np.sqrt(square + (PLACED * typical) ** 2))
     if allowed is not None:
         return float(-count * np.log(miss))
     order_of_body = -count * np.log(mean.sum()) - 2 * (len(chain) - 2) * np.log(_folding(plan, chain))
     return float(-count * np.log(miss) + order_of_body)
+
+
+def _missed(often: np.ndarray, mean: Floats, scatter: Floats, bounds: tuple[Floats, Floats] | None) -> Floats:
+    """Sums of squares (E,) by which distances miss what the body allows, or their means."""
+    if bounds is None:
+        return scatter
+    low, high = bounds
+    about = np.clip(mean, low, high)
+    within = np.maximum(scatter - often * (high - about) * (about - low), 0.0)
+    return np.asarray(within + often * (mean - about) ** 2)
+
+
+def beside(plan: Layout) -> list[int]:
+    """Markers whose distances to their neighbours miss by more than those of markers put on by hand."""
+    often, mean, scatter = (np.diagonal(x, 1) for x in plan.moments)
+    bounds = None if plan.reach is None else (plan.reach.low, plan.reach.high)
+    typical = np.median(mean[often > 0]) if plan.reach is None else np.median(plan.reach.high)
+    far = np.flatnonzero(_missed(often, mean, scatter, bounds) > often * (PLACED * typical) ** 2)
+    return sorted({*far.tolist(), *(far + 1).tolist()})
 
 
 def flatness(plan: Layout) -> float:
