@@ -184,6 +184,11 @@ def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_
     reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, servos, 0.0)
     assert reference.rows_held([]) is True
     assert reference.rows_held(then) is None  # whose own commands say it
+    assert reference.rows_said
+    read = tuple(replace(r, told=None, commands=None) for r in servos.recordings)
+    silent = replace(reference, servos=replace(servos, recordings=read))  # rows as they were taken, if nobody said it
+    assert silent.rows_held([]) is True
+    assert not silent.rows_said
     quarter = 0.25 * then[0].schedule.cycle_duration_s
     unsaid = [replace(r, told=None, commands=None, t0_spread=quarter).later(0.06) for r in then]
     assert reference.plays(unsaid).held

@@ -117,11 +117,13 @@ class Reference(Baseline):
         return self.model.medium.anisotropy_ratio
 
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
-        """As all logs then said that have clear commands: one player plays the robot."""
-        if any(r.held_as_told is not None for r in recordings):
-            return None
-        said = {r.held_as_told for r in self.servos.recordings} - {None}
-        return said.pop() if len(said) == 1 else None
+        """As all logs then said that have clear commands, or as they were taken: one player plays the robot."""
+        return None if any(r.held_as_told is not None for r in recordings) else self.servos.held
+
+    @property
+    def rows_said(self) -> bool:
+        """By logs with clear commands, all of them."""
+        return {r.held_as_told for r in self.servos.recordings} - {None} == {self.servos.held}
 
     @property
     def inadequate(self) -> bool:

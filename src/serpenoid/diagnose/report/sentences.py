@@ -178,7 +178,7 @@ def rows(record: Record) -> list[str]:
         return []
     who = {
         "commands": "the log's commands say so",
-        "reference": "the commands of the reference said so",
+        "reference": "as in the reference",
         "readings": "what servos read fits this best",
     }
     how = "held until the next is due" if record["rows_held"] else "run through on straight lines"

@@ -49,9 +49,14 @@ class Baseline:
         return None
 
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
-        """Whether rows of tables are held, as commands of an earlier campaign said; None where none did, or where those
-        of these recordings do."""
+        """Whether rows of tables are held, as they were in an earlier campaign; None without one, or where commands of
+        these recordings say it."""
         return None
+
+    @property
+    def rows_said(self) -> bool:
+        """Whether commands of an earlier campaign said how rows are taken."""
+        return False
 
     @property
     def squares(self) -> tuple[float, ...]:
