@@ -124,8 +124,8 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     own = {files.entry.name: files for files in read}
     said = [_likeliest(file, body, own[c.trial], c) if c.kind == "nothing" else c for c in verdict.contradictions]
     accused = {one.trial for one in said}
-    said += [copy for copy, other in _copied_logs(read) if not accused & {copy.trial, other}]
-    return replace(verdict, contradictions=tuple(said))
+    copies = [(one.trial, one.said) for one, other in _copied_logs(read) if not accused & {one.trial, other}]
+    return replace(verdict, contradictions=tuple(said), remarks=(*verdict.remarks, *copies))
 
 
 def _likeliest(file: CampaignFile, body: Body, files: Files, lost: Contradiction) -> Contradiction:
