@@ -87,7 +87,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Reference(Baseline):
-    """seen: the earlier observation model, unseen: what it left (see `Stage`); explained: the earlier motion, by the
+    """seen: the earlier observation model, squares: what it left (see `Stage`); explained: the earlier motion, by the
     baseline's model and then by rivals; servos: the earlier readings and what explains them. others: effects that were
     there before, beside the motion's. missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
     usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
@@ -99,12 +99,7 @@ class Reference(Baseline):
     largest: Floats
     servos: Plays
     missed_m: float
-    unseen: tuple[float, ...] = ()
-
-    @property
-    def squares(self) -> tuple[float, ...]:
-        """As they were before."""
-        return self.unseen
+    squares: tuple[float, ...] = ()
 
     @property
     def unlike(self) -> Floats:

@@ -99,6 +99,5 @@ def _along_curve(body: Body, unknowns: Floats) -> tuple[Floats, Floats]:
 
 def from_centroid(body: Body) -> Floats:
     """How much of edge j lies between the centroid and vertex k, (N, N - 1)."""
-    """How much of edge j lies between the centroid and vertex k, (N, N - 1)."""
     behind = np.tril(np.ones((body.vertices, body.vertices - 1)), -1)
     return behind - body.vertex_weights @ behind

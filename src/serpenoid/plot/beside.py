@@ -23,7 +23,8 @@ def name_levels(
     """
     order = np.argsort(np.asarray(levels), kind="stable")
     low, high = ax.get_ylim()
-    edge = 1.0 if right is None else _share(right, *ax.get_xlim())
+    left, end = ax.get_xlim()
+    edge = 1.0 if right is None else (right - left) / (end - left)
     places = (np.asarray(levels, float)[order] - low) / (high - low)
     height = ax.get_figure(root=True).get_size_inches()[1] - 1.0  # type: ignore[union-attr] # without title, labels
     line: dict[str, Any] = {
@@ -50,7 +51,3 @@ def apart(places: Floats, gap: float) -> Floats:
     for i in range(moved.size - 2, -1, -1):
         moved[i] = min(moved[i], moved[i + 1] - gap)
     return moved
-
-
-def _share(value: float, low: float, high: float) -> float:
-    return (value - low) / (high - low)

@@ -251,10 +251,11 @@ def _next(
     flag: StopFlag,
 ) -> Answer:
     """Known of another branch, or stored; warm from the neighbour; cold from its gait where that fails."""
-    met = next((found for chain in known if (found := _met(solver, c, last, chain)) is not None), None)
-    held = store.load(c, solver) if met is None and store is not None else None
-    if met is not None or held is not None:
-        return met or held  # type: ignore[return-value]
+    there = next((found for chain in known if (found := _met(solver, c, last, chain)) is not None), None)
+    if there is None and store is not None:
+        there = store.load(c, solver)
+    if there is not None:
+        return there
     before = last[1]
     answer = solver.solve(before.outcome.point, c, carried=before.carried, flag=flag)
     if not (answer.outcome.status.ok or flag):
@@ -268,7 +269,7 @@ def _better(
     solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool, flag: StopFlag
 ) -> SweepPoint:
     candidates = [(name, chain[c]) for name, chain in found.items() if c in chain]
-    candidates.sort(key=lambda pair: (not pair[1].outcome.status.ok, pair[1].outcome.objective))
+    candidates.sort(key=lambda pair: _order(pair[1]))
     reasons: dict[str, list[str]] = {}
     for name, answer in candidates:
         solution = as_solution(solver, answer, c, polish and not flag, flag=flag)

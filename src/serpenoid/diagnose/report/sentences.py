@@ -113,11 +113,17 @@ def reference(record: Record) -> list[str]:
     return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
 
 
+def _told_beside(record: Record) -> float:
+    """eps of the explanation of the reference that the change is told beside."""
+    taken = record.get("baseline", {}).get("anisotropy_ratio")  # none in older answers
+    return float(taken or record["reference"]["anisotropy_ratio"]["after"])
+
+
 def _otherwise(record: Record) -> list[str]:
     """Where the change is told beside another explanation of the reference than its own answer."""
-    taken = record.get("baseline")  # none in older answers
-    if taken is None or taken["anisotropy_ratio"] == record["reference"]["anisotropy_ratio"]["after"]:
+    if _told_beside(record) == record["reference"]["anisotropy_ratio"]["after"]:
         return []
+    taken = record["baseline"]
     law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
     return [
         f"what has changed is told beside another explanation of it, with which both are likelier: {law}, and an "
@@ -139,8 +145,7 @@ def _there_already(effect: Record) -> str:
 def ratio(record: Record) -> str:
     """eps: of the reference, with nothing named, with what is named. A calibration is no diagnosis, but may be news."""
     eps, earlier = record["anisotropy_ratio"], record["reference"]
-    taken = record.get("baseline", {}).get("anisotropy_ratio")  # of the explanation that the change is told beside
-    said = [f"{taken or earlier['anisotropy_ratio']['after']:.4g} in the reference"] if earlier else []
+    said = [f"{_told_beside(record):.4g} in the reference"] if earlier else []
     said.append(f"{eps['before']:.4g} with nothing named")
     if record["effects"] or eps["after"] != eps["before"]:
         said.append(f"{eps['after']:.4g} with what is {'named' if record['effects'] else 'below detection'}")
@@ -155,7 +160,7 @@ def ratio_change(record: Record) -> list[str]:
     now, then = record["anisotropy_ratio"], (record["reference"] or {}).get("anisotropy_ratio")
     if then is None:
         return []
-    taken = record.get("baseline", {}).get("anisotropy_ratio") or then["after"]  # that the change is told beside
+    taken = _told_beside(record)
     low, high = min(*then["interval"], taken), max(*then["interval"], taken)
     if now["interval"][0] <= high and low <= now["interval"][1]:
         return []

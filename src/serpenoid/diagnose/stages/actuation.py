@@ -8,7 +8,7 @@ Legend: R log rows of all trials, m joints.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +29,7 @@ from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
 
 STEPS = 7
-REACH = 3.0  # largest change of a positive scale in one step
+REACH, SHRUNK = 3.0, 0.7  # of a positive scale: by how much more, and less, it is at most after one step
 HOPELESS = 1e6  # damping: no step gains anything
 
 
@@ -94,9 +94,9 @@ def _by_all(data: Plays, kind: ActuationEffect | None) -> Floats:
     return data.realised([law.effect])
 
 
-def followed(data: Plays, played: Floats, of_joints: Callable[[Floats], float] = np.max) -> bool:
-    """Whether what is left of no joint's readings (or of the median joint's) is visible beside their noise."""
-    return bool(of_joints(data.missed(played)) < VISIBLE**2)
+def followed(data: Plays, played: Floats) -> bool:
+    """Whether what is left of no joint's readings is visible beside their noise."""
+    return bool(data.missed(played).max() < VISIBLE**2)
 
 
 def shown(data: Plays) -> list[ActuationEffect]:
@@ -116,7 +116,7 @@ def fit_everywhere(
     data: Plays, name: str, base: Sequence[ActiveEffect], starts: Sequence[Floats], only: int | None = None
 ) -> list[Attempt]:
     """Gauss-Newton for one parameter per joint, all side by side (one for all without a place), from the best of some
-    starts (m,). only: this joint alone, so that no other one's fit moves the clocks."""
+    starts (m,). only: this joint alone, where it is known when trials began (else `fit_together`)."""
     kind = find(name)
     parameter = kind.parameters[0]
     taken = {e.place for e in base if e.name == name}
@@ -127,15 +127,12 @@ def fit_everywhere(
 
     without, realised = (data.realised(base), data.realised) if only is None else data.at_joint(only, base)
 
-    said = all(data.begun(r) for r in data.recordings)
-    shared = kind.place is None or (only is not None and not said)  # one joint moves when the trial began for all
-
     def play(x: Floats) -> Floats:
         effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]
         return realised([*base, *effects])
 
     def own(by_joint: Floats) -> Floats:
-        return by_joint.sum(keepdims=True) if shared else by_joint[columns]
+        return by_joint.sum(keepdims=True) if kind.place is None else by_joint[columns]
 
     tried = [own(data.chi2(play(s[columns]))) for s in starts] if len(starts) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), [start[columns] for start in starts])
@@ -150,7 +147,7 @@ def fit_everywhere(
         top, bottom = (own((x * bare).sum(axis=0) / data.noise**2) for x in (left, slope))
         change = damping * top / np.maximum(bottom, 1e-12)
         if positive:
-            change = np.clip(change, -0.7 * np.abs(values), REACH * np.abs(values))
+            change = _in_reach(change, values)
         trial = np.array([_inside(parameter, v) for v in values + change])
         new = play(trial)
         missed = data.left(new)
@@ -168,6 +165,11 @@ def fit_everywhere(
     return [Attempt(ActiveEffect.neutral(name, p).with_coordinates([v]), total) for p, v, total in pairs]
 
 
+def _in_reach(change: Floats, values: Floats) -> Floats:
+    """Changes of positive scales, no larger than one step may make them."""
+    return np.clip(change, -SHRUNK * np.abs(values), REACH * np.abs(values))
+
+
 def _inside(p: Parameter, coordinate: float) -> float:
     value = min(max(p.value(coordinate), p.lower), p.upper)
     return float(p.coordinate(value)) if np.isfinite(value) else float(coordinate)
@@ -179,18 +181,19 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEff
     on what every joint does, and what every other one is fitted to depends on it."""
     parameters = [e.effect.parameters[0] for e in chosen]
     small = 1e-4 * np.array([max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])
-    layers = _side_by_side(chosen)
+    sets = _side_by_side(chosen)
 
     def at(x: Floats) -> list[ActiveEffect]:
         return [e.with_coordinates([v]) for e, v in zip(chosen, x, strict=True)]
 
     values, damping = np.array([e.coordinates[0] for e in chosen]), 1e-4
     positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0)
-    left = data.left(data.realised(at(values)))
+    here, late = data.met(at(values))
+    left = data.left(here)
     while True:
         cost = float(data.sizes(left).sum())
-        here, moved = data.with_slopes(at(values), [at(values + np.where(layer, small, 0.0)) for layer in layers])
-        change = [_at_place(moved[[layer[i] for layer in layers].index(True)], e) for i, e in enumerate(chosen)]
+        moved = [data.begun_at(at(values + np.where(sets == k, small, 0.0)), late) for k in range(sets.max() + 1)]
+        change = [_at_place(moved[k] - here, e) for k, e in zip(sets, chosen, strict=True)]
         slopes = np.stack([data.slope(here, here + c, x) for c, x in zip(change, small, strict=True)]) / data.noise
         # what is left is at the best moves of clocks, so that only the bare change turns it into the gradient
         pull = np.array([(left * c / data.noise**2).sum() for c in change]) / small
@@ -199,28 +202,30 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEff
         gained = -np.inf
         while gained < 0 and damping < HOPELESS:
             step = np.linalg.solve(matrix / np.outer(size, size) + damping * np.eye(len(size)), pull / size) / size
-            step = np.where(positive, np.clip(step, -0.7 * np.abs(values), REACH * np.abs(values)), step)
+            step = np.where(positive, _in_reach(step, values), step)
             trial = np.array([_inside(p, v) for p, v in zip(parameters, values + step, strict=True)])
-            missed = data.left(data.realised(at(trial)))
+            played, begun = data.met(at(trial))
+            missed = data.left(played)
             gained = cost - float(data.sizes(missed).sum())
             damping *= 0.1 if gained >= 0 else 30.0
         if gained < 0:
             return tuple(at(values))
-        values, left, damping = trial, missed, max(damping, 1e-9)
+        values, here, late, left, damping = trial, played, begun, missed, max(damping, 1e-9)
         if gained < CONVERGED * max(1.0, cost / float(data.often.sum())):
             return tuple(at(values))
 
 
-def _side_by_side(chosen: Sequence[ActiveEffect]) -> list[list[bool]]:
-    """Effects that can be moved at once, as no two of them are at one joint; for each set, whether each is in it."""
-    sets: list[list[ActiveEffect]] = []
+def _side_by_side(chosen: Sequence[ActiveEffect]) -> np.ndarray:
+    """In which set each effect (K,) can be moved at once with the others there: no two of one are at one joint."""
+    sets: list[set[int | None]] = []
+    found = []
     for e in chosen:
-        room = [s for s in sets if None not in (e.place, s[0].place) and all(e.place != other.place for other in s)]
-        if room:
-            room[0].append(e)
-        else:
-            sets.append([e])
-    return [[any(e is other for other in s) for e in chosen] for s in sets]
+        room = (k for k, places in enumerate(sets) if e.place is not None and not places & {None, e.place})
+        found.append(next(room, len(sets)))
+        if found[-1] == len(sets):
+            sets.append(set())
+        sets[found[-1]].add(e.place)
+    return np.array(found)
 
 
 def _at_place(change: Floats, effect: ActiveEffect) -> Floats:

@@ -130,7 +130,8 @@ def _without(best: Played, index: int) -> Played:
 
 def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | None = None) -> tuple[ActiveEffect, ...]:
     """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
-    those at other joints stay as they are: no joint touches another, but by when a trial began."""
+    those at other joints stay as they are: no joint touches another, but by when a trial began. Where nothing says when
+    that was, all are fitted together."""
     chosen = list(chosen)
     if chosen and not all(data.begun(r) for r in data.recordings):
         return fit_together(data, chosen)

@@ -155,16 +155,22 @@ class Plays:
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
-        return self._read(self._played(effects))
+        return self.met(effects)[0]
+
+    def met(self, effects: Sequence[ActiveEffect]) -> tuple[Floats, list[float | None]]:
+        """The same, and how late each trial begins so [s]: where readings are met best; None where that is known."""
+        played = self._played(effects)
+        late = [self._begun_late(number, p) for number, p in enumerate(played)]
+        return self._sampled(played, late), late
+
+    def begun_at(self, effects: Sequence[ActiveEffect], late: Sequence[float | None]) -> Floats:
+        """The same where each trial begins so late [s]."""
+        return self._sampled(self._played(effects), late)
 
     def _played(self, effects: Sequence[ActiveEffect], some: slice = slice(None)) -> list[Floats]:
         """What the servos do (K, m) on each trial's mesh, or some of them."""
         every = realise_all(self.model(effects), self.setpoints, self.meshes, some, self._came_from)
         return [p.readings for p in every]
-
-    def _read(self, played: Sequence[Floats]) -> Floats:
-        """The same when it is read (R, m)."""
-        return self._sampled(played, [self._begun_late(number, p) for number, p in enumerate(played)])
 
     def _sampled(self, played: Sequence[Floats], late: Sequence[float | None]) -> Floats:
         """What each trial's mesh plays (K, m) when it is read (R, m), so much later [s]; None: as its log says."""
@@ -177,15 +183,6 @@ class Plays:
         if self.begun(self.recordings[number]):
             return None
         return self._read_late[number].late(Course(self.meshes[number], angles))
-
-    def with_slopes(
-        self, effects: Sequence[ActiveEffect], changed: Sequence[Sequence[ActiveEffect]]
-    ) -> tuple[Floats, list[Floats]]:
-        """What is read with some effects, and what others change of it (R, m) each while trials begin as with those."""
-        played = self._played(effects)
-        late = [self._begun_late(number, p) for number, p in enumerate(played)]
-        here = self._sampled(played, late)
-        return here, [self._sampled(self._played(other), late) - here for other in changed]
 
     def late(self, effects: Sequence[ActiveEffect]) -> list[float]:
         """By how much later [s] than promised each trial's readings meet best what servos do with these effects."""
@@ -204,21 +201,14 @@ class Plays:
         self, joint: int, others: Sequence[ActiveEffect]
     ) -> tuple[Floats, Callable[[Sequence[ActiveEffect]], Floats]]:
         """What is read with some effects, and `realised` of those that differ from them at one joint alone (1 = next to
-        the tail)."""
-        played, columns = self._played(others), slice(joint - 1, joint)
-        read, begun = self._read(played), all(self.begun(r) for r in self.recordings)
+        the tail), where it is known when trials began: else that depends on all joints."""
+        read, columns = self.realised(others), slice(joint - 1, joint)
         habit = np.broadcast_to(self.habit, read.shape)[:, columns]
 
         def realised(effects: Sequence[ActiveEffect]) -> Floats:
-            own = self._played(effects, columns)
-            if begun:
-                found = read.copy()
-                found[:, columns] = np.concatenate([p[at] for p, at in zip(own, self.where, strict=True)]) + habit
-                return found
-            whole = [p.copy() for p in played]  # when a trial began depends on all joints
-            for angles, mine in zip(whole, own, strict=True):
-                angles[:, columns] = mine
-            return self._read(whole)
+            own, found = self._played(effects, columns), read.copy()
+            found[:, columns] = np.concatenate([p[at] for p, at in zip(own, self.where, strict=True)]) + habit
+            return found
 
         return read, realised
 

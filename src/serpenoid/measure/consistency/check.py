@@ -43,9 +43,8 @@ from serpenoid.parallel import in_processes
 MOST_ROWS = 100_000  # of a recording in a promised cycle: closer ones count in another unit
 MOST_CYCLES = 1000  # of a promise are laid over a recording
 UNEXPLAINED = 0.25  # of the motion's variance at least is explained by what was commanded, however damaged a robot is
-SLOW_ENDS = 1.07 ** np.arange(
-    -1, 4
-)  # of the time that is seen as motion, which slow servos make longer; `match` fills in
+# of the time that is seen as motion, which slow servos make longer; `match` fills in what lies between
+SLOW_ENDS = 1.07 ** np.arange(-1, 4)
 WEAK = 0.2  # joints of which most move by so much less or more than commanded are mentioned
 SCALED = 0.05  # commands of a log that differ so much from the table's are another's
 ALIKE = 0.1  # of a gain: those of one cause differ by less

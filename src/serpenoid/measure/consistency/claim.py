@@ -12,7 +12,7 @@ from serpenoid.measure.clock import held
 from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Prior
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.links import bends, link_of_edge
+from serpenoid.measure.links import bends, chain_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import seen_corners
 
@@ -27,10 +27,7 @@ class Outline:
 
     def of(self, angles: Floats) -> Floats:
         """The same bends of joint angles (R, m)."""
-        along = np.cumsum(np.concatenate([np.zeros((len(angles), 1)), angles], axis=1), axis=1)
-        along = along[:, link_of_edge(self.body)]
-        edges = np.stack([np.cos(along), np.sin(along)], axis=2) * self.body.edges[:, None]
-        points = np.concatenate([np.zeros((len(angles), 1, 2)), np.cumsum(edges, axis=1)], axis=1)
+        points = chain_vertices(self.body, np.zeros((len(angles), 3)), angles)
         return bends(points[:, list(self.corners)])
 
 
