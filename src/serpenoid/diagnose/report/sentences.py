@@ -115,15 +115,15 @@ def reference(record: Record) -> list[str]:
 
 def _told_beside(record: Record) -> float:
     """eps of the explanation of the reference that the change is told beside."""
-    taken = record.get("baseline", {}).get("anisotropy_ratio")  # none in older answers
+    taken = record.get("baseline", {}).get("anisotropy_ratio")
     return float(taken or record["reference"]["anisotropy_ratio"]["after"])
 
 
 def _otherwise(record: Record) -> list[str]:
     """Where the change is told beside another explanation of the reference than its own answer."""
-    if _told_beside(record) == record["reference"]["anisotropy_ratio"]["after"]:
+    taken = record.get("baseline")  # none in older answers
+    if taken is None or taken["anisotropy_ratio"] == record["reference"]["anisotropy_ratio"]["after"]:
         return []
-    taken = record["baseline"]
     law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
     return [
         f"what has changed is told beside another explanation of it, with which both are likelier: {law}, and an "
