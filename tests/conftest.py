@@ -50,6 +50,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(skip)
 
 
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each test starts in a folder of its own: what is named by a hash of its content is also the other process's."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def serial_ports() -> Iterator[None]:
     """One test at a time on this machine: the number of a port that a test unplugs goes to the next one opened."""
