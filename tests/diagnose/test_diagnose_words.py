@@ -8,6 +8,7 @@ from typing import Any, cast
 import pytest
 
 from blind.protocol import usual
+from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.inference.names import Refused
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import left_over
@@ -26,6 +27,7 @@ from serpenoid.diagnose.report.words import parameter, shown, times, title
 from serpenoid.diagnose.stages.choose_motion import finding, refusals
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import find
 from serpenoid.model import Model
 
 
@@ -255,3 +257,19 @@ def test_what_is_not_named_is_said_in_one_sentence_what_takes_away_most_first() 
     )
     (alone,) = refusals([refused("toe", None, 0.4, beyond=True)])
     assert alone == "toe would take away 40% of what is left, but is pushed beyond its bound: not named"
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "length", "unit"),
+    [
+        ("slope", "viscous", "m", "m/s"),
+        ("slope", "viscous", "bl", "bl/s"),
+        ("slope", "coulomb", "m", "1"),
+        ("inertia", "coulomb", "bl", "s2/bl"),
+        ("friction_gradient", "coulomb", "bl", "1/bl"),
+    ],
+)
+def test_parameters_are_in_units_of_the_law_and_of_the_recordings_lengths(
+    name: str, law: str, length: str, unit: str
+) -> None:
+    assert parameter_unit(find(name).parameters[0], law, length) == unit

@@ -7,7 +7,9 @@ import pytest
 
 import serpenoid as sp
 from effects.conftest import extended, typical
-from serpenoid.effects import ActiveEffect, catalogue
+from serpenoid.body import Body
+from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.media import LAWS
 from serpenoid.model import Model
 from serpenoid.problem import Problem
 from serpenoid.trajectory import Trajectory
@@ -75,6 +77,41 @@ def test_homogeneous_laws_are_blind_to_speed(name: str, problem: Problem, table:
 def test_mixtures_of_laws_know_speed(name: str, problem: Problem, table: np.ndarray) -> None:
     quick, slow = (played(extended(problem, typical(name), duration=s), table) for s in (2.0, 8.0))
     assert np.abs(quick.poses - slow.poses)[:, :2].max() > 2e-3
+
+
+LONGER, SLOWER = 1.7, 2.3  # every length, every time
+CREEPING = {
+    "dry_friction",
+    "forward_backward_asymmetry",
+    "left_right_asymmetry",
+    "power_law_drag",
+    "rolling_resistance",
+}
+ACTING = [(name, law) for name in MEDIUM for law in LAWS if find(name).acts_in(law)]
+
+
+def in_other_sizes(unit: str) -> float:
+    """By how much a quantity in this unit grows with lengths and times."""
+    sizes = {"m": LONGER, "s": SLOWER, "s2": SLOWER**2}
+    over, *under = (sizes.get(part, 1.0) for part in unit.split("/"))
+    return over / float(np.prod(under))
+
+
+@pytest.mark.parametrize(("name", "law"), ACTING)
+def test_units_are_those_that_leave_a_larger_and_slower_robot_the_same_motion(
+    name: str, law: str, problem: Problem, table: np.ndarray
+) -> None:
+    effect = typical(name)
+    units = {p.name: p.unit_in(LAWS[law]) for p in effect.effect.parameters}
+    values = {name: value * in_other_sizes(units[name]) for name, value in effect.parameters.items()}
+    medium = problem.medium.model_copy(update={"law": law})
+    small = Model(problem.body, medium, (effect,), 5.0)
+    longer = {"edge_lengths": [LONGER * edge for edge in problem.body.edges_m]}
+    body = Body.model_validate(problem.body.model_dump() | longer)
+    large = Model(body, medium, (ActiveEffect.of(name, effect.place, **values),), SLOWER * 5.0)
+    assert large.body.total_length_m == pytest.approx(LONGER * small.body.total_length_m)
+    near = 2e-4 if name in CREEPING else 1e-10  # 1 mm/s is another share of other speeds
+    np.testing.assert_allclose(played(large, table).poses, played(small, table).poses, atol=near)
 
 
 @pytest.mark.parametrize("name", ["slope", "inertia"])

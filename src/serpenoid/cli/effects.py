@@ -54,6 +54,7 @@ def record(effect: Effect) -> dict[str, Any]:
             {
                 "name": p.name,
                 "unit": p.unit,
+                "unit_with_dry_friction": p.dry_unit or p.unit,
                 "bounds": [p.lower, p.upper if math.isfinite(p.upper) else None],
                 "neutral": "infinity" if p.neutral == math.inf else p.neutral,
                 "meaning": p.meaning,
@@ -93,4 +94,4 @@ def _lines(effect: Effect) -> list[str]:
 
 def _parameter(p: Parameter) -> str:
     neutral = "" if p.neutral is None else f", neutral {p.neutral:g}"
-    return f"{p.name} ({p.unit}) {p.lower:g} .. {p.upper:g}{neutral}"
+    return f"{p.name} ({p.units}) {p.lower:g} .. {p.upper:g}{neutral}"

@@ -15,7 +15,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.relaid import relaid
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
-from serpenoid.diagnose.data.used import in_lengths, length_unit, remarks, used
+from serpenoid.diagnose.data.used import length_unit, parameter_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import ratio_at_bound
 from serpenoid.diagnose.inference.finding import Named, Rival, Stage
@@ -195,11 +195,11 @@ def verdict(stages: Sequence[Stage]) -> str:
     return "partly explained" if named else "unexplained"
 
 
-def _named(n: Named, length: str) -> dict[str, Any]:
-    """An effect, its parameters in the recordings' own unit of length."""
+def _named(n: Named, law: str, length: str) -> dict[str, Any]:
+    """An effect, its parameters in units of the medium's law and of the recordings' lengths."""
     said = n.record()
-    for p in said["parameters"].values():
-        p["unit"] = in_lengths(p["unit"], length)
+    for p in n.effect.effect.parameters:
+        said["parameters"][p.name]["unit"] = parameter_unit(p, law, length)
     return said
 
 
@@ -236,14 +236,15 @@ def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
     usage, length = used(found.motion.tracks), length_unit(found.motion.tracks)
+    law = found.best.model.medium.law
     open_m = left_open(found.motion, d.extension)
     return {
         "verdict": d.verdict,
         "length_unit": length,
-        "effects": [_named(n, length) for n in d.named],
+        "effects": [_named(n, law, length) for n in d.named],
         "alternatives": [r.record() for r in d.rivals],
         "below_detection": [
-            _named(n, length) | {"in_extended_model": n.effect.key in extended}
+            _named(n, law, length) | {"in_extended_model": n.effect.key in extended}
             for stage in d.stages
             for n in stage.undetected
         ],
@@ -255,7 +256,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "effects": [{"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.baseline.known],
             "anisotropy_ratio": d.baseline.model.medium.anisotropy_ratio,
         },
-        "law": {"name": found.best.model.medium.law, "rival": d.motion.stage.law, "drag_at": d.motion.stage.drag_at},
+        "law": {"name": law, "rival": d.motion.stage.law, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},

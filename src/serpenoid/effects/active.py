@@ -112,11 +112,6 @@ class ActiveEffect(Record):
         """Name and place."""
         return self.name if self.place is None else f"{self.name} at {self.effect.place} {self.place}"
 
-    def words(self) -> str:
-        """One line: name, place, values with units."""
-        shown = ", ".join(f"{p.name} {self.parameters[p.name]:.4g} {p.unit}" for p in self.effect.parameters)
-        return f"{self.called}: {shown}"
-
 
 def joined(known: Sequence[ActiveEffect], new: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
     """Known effects and new ones; a new one takes the place of a known one of its name and place."""
@@ -164,7 +159,7 @@ def _fault(effect: Effect, place: int | None, values: dict[str, float]) -> str |
             return f"`{effect.name}` has no parameter `{name}`; {hint}"
     missing = [name for name in known if name not in values]
     if missing:
-        return f"`{effect.name}` needs `{missing[0]}` [{known[missing[0]].unit}] ({known[missing[0]].meaning})"
+        return f"`{effect.name}` needs `{missing[0]}` [{known[missing[0]].units}] ({known[missing[0]].meaning})"
     if (place is None) != (effect.place is None):
         remedy = f"give `place`, the number of a {effect.place}" if effect.place else "it has no `place`; leave it out"
         return f"`{effect.name}`: {remedy}"

@@ -19,6 +19,7 @@ from serpenoid.body import Body, Floats, Part
 from serpenoid.effects.element import Drag, Element
 from serpenoid.effects.scan import Scan
 from serpenoid.effects.view import View
+from serpenoid.media import Law
 
 Site = Literal["actuation", "medium", "observation"]
 Marks = Literal["zeros", "gaps", "markers", "ahead", "scale", "rate", "frame", "jumps"]
@@ -31,6 +32,8 @@ USES = ("simulate", "nlp", "fit", "diagnose")
 class Parameter:
     """One number of an effect, in `unit`; `neutral` None: it only matters beside the others (where a patch lies).
 
+    dry_unit: the unit beside dry friction, where that is another one: a force is told by the speed at which drag is as
+    large, or as a share of friction, which is the same at any speed.
     power: the coordinate is value ** power; 1 (the value itself), 2 where only the square matters, or negative where
     the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
@@ -46,6 +49,11 @@ class Parameter:
     meaning: str
     power: int = 1
     resolution: float = 0.0
+    dry_unit: str | None = None
+
+    def unit_in(self, law: Law) -> str:
+        """The unit in a medium of this law."""
+        return self.dry_unit if self.dry_unit and law.degree == 1 else self.unit
 
     def coordinate(self, value: float) -> float:
         """The number that the symbolic contribution takes."""
@@ -58,6 +66,11 @@ class Parameter:
         if self.power > 1:
             return max(coordinate, 0.0) ** (1 / self.power)
         return math.inf if coordinate <= 0 else coordinate ** (1 / self.power)
+
+    @property
+    def units(self) -> str:
+        """The unit, and that beside dry friction where it is another one."""
+        return f"{self.unit}; with dry friction {self.dry_unit}" if self.dry_unit else self.unit
 
     @property
     def resting(self) -> float:

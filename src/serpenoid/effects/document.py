@@ -41,4 +41,4 @@ def _cell(effect: Effect, use: str, reasons: list[str]) -> str:
 
 def _parameter(p: Parameter) -> str:
     neutral = "" if p.neutral is None else f", neutral {p.neutral:g}"
-    return f"`{p.name}` [{p.unit}] {p.lower:g} .. {p.upper:g}{neutral}: {p.meaning}"
+    return f"`{p.name}` [{p.units}] {p.lower:g} .. {p.upper:g}{neutral}: {p.meaning}"

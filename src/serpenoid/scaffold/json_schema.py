@@ -84,7 +84,7 @@ def _effect() -> dict[str, Any]:
         for p in effect.parameters:
             ends = {"minimum": p.lower, "maximum": p.upper}
             finite = {end: value for end, value in ends.items() if math.isfinite(value)}
-            keys[p.name] = {"type": "number", "description": f"{p.meaning} [{p.unit}]", **finite}
+            keys[p.name] = {"type": "number", "description": f"{p.meaning} [{p.units}]", **finite}
         needed = ["name", *(p.name for p in effect.parameters), *(["place"] if effect.place is not None else [])]
         form = {"type": "object", "description": effect.looks_like, "properties": keys, "required": needed}
         forms.append(form | {"additionalProperties": False})

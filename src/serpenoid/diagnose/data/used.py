@@ -10,7 +10,9 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.single_markers import told
 from serpenoid.diagnose.data.windows import Track
+from serpenoid.effects.base import Parameter
 from serpenoid.measure.usage import Usage, said_once
+from serpenoid.media import LAWS
 
 CHANCE = {
     "residuals": "nothing was played twice, so what the model leaves is taken for chance, an error of the model as "
@@ -50,6 +52,6 @@ def length_unit(tracks: Sequence[Track]) -> str:
     return "bl" if any(track.recording.length_unit == "bl" for track in tracks) else "m"
 
 
-def in_lengths(unit: str, length: str) -> str:
-    """A parameter's unit, with `length` in the place of metres."""
-    return unit.replace("m", length) if unit in ("m", "m/s", "1/m") else unit
+def parameter_unit(p: Parameter, law: str, length: str) -> str:
+    """A parameter's unit in a medium of this law, with `length` in the place of metres."""
+    return "/".join(length if part == "m" else part for part in p.unit_in(LAWS[law]).split("/"))

@@ -38,7 +38,7 @@ class Named:
         parameters = {}
         for p in self.effect.effect.parameters:
             low, high = self.intervals.get(p.name, (None, None))
-            entry: dict[str, Any] = {"value": self.effect.parameters[p.name], "interval": [low, high], "unit": p.unit}
+            entry: dict[str, Any] = {"value": self.effect.parameters[p.name], "interval": [low, high]}
             if p.name in self.at_bound:
                 entry["at_bound"] = True
             parameters[p.name] = entry

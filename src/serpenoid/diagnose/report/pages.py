@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from serpenoid.diagnose.data.used import in_lengths
+from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
 from serpenoid.diagnose.report.sentences import SETTLED, no_experiment, reference, seconds, undetected, untestable
 from serpenoid.diagnose.report.words import Record, ends, shown, title, unseen
@@ -136,7 +136,7 @@ def _parameters(record: Record) -> Table:
 
 
 def _alternatives(record: Record) -> Table:
-    rows = [[title(e), _instead(e), _values(e, record["length_unit"]), _apart(e)] for e in record["alternatives"]]
+    rows = [[title(e), _instead(e), _values(e, record), _apart(e)] for e in record["alternatives"]]
     return Table(["effect", "instead of", "fits as well with", "predictions apart"], rows)
 
 
@@ -144,8 +144,9 @@ def _instead(e: Record) -> str:
     return title(e["instead_of"]) if e.get("instead_of") else ""
 
 
-def _values(e: Record, length: str) -> str:
-    units = {p.name: in_lengths(p.unit, length) for p in find(e["name"]).parameters}
+def _values(e: Record, record: Record) -> str:
+    law, length = record["law"]["name"], record["length_unit"]
+    units = {p.name: parameter_unit(p, law, length) for p in find(e["name"]).parameters}
     return ", ".join(f"{name} {shown(value, units[name])}" for name, value in e["parameters"].items())
 
 

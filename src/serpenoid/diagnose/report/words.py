@@ -14,6 +14,7 @@ Record = Mapping[str, Any]
 SCALES = {
     "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s"),
     "bl": (1.0, "body lengths"), "bl/s": (1.0, "body lengths/s"),
+    "s2/m": (1.0, "s²/m"), "s2/bl": (1.0, "s²/body length"),
 }  # fmt: skip
 SMALL_M = 1e-5
 LAWS = {"viscous": "drag", "coulomb": "dry friction"}

@@ -51,16 +51,13 @@ def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
     every = list(ways(recordings, held))
     laws = (None, *(k for k in shown(every[0]) if k.place is None))
     noise = np.min([data.noise for data in every], axis=0)
-    found = [_with_laws(replace(data, noise=noise), laws) for data in every]
+    every = [replace(data, noise=noise) for data in every]
+    played = in_processes([(_by_all, (data, kind)) for data in every for kind in laws])
+    found = [(data, played[n * len(laws) : (n + 1) * len(laws)]) for n, data in enumerate(every)]
     if len(found) > 1:
         noise = np.min([data.measured(p).noise for data, played in found for p in played], axis=0)
         found = [(replace(data, noise=noise), played) for data, played in found]
     return _measured(*_simplest(found))
-
-
-def _with_laws(data: Plays, laws: Sequence[ActuationEffect | None]) -> tuple[Plays, list[Floats]]:
-    """A way to take set-points, and what servos play in it as they are told, and with each law."""
-    return data, [_by_all(data, kind) for kind in laws]
 
 
 def _simplest(found: Sequence[tuple[Plays, list[Floats]]]) -> tuple[Plays, list[Floats]]:

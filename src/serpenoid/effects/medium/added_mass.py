@@ -25,7 +25,14 @@ EFFECT = AddedMass(
     place=None,
     parameters=(
         Parameter(
-            "relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "added mass over drag level (that of sliding sideways)"
+            "relaxation_time",
+            "s",
+            0.0,
+            100.0,
+            0.0,
+            0.2,
+            "added mass over drag (that of sliding sideways)",
+            dry_unit="s2/m",
         ),
     ),
     looks_like="thrust out of phase with drag: a swimmer gets farther than any drag ratio allows; quick cycles show it",

@@ -21,7 +21,9 @@ EFFECT = Inertia(
     name="inertia",
     place=None,
     parameters=(
-        Parameter("relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag level (that of sliding sideways)"),
+        Parameter(
+            "relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag (that of sliding sideways)", dry_unit="s2/m"
+        ),
     ),
     looks_like="the body lags behind its shape, overshoots, and coasts into the pauses; quick cycles show it most",
     what_to_do="no fault: keep it in the model, or play the gait more slowly",

@@ -9,9 +9,12 @@ import casadi as ca
 from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
 
+DOWNHILL = "downhill, along the floor's {}; with dry friction tan(slope) / coefficient"
+
 
 class Slope(MediumEffect):
-    """Pull divided by the drag level: the speed at which the body would slide sideways, downhill."""
+    """Pull over drag: the speed at which the body would slide sideways, downhill. With dry friction: over friction
+    sideways, which is tan(slope) over its coefficient."""
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Pull at the vertex."""
@@ -22,8 +25,8 @@ EFFECT = Slope(
     name="slope",
     place=None,
     parameters=(
-        Parameter("pull_x", "m/s", -1.0, 1.0, 0.0, 0.003, "downhill, along the floor's x"),
-        Parameter("pull_y", "m/s", -1.0, 1.0, 0.0, 0.002, "downhill, along the floor's y"),
+        Parameter("pull_x", "m/s", -1.0, 1.0, 0.0, 0.003, DOWNHILL.format("x"), dry_unit="1"),
+        Parameter("pull_y", "m/s", -1.0, 1.0, 0.0, 0.002, DOWNHILL.format("y"), dry_unit="1"),
     ),
     looks_like="all trials drift the same way on the floor, more so the slower they are, and in pauses too",
     what_to_do="put a level on the floor",
