@@ -6,15 +6,19 @@ import numpy as np
 import pytest
 
 from rehearsal import snake
-from serpenoid.compare.complaints import complaints
+from serpenoid.compare.complaints import complaints, failed
 
 NAMES = ("anisotropy_ratio",)
 
 
-def said(value: float, noise_scale: float, trials: int = 1, model=None) -> str:
-    solution = SimpleNamespace(
-        names=NAMES, values=np.array([value]), converged=True, noise_scale=noise_scale, freedom=1000
+def fitted(value: float, noise_scale: float, converged: bool = True) -> SimpleNamespace:
+    return SimpleNamespace(
+        names=NAMES, values=np.array([value]), converged=converged, noise_scale=noise_scale, freedom=1000
     )
+
+
+def said(value: float, noise_scale: float, trials: int = 1, model=None) -> str:
+    solution = fitted(value, noise_scale)
     interval = value + 1e-3 * np.array([[-1, 1]])
     return " | ".join(complaints(solution, model or snake(), np.array([1e-3]), interval, np.eye(1), trials))
 
@@ -23,7 +27,7 @@ def test_a_bound_at_which_the_data_are_followed_is_an_answer():
     text = said(1.0, 1.04)
     assert "follows these data" in text
     assert "cannot" not in text
-    assert "ran into" not in text  # which exit code 1 is for
+    assert "ran into" not in text
 
 
 def test_a_body_that_moves_the_way_its_bends_run_is_told_that_the_model_has_no_such():
@@ -39,3 +43,14 @@ def test_a_wrong_model_is_told_that_its_intervals_say_nothing(trials):
     assert "the model is wrong somewhere, and intervals hold only if it is right" in text
     assert ("what trials differ by" in text) == (trials > 1)
     assert not said(0.3, 1.0, trials)
+
+
+@pytest.mark.parametrize(
+    ("value", "noise_scale", "converged", "fails"),
+    [(0.3, 1.0, True, False), (0.3, 11.0, True, False), (1.0, 1.04, True, False), (1.0, 11.0, True, True),
+     (0.3, 1.0, False, True)],
+)  # fmt: skip
+def test_a_fit_fails_that_did_not_converge_or_ran_into_a_bound_beyond_which_data_lead(
+    value, noise_scale, converged, fails
+):
+    assert failed(fitted(value, noise_scale, converged), snake()) == fails

@@ -39,6 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Fit, write, report."""
     from serpenoid.compare.calibrate import calibrate
+    from serpenoid.compare.complaints import failed
     from serpenoid.compare.parameters import start_values
     from serpenoid.compare.records import calibration_record
     from serpenoid.compare.start import neutral_model
@@ -76,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
     if args.quiet or args.json:
         for complaint in complaints:
             options.complain(complaint)
-    return 1 if any("ran into its bound" in text or "converge" in text for text in complaints) else 0
+    return int(failed(calibration.together.solution, model))
 
 
 def lines(calibration: Calibration, model: Model) -> list[str]:

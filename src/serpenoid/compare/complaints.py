@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from serpenoid.body import Floats
@@ -22,12 +23,13 @@ def complaints(
     """All of them; sd (P,), interval (P, 2) and correlation (P, P) of the numbers fitted to so many trials."""
     found = [model.sparse_drag] if model.sparse_drag and not model.body.is_animal else []
     lows, highs = bounds(solution.names, model)
+    ended = at_bounds(solution, model)
     if not solution.converged:
         found.append("the fit did not converge: the data may not determine these numbers")
     for i, name in enumerate(solution.names):
         if sd[i] > 0.5 * (highs[i] - lows[i]):
             found.append(f"these data do not determine `{name}`")
-        if solution.values[i] <= lows[i] * 1.001 or solution.values[i] >= highs[i] * 0.999:
+        if ended[i]:
             found.append(_at_bound(name, float(solution.values[i]), solution.noise_scale))
         elif interval[i, 0] <= lows[i] or interval[i, 1] >= highs[i]:
             found.append(f"the interval of `{name}` reaches its bound: these data do not limit it there")
@@ -36,6 +38,17 @@ def complaints(
                 pair = f"`{solution.names[j]}` and `{name}`"
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
     return (*found, *_size(solution, model.body.is_animal, trials))
+
+
+def failed(solution: Solution, model: Model) -> bool:
+    """Whether the numbers are no estimates: the fit did not converge, or ran into a bound that data lead beyond."""
+    return not solution.converged or bool(solution.noise_scale > OFF and at_bounds(solution, model).any())
+
+
+def at_bounds(solution: Solution, model: Model) -> NDArray[np.bool_]:
+    """Which of the fitted numbers (P,) ended at a bound."""
+    lows, highs = bounds(solution.names, model)
+    return np.asarray((solution.values <= lows * 1.001) | (solution.values >= highs * 0.999))
 
 
 def least_by_chance(freedom: int) -> float:

@@ -6,7 +6,6 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Verdict, check
 from serpenoid.measure.consistency.claim import Claim, outline
+from serpenoid.measure.consistency.copies import copied_films, copied_logs
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.fallen import fallen
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
@@ -117,14 +117,14 @@ def check_files(file: CampaignFile, folder: Path, body: Body, read: Sequence[Fil
     """Markers first: where they contradict the body, shapes mean nothing, and nothing else is looked at."""
     seen = in_processes([(_seen, (file, body, files)) for files in read])
     markers = [fault for faults, _ in seen for fault in faults]
-    markers += _copies(read) + (wrong_edges(films) if file.lengths_given else _lengths(body, read))
+    markers += copied_films(read) + (wrong_edges(films) if file.lengths_given else _lengths(body, read))
     if markers:
         return Verdict(tuple(markers), (), ())
     verdict = check([claim for _, claim in seen if claim is not None], _tables(read, folder))
     own = {files.entry.name: files for files in read}
     said = [_likeliest(file, body, own[c.trial], c) if c.kind == "nothing" else c for c in verdict.contradictions]
     accused = {one.trial for one in said}
-    copies = [(one.trial, one.said) for one, other in _copied_logs(read) if not accused & {one.trial, other}]
+    copies = [(one.trial, one.said) for one, other in copied_logs(read) if not accused & {one.trial, other}]
     return replace(verdict, contradictions=tuple(said), remarks=(*verdict.remarks, *copies))
 
 
@@ -226,41 +226,6 @@ def _lengths(body: Body, read: Sequence[Files]) -> list[Contradiction]:
         Contradiction(one.trial, "length", words.format(one.factor, one.other), cure, one.gain)
         for one in other_bodies(vertices, body.edges_m)
     ]
-
-
-def _copies(read: Sequence[Files]) -> list[Contradiction]:
-    """Two trials with the same numbers are one: as repeats they would tell that chance is nothing."""
-    found: list[Contradiction] = []
-    first: dict[bytes, str] = {}
-    for files in read:
-        if files.tracks is None:
-            continue
-        trial = files.entry.name
-        numbers = np.column_stack([files.tracks.time_s, files.tracks.floor.reshape(len(files.tracks.time_s), -1)])
-        other = first.setdefault(sha256(numbers.tobytes()).digest(), trial)
-        if other != trial:
-            words, cure = f"its recording is that of trial `{other}`, number by number", "name its own, or leave it out"
-            found.append(Contradiction(trial, "copy", words, cure, np.inf))
-    return found
-
-
-def _copied_logs(read: Sequence[Files]) -> list[tuple[Contradiction, str]]:
-    """Logs that are another trial's, with that trial: servos read alike twice no more than cameras see alike. Parts of
-    one film may have one log."""
-    found = []
-    first: dict[tuple[str, bytes], Files] = {}
-    for files in read:
-        for log, key in ((files.servo_log, "servo_log"), (files.power_log, "power_log")):
-            if log is None:
-                continue
-            values = log.position if isinstance(log, ServoLog) else log.power_W[:, None]
-            other = first.setdefault((key, sha256(np.column_stack([log.time_s, values]).tobytes()).digest()), files)
-            if other is files or (files.tracks and other.tracks and files.tracks.source == other.tracks.source):
-                continue
-            words = f"its {key.replace('_', ' ')} is that of trial `{other.entry.name}`, number by number"
-            cure = f"which of the two is it of? Name each trial's own in `{key}`, or leave it out"
-            found.append((Contradiction(files.entry.name, "copy", words, cure, np.inf), other.entry.name))
-    return found
 
 
 def _claim(body: Body, files: Files, angle_unit: AngleUnit) -> Claim:
