@@ -21,6 +21,7 @@ from serpenoid.diagnose.report.sentences import (
     rows,
     stage_line,
     undetected,
+    unreliable,
 )
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.diagnose.report.words import parameter, shown, times, title
@@ -115,6 +116,15 @@ def test_the_stage_of_the_whole_says_what_it_is_of() -> None:
     size = {"unit": "m", "before": 7e-3, "after": 7e-3, "noise_level": 2e-4}
     assert "the verdict is not of it" in stage_line({"stage": "whole"} | size)
     assert stage_line({"stage": "motion"} | size).endswith("(35 times the noise)")
+    assert "it grows" not in stage_line({"stage": "whole"} | size)
+    assert "it grows" in stage_line({"stage": "whole"} | size | {"after": 9e-3})
+
+
+@pytest.mark.parametrize(("after", "effects", "told"), [(9e-3, 1, True), (9e-3, 0, False), (8.2e-3, 1, False)])
+def test_names_that_do_not_carry_over_to_other_gaits_are_told(after: float, effects: int, told: bool) -> None:
+    gain = {"path_rms_m": {"before": 8e-3, "after": after}}
+    record = {"effects": [{}] * effects, "gain": gain, "noise_level_m": 1e-3, "left_open_m": 2e-3, "drag_ratio": None}
+    assert bool(unreliable(record)) == told
 
 
 @pytest.mark.parametrize("verdict", ["nothing", "explained"])

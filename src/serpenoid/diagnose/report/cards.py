@@ -11,6 +11,7 @@ from serpenoid.diagnose.report.sentences import (
     ratio_change,
     rival_law,
     undetected,
+    unreliable,
 )
 from serpenoid.diagnose.report.words import Record, advice, law, parameter, shown, times, title, unseen
 from serpenoid.report.pages import Card
@@ -69,8 +70,7 @@ def _gain(record: Record) -> Card:
     if unsure:
         said.append("The intervals of path RMS before and after overlap: the gain is not certain.")
     said.append(f"Worse with the extension: {', '.join(bad)}." if bad else NOT_WORSE[unsure])
-    if record["effects"] and "path RMS" in bad:
-        said.append("Do not rely on the name without further trials.")
+    said += [f"{text[0].upper()}{text[1:]}." for text in unreliable(record)]
     answer = f"path RMS {_change(record, 'path_rms_m')}"
     return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad or unsure else "good")
 

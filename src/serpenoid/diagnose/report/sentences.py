@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import hypot
+
 from serpenoid.diagnose.report.words import STAND_IN, Record, law, parameter, shown, times, title, unseen
 from serpenoid.effects.catalogue import find
 
@@ -11,6 +13,7 @@ UNSAID = (
     "are taken as they were. Log the commands as they are sent"
 )
 WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
+GROWS = "; it grows: errors of the servos and of the floor had cancelled"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "{law} alone explains this recording within its noise",
@@ -230,6 +233,15 @@ def left_open(record: Record) -> str:
     return f" ({open_m} expected: what the other {unseen(record)} leave open{of})"
 
 
+def unreliable(record: Record) -> list[str]:
+    """Where what is named makes held-out paths stray farther, by more than noise and what other gaits leave open."""
+    rms = record["gain"]["path_rms_m"]
+    allowed = hypot(rms["before"], record["noise_level_m"], record["left_open_m"])
+    if not record["effects"] or rms["after"] <= allowed:
+        return []
+    return [f"what is named does not carry over to other {unseen(record)}: do not rely on it without further trials"]
+
+
 def open_gaits(record: Record) -> list[str]:
     """Gaits of which the others leave more open than noise, where that is more than noise in all."""
     if record["left_open_m"] <= record["noise_level_m"]:
@@ -241,4 +253,6 @@ def stage_line(s: Record) -> str:
     """A stage of the ladder: its error before and after, beside its noise."""
     before, after, noise = (shown(s[k], s["unit"]) for k in ("before", "after", "noise_level"))
     beside = f" ({times(s['after'] / s['noise_level'])})" if s["noise_level"] > 0 else ""
-    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{WHOLE if s['stage'] == 'whole' else ''}"
+    grows = GROWS if s["after"] > hypot(s["before"], s["noise_level"]) else ""
+    whole = WHOLE + grows if s["stage"] == "whole" else ""
+    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{whole}"

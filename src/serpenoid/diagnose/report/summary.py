@@ -17,6 +17,7 @@ from serpenoid.diagnose.report.sentences import (
     seconds,
     stage_line,
     undetected,
+    unreliable,
     untestable,
 )
 from serpenoid.diagnose.report.words import STAND_IN, Record, parameter, shown, times, title, unseen
@@ -44,6 +45,7 @@ def lines(record: Record) -> list[str]:
     rms = record["gain"]["path_rms_m"]
     before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
     found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}{left_open(record)}")
+    found += [f"held-out {unseen(record)}    {text}" for text in unreliable(record)]
     found.append(f"anisotropy ratio  {ratio(record)}")
     found += [f"since then        {text}" for text in ratio_change(record)]
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
