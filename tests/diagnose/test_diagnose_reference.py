@@ -24,7 +24,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.select import Selection
-from serpenoid.diagnose.reference import Reference, about, in_other_cycles
+from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles
 from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
@@ -195,6 +195,15 @@ def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_
     for r, laid in zip(then, reference.begun(unsaid), strict=True):
         assert laid.time[0] == pytest.approx(r.time[0], abs=1e-3)
         assert laid.log_time[0] == pytest.approx(r.log_time[0], abs=1e-3)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_rows_of_a_reference_are_as_its_own_answer_took_them(held: bool, tmp_path: Path) -> None:
+    write(make(63, [], protocol=replace(usual(63, COMBINATIONS[:2]), held=True)), tmp_path)
+    read = [replace(r, told=None, commands=None) for r in read_recordings(tmp_path)[1]]
+    assert plays(read).held
+    taken = [replace(r, schedule=replace(r.schedule, held=held)) for r in read]
+    assert as_taken(taken).held == held
 
 
 def test_what_the_mesh_misses_is_that_of_the_model_whose_error_is_a_habit(followed: tuple[Recording, ...]) -> None:

@@ -214,9 +214,10 @@ def reference_of(d: Diagnosis) -> Reference:
     own = about(d, model)
     errors = _left(own, model)
     playing = np.concatenate([e[t.playing] for t, e in zip(motion.tracks, errors, strict=True)])
-    others = tuple(n.effect for n in d.named if n.effect not in model.effects)
+    mine = {e.key for e in model.effects}
+    others = tuple(n.effect for n in d.named if n.effect.key not in mine)
     read = [t.recording for t in motion.tracks if isinstance(t.recording, Recording)]
-    servos = replace(plays(read), known=read_by_servos(others))
+    servos = replace(as_taken(read), known=read_by_servos(others))
     usual = np.sqrt(np.nanmean(playing**2, axis=0))
     largest = np.abs(window_noise(motion.tracks, errors)[1]).max(axis=0, initial=0.0)
     wrong = d.motion.stage.discrepancy_m
@@ -228,6 +229,12 @@ def reference_of(d: Diagnosis) -> Reference:
         model, d.seen, tuple(explained), usual, largest, servos, wrong, d.stages[1].squares,
         others=others, without=d.baseline.without,
     )  # fmt: skip
+
+
+def as_taken(recordings: Sequence[Recording]) -> Plays:
+    """Readings beside rows as they were taken in the answer: beside films whose clocks are laid again, readings may
+    tell otherwise."""
+    return plays(recordings, recordings[0].schedule.held)
 
 
 def about(d: Diagnosis, model: Model) -> Motion:

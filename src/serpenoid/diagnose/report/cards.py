@@ -49,7 +49,7 @@ def _cause(record: Record) -> Card:
         + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
         for e in effects
     ]
-    others = [title(e) for e in record["alternatives"]]
+    others = dict.fromkeys(title(e) for e in record["alternatives"])
     said += [f"The data cannot tell this from {', '.join(others)}."] if others else []
     said += [f"{text.capitalize()}." for text in undetected(record)]
     if record["drag_ratio"]:

@@ -20,7 +20,7 @@ from serpenoid.diagnose.report.sentences import (
     unreliable,
     untestable,
 )
-from serpenoid.diagnose.report.words import STAND_IN, Record, parameter, shown, times, title, unseen
+from serpenoid.diagnose.report.words import STAND_IN, Record, alternative, parameter, shown, times, title, unseen
 
 
 def lines(record: Record) -> list[str]:
@@ -31,7 +31,7 @@ def lines(record: Record) -> list[str]:
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
-    found += [f"  or {title(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
+    found += [f"  or {alternative(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in undetected(record)]
     found += [f"reference         {text}" for text in reference(record)]
     found += [stage_line(s) for s in record["ladder"]]

@@ -37,6 +37,12 @@ def title(effect: Record) -> str:
     return effect["name"] if place is None else f"{effect['name']} at {find(effect['name']).place} {place}"
 
 
+def alternative(effect: Record) -> str:
+    """What could stand in the place of what is named."""
+    instead = effect.get("instead_of")
+    return f"{title(effect)} in the place of {title(instead)}" if instead else title(effect)
+
+
 def shown(value: float | None, unit: str, digits: int = 3) -> str:
     """A number in the unit that people use, as `1.97 mm` (of a worm, in um); `unbounded` for None."""
     if value is None:
