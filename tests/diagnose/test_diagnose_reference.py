@@ -199,7 +199,8 @@ def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_
 
 @pytest.mark.parametrize("held", [True, False])
 def test_rows_of_a_reference_are_as_its_own_answer_took_them(held: bool, tmp_path: Path) -> None:
-    write(make(63, [], protocol=replace(usual(63, COMBINATIONS[:2]), held=True)), tmp_path)
+    lagging, protocol = Effect("servo_lag", None, {"lag": 0.05}), replace(usual(63, COMBINATIONS[:2]), held=True)
+    write(make(63, [lagging], protocol=protocol), tmp_path)
     read = [replace(r, told=None, commands=None) for r in read_recordings(tmp_path)[1]]
     assert plays(read).held
     taken = [replace(r, schedule=replace(r.schedule, held=held)) for r in read]
