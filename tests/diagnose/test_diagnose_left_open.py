@@ -94,7 +94,7 @@ def test_a_changed_anisotropy_ratio_is_told_of_where_intervals_are_apart() -> No
     then = {"campaign": "healthy", "anisotropy_ratio": {"after": 0.0571, "interval": [0.032, 0.082]}}
     now = {"anisotropy_ratio": {"after": 0.0056, "interval": [0.0052, 0.006]}, "reference": then}
     (said,) = ratio_change(now)
-    assert said.startswith("the anisotropy ratio is smaller by a factor of 10 than in the reference")
+    assert said.startswith("the anisotropy ratio is smaller by a factor of 10.2 than in the reference")
     assert ratio_change(now | {"reference": None}) == []
     taken = now["anisotropy_ratio"]["after"]  # of another explanation of the reference, that the change is told beside
     assert ratio_change(now | {"baseline": {"anisotropy_ratio": taken}}) == []

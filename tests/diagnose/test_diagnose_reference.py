@@ -16,6 +16,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
+from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
@@ -29,6 +30,8 @@ from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.stages.values_of_motion import beside_known
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
@@ -195,6 +198,28 @@ def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_
     for r, laid in zip(then, reference.begun(unsaid), strict=True):
         assert laid.time[0] == pytest.approx(r.time[0], abs=1e-3)
         assert laid.log_time[0] == pytest.approx(r.log_time[0], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("before", "least", "most"),
+    [
+        (None, 0.2, 0.4),  # a guess: of 0.1 none may have been there
+        (Named(ActiveEffect.of("load", 3, share=0.1), {"share": (0.07, 0.12)}, 5.0), 0.27, 0.42),
+        (Named(ActiveEffect.of("load", 3, share=0.1), {"share": (0.07, 0.12)}, 5.0, stand_in=True), 0.2, 0.42),
+    ],
+)
+def test_intervals_hold_how_far_what_was_known_of_the_same_effect_may_be_off(
+    before: Named | None, least: float, most: float
+) -> None:
+    body = Body(vertices=12)
+    load, unknown = ActiveEffect.of("load", 3, share=0.1), np.ones(3)
+    model = Model(body, Medium(anisotropy_ratio=0.2), (load,))
+    servos, named = cast(Plays, None), () if before is None else (before,)
+    reference = Reference(model, Observation.neutral(body), (), unknown, unknown, servos, 1e-3, named=named)
+    now = Named(ActiveEffect.of("load", 3, share=0.35), {"share": (0.3, 0.4)}, 5.0)
+    assert beside_known(now, reference.doubt_of(now.effect)).intervals["share"] == pytest.approx((least, most))
+    other = Named(ActiveEffect.of("load", 4, share=0.35), {"share": (0.3, 0.4)}, 5.0)
+    assert beside_known(other, reference.doubt_of(other.effect)) == other
 
 
 @pytest.mark.parametrize("held", [True, False])

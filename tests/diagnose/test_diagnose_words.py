@@ -165,6 +165,20 @@ def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_i
     ]
 
 
+def test_of_what_is_named_beside_a_guess_about_the_reference_the_guess_is_told() -> None:
+    share = {"share": {"value": 0.57, "interval": [0.19, 0.82], "unit": "1"}}
+    load = {"name": "load", "place": 5, "stand_in": False, "parameters": share}
+    law = {"name": "viscous", "rival": "", "drag_at": ""}
+    eps = {"after": 0.2}
+    earlier = {"campaign": "calm", "verdict": "unexplained", "effects": [], "residual_pattern": [], "law": law}
+    guess = {"effects": [{"name": "load", "place": 5, "parameters": {"share": 0.1}}], "anisotropy_ratio": 0.2}
+    record = {"reference": earlier | {"anisotropy_ratio": eps}, "effects": [load], "baseline": guess}
+    assert reference(record)[1:] == [
+        "load at vertex 5 is a part of its explanation, too weak to be named there: share 0.1; the value named now is "
+        "all of it, and its interval holds that none of it was there"
+    ]
+
+
 def test_the_calibration_is_told_of_beside_the_reference() -> None:
     eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226, "interval": [0.021, 0.024], "at_bound": False}}
     earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}

@@ -29,12 +29,15 @@ from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.diagnose.inference.explanations import laws
+from serpenoid.diagnose.inference.finding import Named
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.inference.select import retracked
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.set_points import by_table
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import Parameter
 from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
 
@@ -90,7 +93,8 @@ class Reference(Baseline):
     """seen: the earlier observation model, squares: what it left (see `Stage`); explained: the earlier motion, by the
     baseline's model and then by rivals; servos: the earlier readings and what explains them. others: effects that were
     there before, beside the motion's. missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
-    usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
+    named: what the earlier motion was found to show. usual, largest (3,) [m, m, rad]: RMS error of a window while
+    playing, largest difference between two repeats'.
     """
 
     seen: Observation
@@ -100,6 +104,7 @@ class Reference(Baseline):
     servos: Plays
     missed_m: float
     squares: tuple[float, ...] = ()
+    named: tuple[Named, ...] = ()
 
     @property
     def unlike(self) -> Floats:
@@ -124,6 +129,19 @@ class Reference(Baseline):
     def inadequate(self) -> bool:
         """It was found to be so."""
         return self.missed_m > 0
+
+    def doubt_of(self, effect: ActiveEffect) -> Floats:
+        """What was named is known as well as its interval says, and it may not have been there at all where it was
+        perhaps a stand-in; so may not what was too weak to be named."""
+        taken = {e.key: e for e in self.model.effects}.get(effect.key)
+        if taken is None:
+            return super().doubt_of(effect)
+        before = {n.effect.key: n for n in self.named}.get(effect.key)
+        unsure = before is None or before.stand_in
+        return np.array([
+            _off(p, p.coordinate(taken.parameters[p.name]), before.intervals[p.name] if before else (), unsure)
+            for p in effect.effect.parameters
+        ])  # fmt: skip
 
     def observation(self) -> Observation:
         """As it was before."""
@@ -207,6 +225,13 @@ class Reference(Baseline):
         )
 
 
+def _off(p: Parameter, taken: float, ends: Sequence[float | None], unsure: bool) -> tuple[float, float]:
+    """From a coordinate as it is taken to the least and the most it may be: in an interval, and nothing if unsure."""
+    every = [p.coordinate(np.inf if end is None else end) for end in ends]
+    every += [p.resting] if unsure and p.neutral is not None else []
+    return min([0.0, *(x - taken for x in every)]), max([0.0, *(x - taken for x in every)])
+
+
 def reference_of(d: Diagnosis) -> Reference:
     """From the diagnosis of the earlier campaign."""
     found = d.motion.selection
@@ -227,7 +252,7 @@ def reference_of(d: Diagnosis) -> Reference:
     explained = [_explanation(there, explanation) for explanation, there in about_each.items()]
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, wrong, d.stages[1].squares,
-        others=others, without=d.baseline.without,
+        d.motion.stage.named, others=others, without=d.baseline.without,
     )  # fmt: skip
 
 

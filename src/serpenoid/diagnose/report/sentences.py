@@ -113,6 +113,7 @@ def reference(record: Record) -> list[str]:
     said += _otherwise(record)
     said += [f"of it: {text}" for text in rival_law(earlier)]
     said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
+    said += _there_in_part(record)
     return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
 
 
@@ -145,6 +146,21 @@ def _there_already(effect: Record) -> str:
     return f"{title(effect)} was there already: {values}{now}"
 
 
+def _there_in_part(record: Record) -> list[str]:
+    """Effects named now of which the reference is explained by some, though it was not named there."""
+    guesses = {_key(e): e["parameters"] for e in record.get("baseline", {}).get("effects", [])}
+    named = {_key(e) for e in record["reference"]["effects"]}
+    found = []
+    for e in record["effects"]:
+        if (before := guesses.get(_key(e))) is not None and _key(e) not in named:
+            values = ", ".join(f"{name} {shown(x, e['parameters'][name]['unit'])}" for name, x in before.items())
+            found.append(
+                f"{title(e)} is a part of its explanation, too weak to be named there: {values}; the value named now "
+                "is all of it, and its interval holds that none of it was there"
+            )
+    return found
+
+
 def ratio(record: Record) -> str:
     """eps: of the reference, with nothing named, with what is named. A calibration is no diagnosis, but may be news."""
     eps, earlier = record["anisotropy_ratio"], record["reference"]
@@ -168,7 +184,7 @@ def ratio_change(record: Record) -> list[str]:
     if now["interval"][0] <= high and low <= now["interval"][1]:
         return []
     grown = now["after"] / taken
-    factor = f"{grown:.2g} times as large as" if grown > 1 else f"smaller by a factor of {1 / grown:.2g} than"
+    factor = f"{grown:.3g} times as large as" if grown > 1 else f"smaller by a factor of {1 / grown:.3g} than"
     return [
         f"the anisotropy ratio is {factor} in the reference, beyond both intervals: what all wheels or scales have in "
         "common has changed, or eps makes up for a change that has no name"

@@ -63,6 +63,11 @@ class Baseline:
         """What the stage of markers is known to leave, which is no news: see `Stage`."""
         return ()
 
+    def doubt_of(self, effect: ActiveEffect) -> Floats:
+        """By how much less and more (P, 2) the coordinates of the same effect may have been than they are taken to be
+        in an earlier campaign; 0 without one."""
+        return np.zeros((len(effect.effect.parameters), 2))
+
     @property
     def inadequate(self) -> bool:
         """Whether its law is known to be another than the floor's: what it missed repeated."""

@@ -38,7 +38,7 @@ from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_i
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
-from serpenoid.diagnose.stages.values_of_motion import named_of, ratio_beside
+from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside
 from serpenoid.model import Model
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
@@ -106,8 +106,10 @@ def choose_on_tracks(
     chosen = about_nothing(chosen, lambda model: baseline.corrected(track(model)))
     searched(chosen)  # what this alone shows can be drawn while rivals are fitted
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
+    named = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
     barred = not_looked_for(baseline, untestable)
-    return replace(found, stage=replace(found.stage, untestable=barred, law=law, drag_at=drag_at), baseline=baseline)
+    stage = replace(found.stage, named=named, untestable=barred, law=law, drag_at=drag_at)
+    return replace(found, stage=stage, baseline=baseline)
 
 
 def about_nothing(chosen: Selection, retrack: Retrack) -> Selection:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -47,6 +48,19 @@ def named_of(
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
     return Named(fitted, ends, strength, tuple(bound))
+
+
+def beside_known(named: Named, doubt: Floats) -> Named:
+    """What was known of the same effect is a part of its value: with intervals that hold how far that may be off, by
+    how much less and more (P, 2) its coordinates may have been."""
+    if not doubt.any():
+        return named
+    ends = dict(named.intervals)
+    for p, (less, more) in zip(named.effect.effect.parameters, doubt, strict=True):
+        if p.name in ends:
+            low, high = sorted(p.coordinate(np.inf if end is None else end) for end in ends[p.name])
+            ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low + less, high + more)])
+    return replace(named, intervals=ends)
 
 
 def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
