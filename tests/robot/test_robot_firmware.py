@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
+from emulated import ROBOT_FILE, XL430, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
@@ -20,12 +20,16 @@ PLAN = make_plan(gait(), robot(), 2.0, 2, 0.5)
 LATE_US = 400  # one look at clock and button, and the previous packet's last bytes
 
 
-def build(folder, text):
+def build(folder, text, servo=XL430, joints=10):
     """Compile with every warning and sanitizer; return the program."""
     source = folder / "sketch.cpp"
     # the Arduino tools put a prototype of every function on top; here the include that all sketches get is enough
     source.write_text(f'#include "Arduino.h"\n{text}')
-    flags = ["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined", "-DJOINT_COUNT=10"]
+    flags = ["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
+    factory = servo.registers["velocity_limit"].initial
+    volts = servo.registers["present_input_voltage"].initial
+    said = {"JOINT_COUNT": joints, "MODEL_NUMBER": servo.number, "FACTORY_VELOCITY": factory, "DECIVOLT": volts}
+    flags += [f"-D{name}={value}" for name, value in said.items()]
     files = [str(source), str(BOARD / "board.cpp")]
     program = folder / "sketch"
     done = subprocess.run(
@@ -109,7 +113,7 @@ def test_second_press_stops_at_once(program):
         ("error@3.0", "hardware error"),
         ("sag@3.0", "voltage"),
         ("gone@3.0", "voltage"),
-        ("gone@0", "no XL430-W250"),
+        ("gone@0", "no servo of the robot file's model answers"),
         ("narrow@0", "its own limits are narrower than the robot file's"),
     ],
 )
