@@ -108,6 +108,8 @@ def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys
         "30",
         "--baud-rate",
         "57600",
+        "--model",
+        "XL430-W250-T",
     )
     assert "Assumed" not in capsys.readouterr().out
 

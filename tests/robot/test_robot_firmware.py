@@ -10,7 +10,9 @@ from emulated import ROBOT_FILE, XL430, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
+from serpenoid.robot.description import Robot
 from serpenoid.robot.firmware import sketch
+from serpenoid.robot.models import models
 from serpenoid.robot.plan import make_plan
 
 BOARD = Path(__file__).parent / "board"
@@ -173,3 +175,22 @@ def test_sketch_compiles_for_the_board_s_processor(tmp_path):
     flags = ["-std=gnu++17", "-mcpu=cortex-m0plus", "-mthumb", "-Os", "-Wall", "-c", f"-I{BOARD}"]
     done = subprocess.run(["arm-none-eabi-g++", *flags, source, "-o", tmp_path / "s.o"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@needs_compiler
+def test_a_sketch_for_another_model_asks_for_it_and_keeps_its_numbers(tmp_path):
+    """XL330-M288-T: model number 1200, Velocity Limit 445 from the factory, 4.5 to 5.5 V."""
+    servo, joints = models()["XL330-M288-T"], 2
+    data = read_toml(ROBOT_FILE) | {"model": servo.name, "voltage": {"minimum_V": 4.5, "maximum_V": 5.5}}
+    data["joint"] = data["joint"][:joints]
+    text = sketch(make_plan(gait(joints=joints), validate(Robot, data, "t"), 2.0, 1, 0.0))
+    assert "MODEL[JOINTS] = {1200, 1200};  // XL330-M288-T" in text
+    assert "MINIMUM_DECIVOLT = 45;" in text
+    assert "FACTORY_SPEED_LIMIT[JOINTS] = {445, 445};" in text
+    program = build(tmp_path, text, servo, joints)
+    lines = run(program, 7, "press@0.5")
+    assert len(rows_of(lines)) == 21  # and the first one again at the end
+    assert torques(lines) == [0, 0]
+    assert any("# fault: voltage" in line for line in run(program, 7, "press@0.5", "sag@1.0"))
+    other = build(tmp_path, text, XL430, joints)
+    assert any("no servo of the robot file's model answers" in line for line in run(other, 3, "press@0.5"))

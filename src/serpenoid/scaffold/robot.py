@@ -132,7 +132,7 @@ def _head(hint: str, name: str, servo: ServoModel, answers: Answers) -> str:
 # with them. Turn a joint counter-clockwise seen from above: if its ticks fall, its sign is -1.
 format = 1
 name = "{name}"
-model = "{servo.name}"         # a [[joint]] with another servo says `model` itself
+model = "{servo.name}"  # a [[joint]] with another servo says `model` itself
 
 [bus]
 baud_rate = {answers["baud-rate"]}          # servos leave the factory at 57600, all with ID 1
@@ -146,7 +146,7 @@ watchdog_s = 0.5             # a servo that hears nothing for so long stops by i
 {_voltage_section(servo)}
 
 [tracking]                   # how far a joint may stand from its command, lag apart
-limit_deg = {servo.tracking_limit_deg:.1f}
+limit_deg = {servo.tracking_limit_deg:.1f}             # without this line: of each servo's own model
 lag_s = 0.3
 action = "stop"              # or "slow", "warn"
 """
