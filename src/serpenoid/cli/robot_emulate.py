@@ -73,7 +73,9 @@ def run(args: argparse.Namespace) -> int:
         signal.signal(number, lambda received, _: stopping.append(received))
     sys.stdout.write(f"{server.port}\n")
     sys.stdout.flush()
-    sys.stderr.write(f"{counted(len(servos), 'emulated servo')} at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
+    names = ", ".join(dict.fromkeys(servo.model.name for servo in servos))
+    emulated = f"{counted(len(servos), 'emulated servo')} ({names})"
+    sys.stderr.write(f"{emulated} at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
     server.serve(lambda: bool(stopping))
     report = server.report()
     server.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -16,9 +17,11 @@ from serpenoid.wording import counted
 
 
 def known_model(name: str) -> str:
-    """The name; raises ValueError with all names that there are."""
+    """The name; raises ValueError with all names that there are, and the likeliest."""
     if name not in models():
-        raise ValueError(f"must be one of {', '.join(models())}")
+        close = difflib.get_close_matches(name, models(), n=1)
+        meant = "".join(f"; did you mean `{other}`?" for other in close)
+        raise ValueError(f"must be one of {', '.join(models())}{meant}")
     return name
 
 

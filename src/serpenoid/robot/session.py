@@ -191,6 +191,7 @@ def _summary(plan: Plan, outcome: Outcome) -> dict[str, Any]:
         "reason": outcome.reason,
         "torque_off": outcome.torque_off,
         "robot": plan.robot.name,
+        "servos": [servo.name for servo in plan.robot.servos],
         "cycle_duration_s": plan.cycle_duration_s,
         "cycles": plan.cycles,
         "pause_s": plan.pause_s,
