@@ -140,7 +140,7 @@ def test_a_new_robots_file_is_scanned_checked_and_played_on_servos_of_its_model(
     assert json.loads((tmp_path / "log" / "play.json").read_text())["servos"] == [servo.name] * 2
     header, rows = read_log(tmp_path / "log" / "servo.csv")
     effort = servo.effort.column
-    assert [c for c in header if c.startswith(("load", "current"))] == [f"{effort}_1", f"{effort}_2"]
+    assert [c for c in header if c.startswith(("load", "current", "supply"))] == [f"{effort}_1", f"{effort}_2"]
     assert max(abs(float(row[f"{effort}_1"])) for row in rows) <= servo.effort.full + servo.effort.per_unit
     # as the gait asks: 0.15 rad
     assert max(float(row["position_1"]) for row in rows) == pytest.approx(0.15, abs=0.03)
@@ -314,6 +314,6 @@ def test_the_documentation_lists_every_model_with_its_numbers():
     for servo in ALL:
         low, high = servo.voltage_range
         volts, fastest = servo.fastest
-        effort = "current" if servo.effort.column == "current" else "load"
+        effort = servo.effort.column.replace("_", " ")
         row = f"| {servo.name} | {servo.number} | {low:g} to {high:g} | {fastest:g} at {volts:g} V | {effort} | "
         assert f"{row}{servo.tracking_limit_deg:g} |" in page, row

@@ -42,7 +42,8 @@ class Block:
 class Effort:
     """What a servo says its motor gives: a log's column, in steps of `per_unit`; `full` is what it reads at stall.
 
-    `load`: share of the full output, which the servo applies and does not measure [-1..1]; `current`: measured [A].
+    `load`: share of the full output, which the servo infers from what it applies [-1..1]; `current`: of the motor,
+    measured [A]; `supply_current`: of the whole servo, measured at its input [A].
     """
 
     register: str

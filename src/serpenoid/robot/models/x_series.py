@@ -95,16 +95,22 @@ def voltage_limits(low: int, high: int) -> Registers:
 
 
 def voltage_limits_330() -> Registers:
-    """The same of the 330 series: 3.1 to 7.0 V, from the factory 3.5 to 7.0 V."""
+    """The same of the 330 series for 5 V: 3.1 to 7.0 V, from the factory 3.5 to 7.0 V."""
     return {
         "maximum_voltage_limit": writable(32, 2, 70, 31, 70),
         "minimum_voltage_limit": writable(34, 2, 35, 31, 70),
     }
 
 
-def pwm_slope() -> Registers:
-    """Of the 330 series."""
-    return {"pwm_slope": writable(62, 1, 140, 1, 255)}
+def series_330(velocity_limit: int, pwm_slope: int = 140) -> Registers:
+    """What the 330 series has beside or unlike the others: 4 Mbps at most, other protocols, faster motors."""
+    return {
+        "baud_rate": writable(8, 1, 1, 0, 6),
+        "protocol_type": writable(13, 1, 2, 2, 22),
+        "velocity_limit": writable(44, 4, velocity_limit, 0, 2047),
+        "pwm_slope": writable(62, 1, pwm_slope, 1, 255),
+        "goal_velocity": writable(104, 4, 0, -2047, 2047),
+    }
 
 
 def load() -> tuple[Effort, Registers]:
@@ -113,12 +119,18 @@ def load() -> tuple[Effort, Registers]:
 
 
 def current(unit_A: float, limit: int, stall_A: float) -> tuple[Effort, Registers]:
-    """A servo that measures its current: A per unit, Current Limit (38) [units], published stall current [A]."""
+    """A servo that measures its motor's current: A per unit, Current Limit (38) [units], published current at stall."""
     return Effort("present_current", "current", unit_A, stall_A), {
         "current_limit": writable(38, 2, limit, 0, limit),
         "goal_current": writable(102, 2, limit, -limit, limit),
         "present_current": Register(126, 2, signed=True),
     }
+
+
+def supply_current(limit_mA: int, stall_A: float) -> tuple[Effort, Registers]:
+    """One of the 330 series, which measures what it draws from its supply, in mA (Current Limit's note on its page)."""
+    effort, registers = current(0.001, limit_mA, stall_A)
+    return replace(effort, column="supply_current"), registers
 
 
 def servo(

@@ -1,4 +1,4 @@
-"""XC330-M288-T: palm-size, metal gears; 5 V, it measures its current.
+"""XC330-M288-T: palm-size, metal gears; 5 V, it measures what it draws.
 
 Source: ROBOTIS e-manual, docs/en/dxl/x/xc330-m288.md (control table) and _data/dxl_x_info.yml (voltage, speeds, stall
 current).
@@ -12,15 +12,8 @@ MODEL = x_series.servo(
     voltage_range=(3.7, 6.0),
     recommended_V=5.0,
     no_load_points=((3.7, 59.0), (5.0, 81.0), (6.0, 97.0)),
-    effort=x_series.current(0.001, 2352, 1.80),
-    own=x_series.voltage_limits_330()
-    | x_series.pwm_slope()
-    | {
-        "baud_rate": x_series.writable(8, 1, 1, 0, 6),
-        "protocol_type": x_series.writable(13, 1, 2, 2, 22),
-        "velocity_limit": x_series.writable(44, 4, 350, 0, 2047),
-        "goal_velocity": x_series.writable(104, 4, 0, -2047, 2047),
-    },
+    effort=x_series.supply_current(2352, 1.80),
+    own=x_series.voltage_limits_330() | x_series.series_330(350),
     initial={
         "temperature_limit": 70,
         "velocity_i_gain": 1600,

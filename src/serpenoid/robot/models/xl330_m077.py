@@ -1,4 +1,4 @@
-"""XL330-M077-T: palm-size and fast; 5 V, it measures its current.
+"""XL330-M077-T: palm-size and fast; 5 V, it measures what it draws.
 
 Source: ROBOTIS e-manual, docs/en/dxl/x/xl330-m077.md (control table) and _data/dxl_x_info.yml (voltage, speeds, stall
 current). Its watchdog is said to need no firmware (control_table_buswatchdog.md), so none is too old.
@@ -12,15 +12,8 @@ MODEL = x_series.servo(
     voltage_range=(3.7, 6.0),
     recommended_V=5.0,
     no_load_points=((3.7, 278.0), (5.0, 383.0), (6.0, 456.0)),
-    effort=x_series.current(0.001, 1750, 1.47),
-    own=x_series.voltage_limits_330()
-    | x_series.pwm_slope()
-    | {
-        "baud_rate": x_series.writable(8, 1, 1, 0, 6),
-        "protocol_type": x_series.writable(13, 1, 2, 2, 22),
-        "velocity_limit": x_series.writable(44, 4, 1620, 0, 2047),
-        "goal_velocity": x_series.writable(104, 4, 0, -2047, 2047),
-    },
+    effort=x_series.supply_current(1750, 1.47),
+    own=x_series.voltage_limits_330() | x_series.series_330(1620),
     initial={
         "temperature_limit": 70,
         "shutdown": 53,
