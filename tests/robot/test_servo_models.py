@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import sys
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
@@ -17,9 +18,12 @@ from serpenoid.files.schema import load, read_toml, validate
 from serpenoid.robot import models as package
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
+from serpenoid.robot.dry_run import describe
 from serpenoid.robot.emulator.motion import Motion
 from serpenoid.robot.emulator.servo import EmulatedServo
+from serpenoid.robot.firmware import sketch
 from serpenoid.robot.models import by_number, models
+from serpenoid.robot.plan import make_plan
 from serpenoid.robot.table import write_table
 from serpenoid.robot.tracking import READINGS, Tracking
 
@@ -34,6 +38,30 @@ def test_models_are_found_by_listing_and_none_answers_for_another():
     assert len({servo.number for servo in ALL}) == len(ALL)
     assert all(by_number(servo.number) is servo for servo in ALL)
     assert by_number(9999) is None
+
+
+MADE_UP = """
+import dataclasses
+from serpenoid.robot.models.xm430_w350 import MODEL as xm430
+MODEL = dataclasses.replace(xm430, name="MADE-UP", number=31000, voltage_range=(20.0, 30.0), recommended_V=24.0)
+"""
+
+
+def test_another_servo_is_one_file(tmp_path, monkeypatch):
+    (tmp_path / "made_up.py").write_text(MADE_UP)
+    monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
+    models.cache_clear()
+    try:
+        made_up = by_number(31000)
+        assert made_up.name == "MADE-UP"
+        data = read_toml(ROBOT_FILE) | {"model": "MADE-UP", "voltage": {"minimum_V": 22.0, "maximum_V": 28.0}}
+        plan = make_plan(gait(), validate(Robot, data, "t"), 2.0, 1, 0.0)
+        assert plan.robot.nominal_V == 24.0
+        assert next(iter(describe(plan))).startswith("robot snake10: 10 servos MADE-UP at 1000000 baud")
+        assert "{31000, 31000, 31000, 31000, 31000, 31000, 31000, 31000, 31000, 31000};  // MADE-UP" in sketch(plan)
+    finally:
+        models.cache_clear()
+        sys.modules.pop("serpenoid.robot.models.made_up", None)
 
 
 @EACH
@@ -237,7 +265,7 @@ def test_models_whose_goals_stand_elsewhere_share_no_chain(monkeypatch):
     monkeypatch.setattr("serpenoid.robot.description.models", lambda: known)
     data = read_toml(ROBOT_FILE)
     data["joint"][9]["model"] = "OTHER"
-    with pytest.raises(InputError, match="XL430-W250-T and OTHER servos keep goal or state at other addresses"):
+    with pytest.raises(InputError, match="XL430-W250-T and OTHER servos keep goal, torque or state elsewhere"):
         validate(Robot, data, "t")
 
 

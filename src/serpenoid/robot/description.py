@@ -151,8 +151,10 @@ class Robot(Record):
             said = "" if self.voltage.nominal_V is not None else f"; without a word `nominal_V` is {self.nominal_V:g}"
             raise ValueError(f"`minimum_V` <= `nominal_V` <= `maximum_V` is required in [voltage]{said}")
         for one, other in pairwise(self.kinds):
-            if one.together != other.together:
-                raise ValueError(f"{one.name} and {other.name} servos keep goal or state at other addresses; use one")
+            if one.shared != other.shared:
+                raise ValueError(
+                    f"{one.name} and {other.name} servos keep goal, torque or state elsewhere; use one of them"
+                )
         return self
 
     def _beyond(self, servo: ServoModel) -> Iterator[str]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from serpenoid.robot.description import Robot
-from serpenoid.robot.plan import Plan, read_time_s, write_time_s
+from serpenoid.robot.plan import Plan, read_time_s, velocity_unit, write_time_s
 
 
 def describe(plan: Plan) -> Iterator[str]:
@@ -30,11 +29,6 @@ def describe(plan: Plan) -> Iterator[str]:
         place = f"cycle {row.cycle} step {row.step:3d} {row.phase}"
         yield f"{row.time:9.3f} s  {place:<22} goal_position = {_row(row.goals)}"
     yield f"{plan.end_s:9.3f} s  torque_enable = 0 on every servo"
-
-
-def velocity_unit(robot: Robot) -> str:
-    """`0.229 rpm`: of all models in the chain."""
-    return ", ".join(dict.fromkeys(f"{kind.rpm_per_velocity_unit:g} rpm" for kind in robot.kinds))
 
 
 def _row(values: Iterable[int]) -> str:  # one format for lists and arrays

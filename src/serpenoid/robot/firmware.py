@@ -10,8 +10,7 @@ from math import ceil, radians
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.robot.dry_run import velocity_unit
-from serpenoid.robot.plan import BITS_PER_BYTE, Plan, write_time_s
+from serpenoid.robot.plan import BITS_PER_BYTE, Plan, velocity_unit, write_time_s
 from serpenoid.robot.ticks import radians_per_tick
 from serpenoid.wording import counted
 
@@ -27,8 +26,7 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
     robot = plan.robot
     motion, window = robot.motion, robot.voltage
     tick, servos = radians_per_tick(robot), robot.servos
-    goal, volt = servos[0].registers["goal_position"], servos[0].volt_per_unit
-    torque = servos[0].registers["torque_enable"]
+    shared = servos[0].shared
     approach_s = motion.approach_limit_deg / (motion.approach_speed_rpm * 6.0)
     values = {
         "TITLE": f"{_comment(robot.name)}: {plan.steps} steps, "
@@ -48,12 +46,12 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
         "VELOCITY_UNIT": velocity_unit(robot),
         "FACTORY_SPEED_LIMITS": _list(servo.registers["velocity_limit"].initial for servo in servos),
         "POSITION_MODES": _list(servo.position_mode for servo in servos),
-        "GOAL_ADDRESS": goal.address,
-        "GOAL_SIZE": goal.size,
-        "TORQUE_ADDRESS": torque.address,
-        "TORQUE_SIZE": torque.size,
-        "MINIMUM_DECIVOLT": ceil(window.minimum_V / volt - 1e-9),
-        "MAXIMUM_DECIVOLT": int(window.maximum_V / volt + 1e-9),
+        "GOAL_ADDRESS": shared.goal.address,
+        "GOAL_SIZE": shared.goal.size,
+        "TORQUE_ADDRESS": shared.torque.address,
+        "TORQUE_SIZE": shared.torque.size,
+        "MINIMUM_DECIVOLT": ceil(window.minimum_V / shared.volt_per_unit - 1e-9),
+        "MAXIMUM_DECIVOLT": int(window.maximum_V / shared.volt_per_unit + 1e-9),
         "ARRIVAL_TICKS": _list(np.rint(np.radians(robot.arrival_tolerances_deg) / tick)),
         "APPROACH_LIMIT_TICKS": _list(np.rint(radians(motion.approach_limit_deg) / tick)),
         "APPROACH_VELOCITIES": _list(plan.approach_velocity()),

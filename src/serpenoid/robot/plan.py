@@ -159,9 +159,14 @@ def row_speeds_rpm(
     return np.asarray(steps * (len(steps) * 60.0 / (per_turn * cycle_duration_s)))
 
 
+def velocity_unit(robot: Robot) -> str:
+    """Of Velocity Limit (44) and Profile Velocity (112): `0.229 rpm`."""
+    return ", ".join(dict.fromkeys(f"{kind.rpm_per_velocity_unit:g} rpm" for kind in robot.kinds))
+
+
 def write_time_s(robot: Robot) -> float:
     """One sync write of a row: 14 bytes, and the ID and the goal of each servo."""
-    goal, _ = robot.servos[0].together
+    goal = robot.servos[0].shared.goal
     return (14 + (1 + goal.size) * len(robot.joint)) * BITS_PER_BYTE / robot.bus.baud_rate
 
 

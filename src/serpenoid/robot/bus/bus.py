@@ -39,8 +39,8 @@ T = TypeVar("T")
 class Bus:
     """An open port; close it, or use `with`.
 
-    servos: each one's model by its ID, with goals and states at the same addresses (`Robot` sees to that); `scan` adds
-    those that it knows. A servo whose model nobody says is spoken to as the usual one.
+    servos: each one's model by its ID, with all that is `Shared` alike (`Robot` sees to that); `scan` adds those that
+    it knows. A servo whose model nobody says is spoken to as the usual one.
     """
 
     def __init__(self, port_name: str, baud_rate: int, servos: Mapping[int, ServoModel]) -> None:
@@ -52,8 +52,9 @@ class Bus:
         with self._guard("opening"):
             if not self._link.setBaudRate(baud_rate):
                 raise BusFault(f"{port_name}: this computer cannot do {baud_rate} baud.")
-        self._goal, self._state = next(iter(self._servos.values()), models()[DEFAULT]).together
-        self._goals = sdk.GroupSyncWrite(self._link, self._packets, self._goal.address, self._goal.size)
+        self._shared = next(iter(self._servos.values()), models()[DEFAULT]).shared
+        goal = self._shared.goal
+        self._goals = sdk.GroupSyncWrite(self._link, self._packets, goal.address, goal.size)
 
     def __enter__(self) -> Self:
         return self
@@ -86,8 +87,8 @@ class Bus:
     def is_garbled(self, servo_id: int) -> bool:
         """Whether what comes back from an ID is no whole answer; a single question, so noise may look like it."""
         with self._guard("read", servo_id):
-            self._packets.readTx(self._link, servo_id, self._state.address, self._state.size)
-            return self._receive(self._state.size).reason not in ("", NO_ANSWER)
+            self._packets.readTx(self._link, servo_id, self._shared.state.address, self._shared.state.size)
+            return self._receive(self._shared.state.size).reason not in ("", NO_ANSWER)
 
     def ping(self, servo_id: int) -> int:
         """The model number."""
@@ -116,7 +117,7 @@ class Bus:
         """One sync write of goal positions [ticks]; sync writes get no answer, so limits are checked before."""
         self._goals.clearParam()
         for servo_id, ticks in goals.items():
-            self._goals.addParam(servo_id, list(int(ticks).to_bytes(self._goal.size, "little", signed=True)))
+            self._goals.addParam(servo_id, list(int(ticks).to_bytes(self._shared.goal.size, "little", signed=True)))
         with self._guard("sync write"):
             result = self._goals.txPacket()
         if result != sdk.COMM_SUCCESS:
@@ -138,7 +139,7 @@ class Bus:
 
     def torque_off(self, servo_ids: Iterable[int]) -> list[int]:
         """Switch every motor off, all at once and then one by one; return the IDs that did not confirm."""
-        torque = self._register(sdk.BROADCAST_ID, "torque_enable")
+        torque = self._shared.torque
         self.attempts = ATTEMPTS_AT_REST
         for _ in range(2):
             with self._guard("torque off"):
@@ -158,10 +159,12 @@ class Bus:
         """Servos answer in the order asked; one out of turn is a late answer to an earlier question, and old."""
         with self._guard("sync read"):
             ids = list(servo_ids)
-            self._packets.syncReadTx(self._link, self._state.address, self._state.size, ids, len(ids), False)
+            self._packets.syncReadTx(
+                self._link, self._shared.state.address, self._shared.state.size, ids, len(ids), False
+            )
             waiting = list(ids)
             while waiting:
-                answer = self._receive(self._state.size)
+                answer = self._receive(self._shared.state.size)
                 if answer.reason == NO_ANSWER:
                     return
                 if answer.servo_id in (waiting[0], None):
@@ -170,7 +173,7 @@ class Bus:
                         yield servo_id, decode_state(answer.data, answer.alert, self.model(servo_id))
 
     def _read_state(self, servo_id: int) -> ServoState:
-        answer = self._read_once(servo_id, self._state)
+        answer = self._read_once(servo_id, self._shared.state)
         return decode_state(answer.data, answer.alert, self.model(servo_id))
 
     def _read_once(self, servo_id: int, block: Block) -> Answer:

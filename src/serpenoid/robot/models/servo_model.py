@@ -39,6 +39,16 @@ class Block:
 
 
 @dataclass(frozen=True)
+class Shared:
+    """One packet sends all goals, one switches all torques off, one asks for all states; the sketch knows one volt."""
+
+    goal: Register
+    torque: Register
+    state: Block
+    volt_per_unit: float
+
+
+@dataclass(frozen=True)
 class Effort:
     """What a servo says its motor gives: a log's column, in steps of `per_unit`; `full` is what it reads at stall.
 
@@ -126,9 +136,9 @@ class ServoModel:
         return self._block("torque_enable", "bus_watchdog")
 
     @property
-    def together(self) -> tuple[Register, Block]:
-        """What a chain shares: goals go out, and states come in, for all servos in one packet."""
-        return self.registers["goal_position"], self.state
+    def shared(self) -> Shared:
+        """What all servos of a chain must have alike."""
+        return Shared(self.registers["goal_position"], self.registers["torque_enable"], self.state, self.volt_per_unit)
 
     def _block(self, first: str, last: str) -> Block:
         start = self.registers[first].address
