@@ -83,7 +83,7 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     satisfies("robot", path)
     robot = load_file(Robot, path)
     assert robot.ids == [11, 12, 13, 14, 15, 16]
-    assert check_table(simulate(problem).table, robot, 5.0, robot.voltage.nominal_V) == []
+    assert check_table(simulate(problem).table, robot, 5.0, robot.nominal_V) == []
 
 
 def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -91,7 +91,7 @@ def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys
     limit = load(tmp_path / "mine.toml").body.joint_limit_deg
     capsys.readouterr()
     path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"), "--baud-rate", "57600")
-    assert "Assumed, as nobody said: --joint-limit 80, --speed-limit 40.\n" in capsys.readouterr().out
+    assert "said: --model XL430-W250-T, --joint-limit 80, --speed-limit usual.\n" in capsys.readouterr().out
     text = path.read_text(encoding="utf-8")
     assert (
         "# Limits: +-80 degrees at 40 rpm, the same for every joint, as this file was asked for or by default." in text
@@ -108,6 +108,8 @@ def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys
         "30",
         "--baud-rate",
         "57600",
+        "--model",
+        "XL430-W250-T",
     )
     assert "Assumed" not in capsys.readouterr().out
 

@@ -16,16 +16,17 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.files.schema import load
-from serpenoid.robot.control_table import BAUD_RATES
 from serpenoid.robot.description import Robot
 from serpenoid.robot.emulator.chain import Chain
 from serpenoid.robot.emulator.faults import parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
+from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.robot.table import write_table
 
 ROOT = Path(__file__).parents[2]
 ROBOT_FILE = ROOT / "problems" / "robots" / "snake10-robot.toml"
+XL430 = models()[DEFAULT]
 LOWEST, HIGHEST = 1138, 2958  # the robot file's limits
 
 
@@ -45,8 +46,17 @@ def write_gait(folder: Path, **shape: float) -> Path:
 
 
 def make_chain(faults: Sequence[str] = (), baud_rate: int = 1000000, position: float = 2048.0) -> Chain:
-    code = {rate: code for code, rate in BAUD_RATES.items()}[baud_rate]
-    servos = [EmulatedServo(i, code, position) for i in range(1, 11)]
+    return make_chain_of([XL430] * 10, faults, baud_rate, position)
+
+
+def make_chain_of(
+    kinds: Sequence[ServoModel], faults: Sequence[str] = (), baud_rate: int = 1000000, position: float = 2048.0
+) -> Chain:
+    """Servos of any models with IDs 1, 2, ..."""
+    codes = [{rate: code for code, rate in kind.baud_rates.items()}[baud_rate] for kind in kinds]
+    servos = [
+        EmulatedServo(kind, i, code, position) for i, (kind, code) in enumerate(zip(kinds, codes, strict=True), 1)
+    ]
     return Chain(servos, baud_rate, [parse_fault(text) for text in faults])
 
 
@@ -71,7 +81,13 @@ class Emulator:
 @contextmanager
 def emulator(folder: Path, *faults: str, baud_rate: int = 1000000) -> Iterator[Emulator]:
     """Serves on `folder`/port until the block ends."""
-    chain = make_chain(faults, baud_rate)
+    with serving(make_chain(faults, baud_rate), folder, baud_rate) as rig:
+        yield rig
+
+
+@contextmanager
+def serving(chain: Chain, folder: Path, baud_rate: int = 1000000) -> Iterator[Emulator]:
+    """The same with servos of one's own."""
     server = PtyServer(chain, baud_rate, folder / "port")
     finished = threading.Event()
     thread = threading.Thread(target=server.serve, args=(finished.is_set,))

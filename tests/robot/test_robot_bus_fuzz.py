@@ -77,7 +77,7 @@ def rig(monkeypatch):
         port = MemoryPort(chain, clock, spoil, spoil_question)
         fake = SimpleNamespace(Serial=lambda **_: port, EIGHTBITS=8)
         monkeypatch.setattr(dynamixel_sdk.port_handler, "serial", fake)
-        return Bus("memory", 1000000), port, chain, clock
+        return Bus("memory", 1000000, robot().by_id), port, chain, clock
 
     return make
 

@@ -4,12 +4,11 @@ from math import radians
 
 import numpy as np
 import pytest
-from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
+from emulated import ROBOT_FILE, XL430, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
 from serpenoid.robot.checks import check_body, check_start, check_table, check_voltage
-from serpenoid.robot.control_table import no_load_speed_rpm
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import row_speeds_rpm
 from serpenoid.robot.stated import Stated
@@ -75,7 +74,7 @@ def test_a_servo_that_cannot_move_at_all_is_refused_with_words():
 def test_no_load_speed_is_at_or_just_below_the_published_values():
     # ROBOTIS e-manual, XL430-W250: 47 rpm at 9.0 V, 57 at 11.1 V, 61 at 12.0 V; the line may be 3 % too careful
     for voltage, published in ((9.0, 47.0), (11.1, 57.0), (12.0, 61.0)):
-        assert 0.97 * published <= no_load_speed_rpm(voltage) <= published
+        assert 0.97 * published <= XL430.no_load_speed_rpm(voltage) <= published
 
 
 def test_table_that_does_not_close():
@@ -150,7 +149,7 @@ def test_a_fault_of_joint_3_in_a_robot_file_is_one_of_its_third_joint(change: di
 def test_a_transient_has_no_step_back_to_its_first_row(closed):
     """0.5 rad in 10 even steps and 0.8 s, 6 rpm; as a closed table it jumps back in an eleventh."""
     angles = np.linspace(0, 0.5, 11)[:, None] * np.ones(10)
-    speeds = row_speeds_rpm(to_ticks(angles, robot()), 0.8, closed)
+    speeds = row_speeds_rpm(to_ticks(angles, robot()), robot(), 0.8, closed)
     assert speeds.shape == (11 if closed else 10, 10)
     # a step of 33 ticks is off by a tick at most
     assert speeds.max() == pytest.approx(60 * 0.5 / (2 * np.pi) / 0.8 * (11 if closed else 1), rel=1 / 33)

@@ -4,15 +4,15 @@ import random
 
 import numpy as np
 import pytest
-from emulated import HIGHEST, LOWEST, make_chain, serpenoid
+from emulated import HIGHEST, LOWEST, XL430, make_chain, serpenoid
 
 from serpenoid.errors import InputError
-from serpenoid.robot.control_table import REGISTERS
 from serpenoid.robot.emulator import packets
 from serpenoid.robot.emulator.faults import parse_fault
 from serpenoid.robot.emulator.memory import ACCESS, DATA_LENGTH, DATA_LIMIT, DATA_RANGE
-from serpenoid.robot.emulator.motion import LAG_S, TICKS_PER_S_PER_UNIT, Motion
+from serpenoid.robot.emulator.motion import LAG_S, Motion
 
+TICKS_PER_S_PER_UNIT = 0.229 * 4096 / 60
 GAP_S = 0.1  # between two packets in these tests: the bus is free again
 
 
@@ -28,13 +28,13 @@ class Master:
 
     def write(self, servo_id, name, value):
         """The error number that the servo answers with."""
-        register = REGISTERS[name]
+        register = XL430.registers[name]
         data = (value & (1 << 8 * register.size) - 1).to_bytes(register.size, "little")
         raw = packets.build(servo_id, packets.WRITE, register.address.to_bytes(2, "little") + data)
         return self.send(raw)[0].parameters[0] & 0x7F
 
     def read(self, servo_id, name):
-        register = REGISTERS[name]
+        register = XL430.registers[name]
         question = register.address.to_bytes(2, "little") + register.size.to_bytes(2, "little")
         answer = self.send(packets.build(servo_id, packets.READ, question))[0]
         return int.from_bytes(answer.parameters[1:], "little", signed=register.signed)
@@ -83,7 +83,7 @@ def test_goal_is_reached_at_profile_velocity_and_not_faster():
 
 
 def test_lag_behind_a_steady_profile_is_speed_times_time_constant():
-    motion = Motion(0.0)
+    motion = Motion(0.0, XL430)
     motion.advance(1.0, 1e6, 100, 0, 12.0)
     speed = 100 * TICKS_PER_S_PER_UNIT
     # first-order lag under a ramp: exactly speed * LAG_S in continuous time; the step of 2 ms adds up to one step's way
@@ -91,7 +91,7 @@ def test_lag_behind_a_steady_profile_is_speed_times_time_constant():
 
 
 def test_profile_acceleration_bounds_the_change_of_speed():
-    motion, speeds = Motion(0.0), []
+    motion, speeds = Motion(0.0, XL430), []
     for _ in range(800):
         motion.advance(0.002, 2000.0, 200, 100, 12.0)
         speeds.append(motion._profile_velocity)
@@ -101,7 +101,7 @@ def test_profile_acceleration_bounds_the_change_of_speed():
 
 
 def test_no_load_speed_at_low_voltage_bounds_an_unlimited_profile():
-    motion = Motion(0.0)
+    motion = Motion(0.0, XL430)
     motion.advance(0.5, 1e6, 0, 0, 6.0)
     assert motion.position <= 30.5 * 4096 / 60 * 0.5
 

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
+from emulated import ROBOT_FILE, XL430, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
+from serpenoid.robot.description import Robot
 from serpenoid.robot.firmware import sketch
+from serpenoid.robot.models import models
 from serpenoid.robot.plan import make_plan
 
 BOARD = Path(__file__).parent / "board"
@@ -20,12 +22,16 @@ PLAN = make_plan(gait(), robot(), 2.0, 2, 0.5)
 LATE_US = 400  # one look at clock and button, and the previous packet's last bytes
 
 
-def build(folder, text):
+def build(folder, text, servo=XL430, joints=10):
     """Compile with every warning and sanitizer; return the program."""
     source = folder / "sketch.cpp"
     # the Arduino tools put a prototype of every function on top; here the include that all sketches get is enough
     source.write_text(f'#include "Arduino.h"\n{text}')
-    flags = ["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined", "-DJOINT_COUNT=10"]
+    flags = ["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
+    factory = servo.registers["velocity_limit"].initial
+    volts = servo.registers["present_input_voltage"].initial
+    said = {"JOINT_COUNT": joints, "MODEL_NUMBER": servo.number, "FACTORY_VELOCITY": factory, "DECIVOLT": volts}
+    flags += [f"-D{name}={value}" for name, value in said.items()]
     files = [str(source), str(BOARD / "board.cpp")]
     program = folder / "sketch"
     done = subprocess.run(
@@ -109,7 +115,7 @@ def test_second_press_stops_at_once(program):
         ("error@3.0", "hardware error"),
         ("sag@3.0", "voltage"),
         ("gone@3.0", "voltage"),
-        ("gone@0", "no XL430-W250"),
+        ("gone@0", "no servo of the robot file's model answers"),
         ("narrow@0", "its own limits are narrower than the robot file's"),
     ],
 )
@@ -169,3 +175,22 @@ def test_sketch_compiles_for_the_board_s_processor(tmp_path):
     flags = ["-std=gnu++17", "-mcpu=cortex-m0plus", "-mthumb", "-Os", "-Wall", "-c", f"-I{BOARD}"]
     done = subprocess.run(["arm-none-eabi-g++", *flags, source, "-o", tmp_path / "s.o"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@needs_compiler
+def test_a_sketch_for_another_model_asks_for_it_and_keeps_its_numbers(tmp_path):
+    """XL330-M288-T: model number 1200, Velocity Limit 445 from the factory, 4.5 to 5.5 V."""
+    servo, joints = models()["XL330-M288-T"], 2
+    data = read_toml(ROBOT_FILE) | {"model": servo.name, "voltage": {"minimum_V": 4.5, "maximum_V": 5.5}}
+    data["joint"] = data["joint"][:joints]
+    text = sketch(make_plan(gait(joints=joints), validate(Robot, data, "t"), 2.0, 1, 0.0))
+    assert "MODEL[JOINTS] = {1200, 1200};  // XL330-M288-T" in text
+    assert "MINIMUM_DECIVOLT = 45;" in text
+    assert "FACTORY_SPEED_LIMIT[JOINTS] = {445, 445};" in text
+    program = build(tmp_path, text, servo, joints)
+    lines = run(program, 7, "press@0.5")
+    assert len(rows_of(lines)) == 21  # and the first one again at the end
+    assert torques(lines) == [0, 0]
+    assert any("# fault: voltage" in line for line in run(program, 7, "press@0.5", "sag@1.0"))
+    other = build(tmp_path, text, XL430, joints)
+    assert any("no servo of the robot file's model answers" in line for line in run(other, 3, "press@0.5"))

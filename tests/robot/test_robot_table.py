@@ -117,7 +117,10 @@ def test_binary_file_and_missing_file_are_refused(tmp_path):
         ({"id": 300}, "less than or equal to 252"),
         ({"sign": 0}, "1"),
         ({"minimum_ticks": 2500}, "`minimum_ticks` < `zero_ticks`"),
-        ({"speed_limit_rpm": 100.0}, "less than or equal to 61"),
+        (
+            {"speed_limit_rpm": 100.0},
+            "must be at most 61 rpm, what XL430-W250-T servos do at 12 V without load, got 100",
+        ),
         ({"speed": 1.0}, "unknown key"),
     ],
 )

@@ -24,6 +24,7 @@ from serpenoid.robot.description import JointServo
 from serpenoid.robot.emulator.motion import Motion
 from serpenoid.robot.emulator.servo import EmulatedServo
 
+MOTORS = "XL430-W250-T"  # whose data sheet `arena.robot` has
 FRAME_S = 1 / 120
 LONGEST_S = 1.0  # a lag behind the clock longer than this is not caught up with
 PATIENCE_S = 0.002
@@ -50,9 +51,13 @@ class Ground:
         if len(joints) != robot.servos:
             remedy = "Name the robot's own body with --problem FILE."
             raise InputError(f"--robot has {len(joints)} joints, the arena's robot {robot.servos}. {remedy}")
+        strange = [servo.model.name for servo in servos if servo.model.name != MOTORS]
+        if strange:
+            remedy = "Leave --arena out: shafts then turn freely"
+            raise InputError(f"--arena: its robot has motors of {MOTORS}, not of {strange[0]} servos. {remedy}.")
         self._pairs = list(zip(servos, joints, strict=True))
         for servo, joint in self._pairs:
-            servo.motion = Shaft(float(joint.zero_ticks))
+            servo.motion = Shaft(float(joint.zero_ticks), servo.model)
         context = multiprocessing.get_context("spawn")
         self._numbers = context.Array("d", 1 + 4 * robot.servos, lock=False)
         self._ended = context.Event()

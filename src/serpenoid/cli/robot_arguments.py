@@ -76,7 +76,7 @@ def checked_table(args: argparse.Namespace, robot: Robot) -> tuple[JointTable, l
     duration = cycle_duration(args, table, robot)
     if malformed := check_given(table.angles, robot):
         return table, malformed
-    refusals = check_table(table.angles, robot, duration, robot.voltage.nominal_V, table.closed)
+    refusals = check_table(table.angles, robot, duration, robot.nominal_V, table.closed)
     return table, kept_by_one_cycle(refusals + body_refusals(args, table, duration))
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
 from serpenoid.robot.bus import COLLISION_REMEDY, Bus, open_bus
 from serpenoid.robot.checks import Refusal, check_start, check_table
-from serpenoid.robot.control_table import MODEL_NAME, MODEL_NUMBER
 from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import PortLost, RobotFault
+from serpenoid.robot.models import by_number
 from serpenoid.robot.port import exclusive_port, resolve_port
 from serpenoid.robot.power import record_power
 from serpenoid.robot.prepare import identify, inspect, narrower
@@ -53,7 +53,7 @@ def _scan(args: argparse.Namespace) -> int:
     with exclusive_port(port):
         for rate in rates:
             try:
-                with open_bus(port, rate) as bus:
+                with open_bus(port, rate, {}) as bus:
                     found, garbled = _print_found(bus, rate)
                     total, colliding = total + found, colliding or garbled
             except RobotFault as fault:
@@ -72,16 +72,18 @@ def _print_found(bus: Bus, rate: int) -> tuple[int, bool]:
     """How many servos answered, and whether some talked at once."""
     found = bus.scan()
     shared = set(found.repeated)
-    for servo_id, (model, firmware) in found.servos.items():
-        name = MODEL_NAME if model == MODEL_NUMBER else f"model {model}"
-        try:
-            state = bus.read_states([servo_id])[servo_id]
-            reading = f"{state.position} ticks, {state.voltage:.1f} V, {state.temperature} deg C"
-        except PortLost:
-            raise
-        except RobotFault as fault:
-            reading = str(fault)
-            shared |= {servo_id} if bus.is_garbled(servo_id) else set()
+    for servo_id, (number, firmware) in found.servos.items():
+        model = by_number(number)
+        name, reading = f"model number {number}", "not a model that is known here: nothing was read of it"
+        if model is not None:
+            name = model.name
+            try:
+                reading = _reading(bus, servo_id)
+            except PortLost:
+                raise
+            except RobotFault as fault:
+                reading = str(fault)
+                shared |= {servo_id} if bus.is_garbled(servo_id) else set()
         sys.stdout.write(f"ID {servo_id:3d}  {name}  firmware {firmware}  {rate} baud  {reading}\n")
     if found.garbled and not shared:
         shared = _who_is_garbled(bus, set(found.servos))
@@ -90,6 +92,11 @@ def _print_found(bus: Bus, rate: int) -> tuple[int, bool]:
     if found.garbled and not shared:
         warn(f"{found.garbled} bytes at {rate} baud were no whole answer: two servos with one ID, or noise on the line")
     return len(found.servos), found.collision or bool(shared)
+
+
+def _reading(bus: Bus, servo_id: int) -> str:
+    state = bus.read_states([servo_id])[servo_id]
+    return f"{state.position} ticks, {state.voltage:.1f} V, {state.temperature} deg C"
 
 
 def _who_is_garbled(bus: Bus, understood: set[int]) -> set[int]:
@@ -102,7 +109,7 @@ def _who_is_garbled(bus: Bus, understood: set[int]) -> set[int]:
 def _check(args: argparse.Namespace) -> int:
     robot = load_robot(args)
     table, refusals = checked_table(args, robot)
-    how = f"at {robot.voltage.nominal_V:g} V (nominal; --port measures it)"
+    how = f"at {robot.nominal_V:g} V (nominal; --port measures it)"
     if args.port and not refusals:
         refusals, how = _check_live(args, table, robot)
     if refusals:
@@ -117,7 +124,7 @@ def _check(args: argparse.Namespace) -> int:
 def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tuple[list[Refusal], str]:
     """With the servos' own voltage and positions; torque stays as it is."""
     port = resolve_port(args.port)
-    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
         try:
             refusals = identify(bus, robot)
             if refusals:
@@ -136,7 +143,7 @@ def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tu
 
 def _off(args: argparse.Namespace) -> int:
     robot, port = load_robot(args), resolve_port(args.port)
-    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
         try:
             silent = bus.torque_off(robot.ids)
         except RobotFault as fault:
@@ -151,7 +158,7 @@ def _off(args: argparse.Namespace) -> int:
 
 def _reboot(args: argparse.Namespace) -> int:
     robot, port = load_robot(args), resolve_port(args.port)
-    with exclusive_port(port), open_bus(port, robot.bus.baud_rate) as bus:
+    with exclusive_port(port), open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
         for servo_id in robot.ids:
             try:
                 bus.reboot(servo_id)

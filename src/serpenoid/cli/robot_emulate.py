@@ -1,4 +1,6 @@
-"""`serpenoid robot emulate`: ten XL430 servos on a pseudo-terminal, with faults to rehearse.
+"""`serpenoid robot emulate`: servos on a pseudo-terminal, with faults to rehearse.
+
+Those of --robot, else ten XL430-W250-T; --model NAME makes all of them servos of one model.
 
 Prints the port and serves until Ctrl-C; then says what became of the servos. In another terminal:
 
@@ -22,12 +24,12 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.errors import InputError
 from serpenoid.files.schema import load
 from serpenoid.files.writing import write_json
-from serpenoid.robot.control_table import BAUD_RATES
 from serpenoid.robot.description import Robot
 from serpenoid.robot.emulator.chain import Chain
 from serpenoid.robot.emulator.faults import KINDS, Fault, parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
+from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
@@ -38,12 +40,13 @@ def configure(actions: Any) -> None:
     faults = "\n".join(f"  {kind + (':SERVO' if needs else ''):<16} {text}" for kind, (needs, _, text) in KINDS.items())
     parser = actions.add_parser(
         "emulate",
-        help="ten emulated servos on a port of their own",
+        help="emulated servos on a port of their own",
         description=__doc__,
         epilog=f"fault kinds:\n{faults}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--robot", type=Path, metavar="FILE", help="IDs, baud rate and zero positions from this file")
+    parser.add_argument("--robot", type=Path, metavar="FILE", help="IDs, models, baud rate and zeros of this file")
+    parser.add_argument("--model", choices=models(), metavar="NAME", help=_models_in_words())
     parser.add_argument("--baud-rate", type=int, metavar="B", help="default: the robot file's, else 1000000")
     parser.add_argument("--ids", metavar="N,N", help="other IDs, tail first; twice the same: two servos that collide")
     parser.add_argument("--link", type=Path, metavar="PATH", help="symbolic link to the port, under a name that stays")
@@ -70,7 +73,9 @@ def run(args: argparse.Namespace) -> int:
         signal.signal(number, lambda received, _: stopping.append(received))
     sys.stdout.write(f"{server.port}\n")
     sys.stdout.flush()
-    sys.stderr.write(f"{counted(len(servos), 'emulated servo')} at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
+    names = ", ".join(dict.fromkeys(servo.model.name for servo in servos))
+    emulated = f"{counted(len(servos), 'emulated servo')} ({names})"
+    sys.stderr.write(f"{emulated} at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
     server.serve(lambda: bool(stopping))
     report = server.report()
     server.close()
@@ -85,13 +90,29 @@ def run(args: argparse.Namespace) -> int:
 def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
     robot = load(Robot, args.robot) if args.robot else None
     baud_rate = args.baud_rate or (robot.bus.baud_rate if robot else 1000000)
-    codes = {rate: code for code, rate in BAUD_RATES.items()}
-    if baud_rate not in codes:
-        raise InputError(f"--baud-rate must be one of {', '.join(map(str, codes))}, got {baud_rate}.")
-    places = [(joint.id, joint.zero_ticks) for joint in robot.joint] if robot else [(i, 2048) for i in range(1, 11)]
+    zeros = [joint.zero_ticks for joint in robot.joint] if robot else [2048] * 10
+    ids = robot.ids if robot else list(range(1, 11))
+    kinds = robot.servos if robot else [models()[DEFAULT]] * 10
     if args.ids is not None:
-        places = [(servo_id, zero) for servo_id, (_, zero) in zip(_ids(args.ids, len(places)), places, strict=True)]
-    return baud_rate, [EmulatedServo(servo_id, codes[baud_rate], float(zero)) for servo_id, zero in places]
+        ids = _ids(args.ids, len(ids))
+    if args.model is not None:
+        kinds = [models()[args.model]] * len(ids)
+    places = zip(kinds, ids, zeros, strict=True)
+    servos = [EmulatedServo(kind, servo_id, _code(kind, baud_rate), float(zero)) for kind, servo_id, zero in places]
+    return baud_rate, servos
+
+
+def _code(servo: ServoModel, baud_rate: int) -> int:
+    """The value of Baud Rate (8)."""
+    codes = {rate: code for code, rate in servo.baud_rates.items()}
+    if baud_rate not in codes:
+        rates = ", ".join(map(str, codes))
+        raise InputError(f"--baud-rate must be one of {rates} for {servo.name} servos, got {baud_rate}.")
+    return codes[baud_rate]
+
+
+def _models_in_words() -> str:
+    return f"all servos are of this model, whatever --robot says (without either {DEFAULT}): {', '.join(models())}"
 
 
 def _fault(text: str, ids: set[int]) -> Fault:

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.joint_limits import KEPT, largest_angle, turns_per_cycle
-from serpenoid.robot.control_table import no_load_speed_rpm
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
 from serpenoid.robot.stated import Stated
-from serpenoid.robot.ticks import RADIANS_PER_TICK, to_ticks
+from serpenoid.robot.ticks import to_ticks
 from serpenoid.wording import counted
 
 BUS_SHARE = 0.9  # of a row's time that its packets may take
+A_TICK = tau / 4096  # rad, of every servo here
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def check_table(
     if malformed := check_given(angles, robot):
         return malformed
     ticks = to_ticks(angles, robot)
-    speeds = row_speeds_rpm(ticks, cycle_duration_s, closed)
+    speeds = row_speeds_rpm(ticks, robot, cycle_duration_s, closed)
     refusals = _check_positions(angles, ticks, robot) + _check_speeds(speeds, robot, cycle_duration_s, voltage, closed)
     return kept_by_one_cycle(refusals + _check_bus(len(speeds), robot, cycle_duration_s))
 
@@ -97,7 +97,7 @@ def _beyond(value: float, limit: float) -> str:
 def check_repetition(angles: NDArray[np.float64], stated: Stated, cycles: int) -> list[Refusal]:
     """A transient (T + 1, m) leads from shape to shape: another cycle would jump, unless it ends where it began."""
     jump = np.abs(angles[0] - angles[-1])
-    if not stated.transient or cycles == 1 or jump.max() <= RADIANS_PER_TICK / 2:
+    if not stated.transient or cycles == 1 or jump.max() <= A_TICK / 2:
         return []
     joint = int(jump.argmax())
     value = f"it is {degrees(jump[joint]):.2f} degrees from the first row"
@@ -117,7 +117,7 @@ def check_start(present: NDArray[np.int64], first_row: NDArray[np.int64], robot:
             remedy = "Torque is off: turn the joint by hand into its range."
             refusals.append(Refusal(where, f"the servo stands at {present[j]} ticks", limit, remedy))
             continue
-        jump = degrees(abs(int(first_row[j]) - int(present[j])) * RADIANS_PER_TICK)
+        jump = degrees(abs(int(first_row[j]) - int(present[j])) * joint.servo.radians_per_tick)
         if jump > limit_deg:
             remedy = "Torque is off: bring the robot nearer to its first shape by hand, or raise `approach_limit_deg`."
             value = f"the first row is {jump:.1f} degrees away from where the servo stands"
@@ -176,9 +176,9 @@ def _check_positions(angles: NDArray[np.float64], ticks: NDArray[np.int64], robo
 def _check_speeds(
     speeds: NDArray[np.float64], robot: Robot, cycle_duration_s: float, voltage: float, closed: bool
 ) -> list[Refusal]:
-    no_load = no_load_speed_rpm(voltage)
     refusals = []
     for j, joint in enumerate(robot.joint):
+        no_load = joint.servo.no_load_speed_rpm(voltage)
         limit = min(joint.speed_limit_rpm, no_load)
         step = int(speeds[:, j].argmax())
         if speeds[step, j] > limit:
@@ -216,11 +216,10 @@ def _up(seconds: float) -> float:
 
 
 def _check_bus(steps: int, robot: Robot, cycle_duration_s: float) -> list[Refusal]:
-    baud, joints = robot.bus.baud_rate, len(robot.joint)
-    needed = (write_time_s(joints, baud) + read_time_s(joints, baud)) / BUS_SHARE
+    needed = (write_time_s(robot) + read_time_s(robot)) / BUS_SHARE
     period = cycle_duration_s / steps
     if needed <= period:
         return []
-    value = f"{needed * 1000:.1f} ms of packets per row at {baud} baud"
+    value = f"{needed * 1000:.1f} ms of packets per row at {robot.bus.baud_rate} baud"
     limit_words, remedy = f"a row lasts {period * 1000:.1f} ms", "raise the baud rate of servos and robot file"
     return [Refusal("all joints, every step", value, limit_words, remedy, _up(needed * steps))]

@@ -2,28 +2,59 @@
 
 from __future__ import annotations
 
-from math import tau
-from typing import ClassVar, Literal, Self
+import difflib
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 
 from serpenoid.files.schema import Name, Record
-from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
+from serpenoid.robot.models import DEFAULT, ServoModel, models
+from serpenoid.wording import counted
 
-# Three quarters of the XL430's torque (all of it: 177 ticks, 15.6 degrees), and twice the largest error of a healthy
-# robot on a floor that grips (6.3 degrees: `results/benchmarks/robustness.md`).
-TRACKING_LIMIT_DEG = 12.0
+
+def known_model(name: str) -> str:
+    """The name; raises ValueError with all names that there are, and the likeliest."""
+    if name not in models():
+        close = difflib.get_close_matches(name, models(), n=1)
+        meant = "".join(f"; did you mean `{other}`?" for other in close)
+        raise ValueError(f"must be one of {', '.join(models())}{meant}")
+    return name
+
+
+ModelName = Annotated[str, AfterValidator(known_model), Field(json_schema_extra={"enum": list(models())})]
 
 
 class JointServo(Record):
     """One servo: `ticks = zero_ticks + sign * angle * 4096 / (2 pi)`, kept in minimum_ticks..maximum_ticks."""
 
+    model: ModelName | None = None  # None: the robot's, which `Robot` writes here
     id: int = Field(ge=0, le=252)
     sign: Literal[-1, 1]
-    zero_ticks: int = Field(ge=0, le=TICKS_PER_TURN - 1)
-    minimum_ticks: int = Field(ge=0, le=TICKS_PER_TURN - 1)
-    maximum_ticks: int = Field(ge=0, le=TICKS_PER_TURN - 1)
-    speed_limit_rpm: float = Field(gt=0, le=61.0)
+    zero_ticks: int = Field(ge=0)
+    minimum_ticks: int = Field(ge=0)
+    maximum_ticks: int = Field(ge=0)
+    speed_limit_rpm: float = Field(gt=0)
+
+    @field_validator("zero_ticks", "minimum_ticks", "maximum_ticks")
+    @classmethod
+    def _in_a_turn(cls, ticks: int, info: ValidationInfo) -> int:
+        servo = models().get(info.data.get("model") or "")
+        if servo is not None and ticks > servo.last_tick:
+            raise ValueError(f"must be at most {servo.last_tick}, the last tick of {servo.name} servos")
+        return ticks
+
+    @field_validator("speed_limit_rpm")
+    @classmethod
+    def _not_faster_than_its_motor(cls, rpm: float, info: ValidationInfo) -> float:
+        servo = models().get(info.data.get("model") or "")
+        if servo is not None and rpm > servo.fastest[1]:
+            volts, most = servo.fastest
+            raise ValueError(f"must be at most {most:g} rpm, what {servo.name} servos do at {volts:g} V without load")
+        return rpm
 
     @model_validator(mode="after")
     def _limits_in_order(self) -> Self:
@@ -32,10 +63,16 @@ class JointServo(Record):
         return self
 
     @property
+    def servo(self) -> ServoModel:
+        """What its model can do."""
+        return models()[self.model or DEFAULT]
+
+    @property
     def angle_range(self) -> tuple[float, float]:
         """Smallest and largest joint angle [rad]."""
         ends = [
-            self.sign * (t - self.zero_ticks) * tau / TICKS_PER_TURN for t in (self.minimum_ticks, self.maximum_ticks)
+            self.sign * (t - self.zero_ticks) * self.servo.radians_per_tick
+            for t in (self.minimum_ticks, self.maximum_ticks)
         ]
         return min(ends), max(ends)
 
@@ -44,25 +81,19 @@ class BusSettings(Record):
     baud_rate: int = 57600
     protocol: float = Field(default=2.0, ge=2.0, le=2.0)
 
-    @model_validator(mode="after")
-    def _servo_knows_the_rate(self) -> Self:
-        if self.baud_rate not in BAUD_RATES.values():
-            raise ValueError(f"`baud_rate` must be one of {', '.join(map(str, BAUD_RATES.values()))}")
-        return self
-
 
 class MotionSettings(Record):
     cycle_duration_s: float = Field(gt=0, le=600)
     approach_speed_rpm: float = Field(default=5.0, gt=0, le=20)
     approach_limit_deg: float = Field(default=90.0, gt=0, le=360)
     watchdog_s: float = Field(default=0.5, ge=0.2, le=2.5)  # silence after which a servo stops by itself
-    arrival_tolerance_deg: float | None = Field(default=None, gt=0, le=30)  # None: limit_deg of [tracking]
+    arrival_tolerance_deg: float | None = Field(default=None, gt=0, le=30)  # None: as in [tracking]
 
 
 class TrackingRule(Record):
     """How far a joint may stand from where its commands of the last `lag_s` were, and what happens beyond."""
 
-    limit_deg: float = Field(default=TRACKING_LIMIT_DEG, gt=0, le=180)
+    limit_deg: float | None = Field(default=None, gt=0, le=180)  # None: of each servo's model
     lag_s: float = Field(default=0.3, ge=0.05, le=2.0)
     action: Literal["stop", "slow", "warn"] = "stop"
 
@@ -70,15 +101,14 @@ class TrackingRule(Record):
 class VoltageWindow(Record):
     """Measured at the servos' own input."""
 
-    minimum_V: float = Field(ge=6.0, le=14.0)
-    maximum_V: float = Field(ge=6.0, le=14.0)
-    nominal_V: float = Field(default=11.1, ge=6.0, le=14.0)
+    minimum_V: float = Field(gt=0)
+    maximum_V: float = Field(gt=0)
+    nominal_V: float | None = Field(default=None, gt=0)  # None: what the servos are recommended for
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
-        if not self.minimum_V <= self.nominal_V <= self.maximum_V:
-            raise ValueError("`minimum_V` <= `nominal_V` <= `maximum_V` is required")
-        return self
+    @property
+    def told(self) -> dict[str, float]:
+        """Voltages by the keys that the file gives them."""
+        return {key: volts for key, volts in self.model_dump().items() if volts is not None}
 
 
 class Robot(Record):
@@ -88,7 +118,7 @@ class Robot(Record):
 
     format: Literal[1]
     name: Name
-    model: Literal["XL430-W250-T"] = "XL430-W250-T"
+    model: ModelName = DEFAULT  # of every joint that names no other
     bus: BusSettings
     motion: MotionSettings
     voltage: VoltageWindow
@@ -103,11 +133,76 @@ class Robot(Record):
             raise ValueError(f"servo ID {twice[0]} is used by two joints; every [[joint]] needs its own `id`")
         return self
 
+    @model_validator(mode="before")
+    @classmethod
+    def _joints_have_the_robots_model(cls, data: Any) -> Any:
+        """A joint that names no model has the robot's: so each can be judged by what its own servo can."""
+        joints, model = (data.get("joint"), data.get("model", DEFAULT)) if isinstance(data, dict) else (None, None)
+        if not isinstance(joints, list | tuple) or not isinstance(model, str) or model not in models():
+            return data
+        named = [j | {"model": model} if isinstance(j, dict) and j.get("model") is None else j for j in joints]
+        return data | {"joint": named}
+
+    @model_validator(mode="after")
+    def _its_servos_can_do_that(self) -> Self:
+        for fault in (fault for servo in self.kinds for fault in self._beyond(servo)):
+            raise ValueError(fault)
+        if not self.voltage.minimum_V <= self.nominal_V <= self.voltage.maximum_V:
+            said = "" if self.voltage.nominal_V is not None else f"; without a word `nominal_V` is {self.nominal_V:g}"
+            raise ValueError(f"`minimum_V` <= `nominal_V` <= `maximum_V` is required in [voltage]{said}")
+        for one, other in pairwise(self.kinds):
+            if one.shared != other.shared:
+                raise ValueError(
+                    f"{one.name} and {other.name} servos keep goal, torque or state elsewhere; use one of them"
+                )
+        return self
+
+    def _beyond(self, servo: ServoModel) -> Iterator[str]:
+        """What this file asks of one model that it cannot do."""
+        rates, (low, high) = servo.baud_rates.values(), servo.voltage_range
+        if self.bus.baud_rate not in rates:
+            had = f"`baud_rate` must be one of {', '.join(map(str, rates))}"
+            yield f"{had} for {servo.name} servos, got {self.bus.baud_rate}"
+        for key, volts in self.voltage.told.items():
+            if not low <= volts <= high:
+                yield f"{servo.name} servos need {low:g} to {high:g} V; `{key}` is {volts:g}"
+
     @property
-    def arrival_tolerance_deg(self) -> float:
-        """How far from the first row a joint may come to rest."""
+    def servos(self) -> list[ServoModel]:
+        """Each joint's model."""
+        return [joint.servo for joint in self.joint]
+
+    @property
+    def kinds(self) -> list[ServoModel]:
+        """Every model that there is in the chain, once, tail first."""
+        return list(dict.fromkeys(self.servos))
+
+    @property
+    def by_id(self) -> dict[int, ServoModel]:
+        """Each servo's model."""
+        return {joint.id: joint.servo for joint in self.joint}
+
+    @property
+    def nominal_V(self) -> float:  # noqa: N802 (the file's key)
+        """The voltage at which a gait is judged where none is measured."""
+        told = self.voltage.nominal_V
+        return models()[self.model].recommended_V if told is None else told
+
+    @property
+    def tracking_limits_deg(self) -> NDArray[np.float64]:
+        """How far each joint may stand from its command (m,)."""
+        told = self.tracking.limit_deg
+        return np.array([servo.tracking_limit_deg if told is None else told for servo in self.servos])
+
+    @property
+    def arrival_tolerances_deg(self) -> NDArray[np.float64]:
+        """How far from the first row each joint may come to rest (m,)."""
         own = self.motion.arrival_tolerance_deg
-        return self.tracking.limit_deg if own is None else own
+        return self.tracking_limits_deg if own is None else np.full(len(self.joint), own)
+
+    def in_words(self) -> str:
+        """`10 servos XL430-W250-T`; of several models `6 servos XM430-W350 and 4 servos XL430-W250-T`."""
+        return " and ".join(f"{counted(self.servos.count(kind), 'servo')} {kind.name}" for kind in self.kinds)
 
     @property
     def ids(self) -> list[int]:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from serpenoid.robot.plan import Plan, read_time_s, write_time_s
-from serpenoid.wording import counted
+from serpenoid.robot.plan import Plan, read_time_s, velocity_unit, write_time_s
 
 
 def describe(plan: Plan) -> Iterator[str]:
     """One line per thing that would be sent."""
     robot, ids = plan.robot, plan.robot.ids
-    baud = robot.bus.baud_rate
-    yield f"robot {robot.name}: {counted(len(ids), 'servo')} {robot.model} at {baud} baud, IDs {_row(ids)}"
+    yield f"robot {robot.name}: {robot.in_words()} at {robot.bus.baud_rate} baud, IDs {_row(ids)}"
     yield f"cycle {plan.cycle_duration_s:g} s, {plan.steps} steps, one every {plan.row_period_s * 1000:.1f} ms"
-    write, read = write_time_s(len(ids), baud) * 1000, read_time_s(len(ids), baud) * 1000
+    write, read = write_time_s(robot) * 1000, read_time_s(robot) * 1000
     yield f"on the bus a row takes {write:.2f} ms to write and {read:.2f} ms to read back"
     yield "ping each servo; check model, firmware, voltage, hardware errors"
     yield "torque_enable = 0, bus_watchdog = 0, profile_acceleration = 0 on every servo"
@@ -22,8 +20,8 @@ def describe(plan: Plan) -> Iterator[str]:
         keeps = register.endswith("_limit") and not plan.widen_limits
         where = "where it differs; a servo's own narrower limit stays" if keeps else "where it differs"
         yield f"{register} = {_row(values)}   ({where})"
-    yield f"profile_velocity = {_row(plan.approach_velocity())}   (0.229 rpm)"
-    yield f"bus_watchdog = {plan.watchdog_units} on every servo   ({plan.watchdog_s:.2f} s, from torque on)"
+    yield f"profile_velocity = {_row(plan.approach_velocity())}   ({velocity_unit(robot)})"
+    yield f"bus_watchdog = {_row(plan.watchdog_units)}   ({plan.watchdog_s:.2f} s, from torque on)"
     yield "goal_position = present position, torque_enable = 1 on every servo"
     yield f"approach:   goal_position = {_row(plan.ticks[0])}; wait for arrival"
     yield f"profile_velocity = {_row(plan.play_velocity())}"

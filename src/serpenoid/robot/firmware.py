@@ -10,9 +10,8 @@ from math import ceil, radians
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.robot.control_table import VOLT_PER_UNIT
-from serpenoid.robot.plan import BITS_PER_BYTE, Plan, write_time_s
-from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.robot.plan import BITS_PER_BYTE, Plan, velocity_unit, write_time_s
+from serpenoid.robot.ticks import radians_per_tick
 from serpenoid.wording import counted
 
 BUTTON_PIN = 2
@@ -26,7 +25,8 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
     _refuse_oversize(plan)
     robot = plan.robot
     motion, window = robot.motion, robot.voltage
-    approach_ticks = radians(motion.approach_limit_deg) / RADIANS_PER_TICK
+    tick, servos = radians_per_tick(robot), robot.servos
+    shared = servos[0].shared
     approach_s = motion.approach_limit_deg / (motion.approach_speed_rpm * 6.0)
     values = {
         "TITLE": f"{_comment(robot.name)}: {plan.steps} steps, "
@@ -41,15 +41,24 @@ def sketch(plan: Plan, power_stream: bool = False) -> str:
         "BAUD": robot.bus.baud_rate,
         "BUTTON_PIN": BUTTON_PIN,
         "STREAM_POWER": "true" if power_stream else "false",
-        "MINIMUM_DECIVOLT": ceil(window.minimum_V / VOLT_PER_UNIT - 1e-9),
-        "MAXIMUM_DECIVOLT": int(window.maximum_V / VOLT_PER_UNIT + 1e-9),
-        "ARRIVAL_TICKS": round(radians(robot.arrival_tolerance_deg) / RADIANS_PER_TICK),
-        "APPROACH_LIMIT_TICKS": round(approach_ticks),
-        "APPROACH_VELOCITY": plan.approach_velocity()[0],
+        "MODELS": _list(servo.number for servo in servos),
+        "MODEL_NAMES": ", ".join(kind.name for kind in robot.kinds),
+        "VELOCITY_UNIT": velocity_unit(robot),
+        "FACTORY_SPEED_LIMITS": _list(servo.registers["velocity_limit"].initial for servo in servos),
+        "POSITION_MODES": _list(servo.position_mode for servo in servos),
+        "GOAL_ADDRESS": shared.goal.address,
+        "GOAL_SIZE": shared.goal.size,
+        "TORQUE_ADDRESS": shared.torque.address,
+        "TORQUE_SIZE": shared.torque.size,
+        "MINIMUM_DECIVOLT": ceil(window.minimum_V / shared.volt_per_unit - 1e-9),
+        "MAXIMUM_DECIVOLT": int(window.maximum_V / shared.volt_per_unit + 1e-9),
+        "ARRIVAL_TICKS": _list(np.rint(np.radians(robot.arrival_tolerances_deg) / tick)),
+        "APPROACH_LIMIT_TICKS": _list(np.rint(radians(motion.approach_limit_deg) / tick)),
+        "APPROACH_VELOCITIES": _list(plan.approach_velocity()),
         "APPROACH_MS": round(1500 * approach_s + 2000),
         "LOOK_TIME_US": _look_time_us(plan),
         "WIDEN_LIMITS": "true" if plan.widen_limits else "false",
-        "WATCHDOG": plan.watchdog_units,
+        "WATCHDOGS": _list(plan.watchdog_units),
         "IDS": _list(robot.ids),
         "MINIMA": _list(joint.minimum_ticks for joint in robot.joint),
         "MAXIMA": _list(joint.maximum_ticks for joint in robot.joint),
@@ -73,7 +82,7 @@ def _comment(name: str) -> str:
 def _look_time_us(plan: Plan) -> int:
     """Two reads of one servo (at most 58 bytes), one row, and 2 ms for the board itself."""
     baud = plan.robot.bus.baud_rate
-    return round(1e6 * (58 * BITS_PER_BYTE / baud + write_time_s(len(plan.robot.joint), baud))) + 2000
+    return round(1e6 * (58 * BITS_PER_BYTE / baud + write_time_s(plan.robot))) + 2000
 
 
 def _refuse_oversize(plan: Plan) -> None:
@@ -86,5 +95,5 @@ def _refuse_oversize(plan: Plan) -> None:
         )
 
 
-def _list(values: Iterable[int]) -> str:
+def _list(values: Iterable[float]) -> str:
     return ", ".join(str(int(value)) for value in values)

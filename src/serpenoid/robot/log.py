@@ -25,7 +25,7 @@ from serpenoid.robot.ticks import to_radians
 
 LINE_BYTES = len("10000.000000,approach,1000,1000\n")
 JOINT_BYTES = len(",-0.516952,-0.516952,11.8,-0.123,30,0")  # as GROUPS, which `write` writes
-GROUPS = ("command", "position", "voltage", "load", "temperature", "error")
+GROUPS = ("command", "position", "voltage", "effort", "temperature", "error")
 
 
 class ServoLog:
@@ -60,9 +60,12 @@ class ServoLog:
         self._start = time.monotonic()
         if self._path is not None:
             self._stream = open_new(self._path)
-            joints = range(1, len(self._robot.joint) + 1)
-            columns = [f"{group}_{j}" for group in GROUPS for j in joints]
+            columns = [f"{self._column(group, j)}_{j + 1}" for group in GROUPS for j in range(len(self._robot.joint))]
             self._put(",".join(["t_s", "phase", "cycle", "step", *columns]))
+
+    def _column(self, group: str, joint: int) -> str:
+        """A servo's effort is called what it is: `load`, or `current` where it measures that."""
+        return self._robot.servos[joint].effort.column if group == "effort" else group
 
     def __enter__(self) -> Self:
         return self
@@ -90,7 +93,7 @@ class ServoLog:
         cells = [f"{moment - self._start:.6f}", *map(str, place)]
         cells += [f"{angle:.6f}" for angle in (*commanded, *measured)]
         cells += [f"{servo.voltage:.1f}" for servo in servos]
-        cells += [f"{servo.load:.3f}" for servo in servos]
+        cells += [f"{servo.effort:.3f}" for servo in servos]
         cells += [str(servo.temperature) for servo in servos]
         cells += [str(errors.get(servo_id, 0)) for servo_id in self._robot.ids]
         self._put(",".join(cells))

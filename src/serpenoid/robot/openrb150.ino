@@ -19,15 +19,16 @@ const uint32_t BAUD = @BAUD@UL;
 const uint8_t BUTTON_PIN = @BUTTON_PIN@;
 const bool STREAM_POWER = @STREAM_POWER@;  // INA260 at I2C address 0x40: t_s,voltage_V,current_A,power_W over USB
 
-const uint16_t MODEL = 1060;  // XL430-W250-T
+const uint16_t MODEL[JOINTS] = {@MODELS@};  // @MODEL_NAMES@
 const int32_t MINIMUM_DECIVOLT = @MINIMUM_DECIVOLT@;
 const int32_t MAXIMUM_DECIVOLT = @MAXIMUM_DECIVOLT@;
-const int32_t ARRIVAL_TICKS = @ARRIVAL_TICKS@;
-const int32_t APPROACH_LIMIT_TICKS = @APPROACH_LIMIT_TICKS@;
-const int32_t APPROACH_VELOCITY = @APPROACH_VELOCITY@;  // 0.229 rpm
+const int32_t ARRIVAL_TICKS[JOINTS] = {@ARRIVAL_TICKS@};
+const int32_t APPROACH_LIMIT_TICKS[JOINTS] = {@APPROACH_LIMIT_TICKS@};
+const int32_t APPROACH_VELOCITY[JOINTS] = {@APPROACH_VELOCITIES@};  // @VELOCITY_UNIT@
 const bool WIDEN_LIMITS = @WIDEN_LIMITS@;
-const int16_t FACTORY_SPEED_LIMIT = 265;  // 0.229 rpm
-const int32_t WATCHDOG = @WATCHDOG@;  // 20 ms
+const int16_t FACTORY_SPEED_LIMIT[JOINTS] = {@FACTORY_SPEED_LIMITS@};  // @VELOCITY_UNIT@
+const int32_t POSITION_MODE[JOINTS] = {@POSITION_MODES@};
+const int32_t WATCHDOG[JOINTS] = {@WATCHDOGS@};  // 20 ms
 const uint32_t APPROACH_MS = @APPROACH_MS@UL;
 const uint32_t LOOK_US = 50000UL;  // button and servos are looked at this often in long rows and pauses
 const uint32_t LOOK_TIME_US = @LOOK_TIME_US@UL;  // and one look takes at most about this long
@@ -35,7 +36,7 @@ const uint32_t LOOK_TIME_US = @LOOK_TIME_US@UL;  // and one look takes at most a
 const uint8_t ID[JOINTS] = {@IDS@};
 const int16_t MINIMUM[JOINTS] = {@MINIMA@};
 const int16_t MAXIMUM[JOINTS] = {@MAXIMA@};
-const int16_t SPEED_LIMIT[JOINTS] = {@SPEED_LIMITS@};  // 0.229 rpm
+const int16_t SPEED_LIMIT[JOINTS] = {@SPEED_LIMITS@};  // @VELOCITY_UNIT@
 const int16_t PLAY_VELOCITY[JOINTS] = {@PLAY_VELOCITIES@};
 
 // Goal positions in ticks: one row per step, joint_1 (tail) first. `const` keeps the table in flash.
@@ -126,18 +127,18 @@ bool hasNarrowerLimits(uint8_t j) {
   return dxl.readControlTableItem(MIN_POSITION_LIMIT, ID[j]) > MINIMUM[j] ||
          dxl.readControlTableItem(MAX_POSITION_LIMIT, ID[j]) < MAXIMUM[j] ||
          dxl.readControlTableItem(VELOCITY_LIMIT, ID[j]) <
-             (SPEED_LIMIT[j] < FACTORY_SPEED_LIMIT ? SPEED_LIMIT[j] : FACTORY_SPEED_LIMIT);
+             (SPEED_LIMIT[j] < FACTORY_SPEED_LIMIT[j] ? SPEED_LIMIT[j] : FACTORY_SPEED_LIMIT[j]);
 }
 
 void setUpServo(uint8_t j) {
   const uint8_t id = ID[j];
-  if (!dxl.ping(id) || dxl.getModelNumber(id) != MODEL) {
-    fail("no XL430-W250 answers", id);
+  if (!dxl.ping(id) || dxl.getModelNumber(id) != MODEL[j]) {
+    fail("no servo of the robot file's model answers", id);
   }
   dxl.torqueOff(id);
   set(BUS_WATCHDOG, id, 0);
   set(DRIVE_MODE, id, 0);
-  set(OPERATING_MODE, id, 3);
+  set(OPERATING_MODE, id, POSITION_MODE[j]);
   set(HOMING_OFFSET, id, 0);
   if (!WIDEN_LIMITS && hasNarrowerLimits(j)) {
     fail("its own limits are narrower than the robot file's (export --widen-limits overwrites them)", id);
@@ -182,13 +183,13 @@ bool approach() {
   for (uint8_t j = 0; j < JOINTS; j++) {
     checkServo(j);
     const int32_t position = dxl.readControlTableItem(PRESENT_POSITION, ID[j]);
-    if (position < MINIMUM[j] || position > MAXIMUM[j] || distance(j) > APPROACH_LIMIT_TICKS) {
+    if (position < MINIMUM[j] || position > MAXIMUM[j] || distance(j) > APPROACH_LIMIT_TICKS[j]) {
       fail("too far from the first row", ID[j]);
     }
   }
   for (uint8_t j = 0; j < JOINTS; j++) {
-    setVelocity(j, APPROACH_VELOCITY);
-    dxl.writeControlTableItem(BUS_WATCHDOG, ID[j], WATCHDOG);  // it waits for torque
+    setVelocity(j, APPROACH_VELOCITY[j]);
+    dxl.writeControlTableItem(BUS_WATCHDOG, ID[j], WATCHDOG[j]);  // it waits for torque
   }
   for (uint8_t j = 0; j < JOINTS; j++) {
     dxl.writeControlTableItem(GOAL_POSITION, ID[j], dxl.readControlTableItem(PRESENT_POSITION, ID[j]));
@@ -201,7 +202,7 @@ bool approach() {
       return false;
     }
     sendRow(0);  // every servo must hear something, or its watchdog stops it
-    if (distance(j) <= ARRIVAL_TICKS) {
+    if (distance(j) <= ARRIVAL_TICKS[j]) {
       j++;
     } else if (millis() - begin > APPROACH_MS) {
       fail("did not arrive at the first row", ID[j]);
@@ -305,8 +306,8 @@ void setup() {
     offOf[j].id = ID[j];
     offOf[j].p_data = &off;
   }
-  prepare(goalPacket, goalOf, 116, 4);
-  prepare(offPacket, offOf, 64, 1);
+  prepare(goalPacket, goalOf, @GOAL_ADDRESS@, @GOAL_SIZE@);
+  prepare(offPacket, offOf, @TORQUE_ADDRESS@, @TORQUE_SIZE@);
   torqueOffAll();
 }
 

@@ -16,13 +16,6 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.joint_limits import travels
-from serpenoid.robot.bus import HEALTH_BYTES, STATE_BYTES
-from serpenoid.robot.control_table import (
-    POSITION_MODE,
-    RPM_PER_VELOCITY_UNIT,
-    TICKS_PER_TURN,
-    WATCHDOG_UNIT_S,
-)
 from serpenoid.robot.description import Robot
 from serpenoid.robot.ticks import to_ticks
 
@@ -83,13 +76,15 @@ class Plan:
         return self.steps * self.cycles + ceil(self.end_s / READING_INTERVAL_S)
 
     @property
-    def watchdog_units(self) -> int:
-        """Bus Watchdog (98)."""
-        return ceil(self.robot.motion.watchdog_s / WATCHDOG_UNIT_S - 1e-9)
+    def watchdog_units(self) -> list[int]:
+        """Bus Watchdog (98) of each joint."""
+        return [ceil(self.robot.motion.watchdog_s / servo.watchdog_unit_s - 1e-9) for servo in self.robot.servos]
 
     @property
     def watchdog_s(self) -> float:
-        return self.watchdog_units * WATCHDOG_UNIT_S
+        """The longest silence after which every servo has stopped."""
+        servos = self.robot.servos
+        return max(u * servo.watchdog_unit_s for u, servo in zip(self.watchdog_units, servos, strict=True))
 
     def rows(self) -> Iterator[RowCommand]:
         """Every row in the order in which it is sent."""
@@ -107,18 +102,17 @@ class Plan:
 
     def peak_speed_rpm(self) -> NDArray[np.float64]:
         """Fastest step of each joint (m,), in a closed table the one from the last row to the first among them."""
-        return row_speeds_rpm(self.ticks, self.cycle_duration_s, self.closed).max(axis=0)
+        return row_speeds_rpm(self.ticks, self.robot, self.cycle_duration_s, self.closed).max(axis=0)
 
     def approach_velocity(self) -> list[int]:
         """Profile Velocity (112) on the way to the first row."""
-        return [velocity_units(self.robot.motion.approach_speed_rpm)] * len(self.robot.joint)
+        return [servo.velocity_units(self.robot.motion.approach_speed_rpm) for servo in self.robot.servos]
 
     def play_velocity(self) -> list[int]:
         """Profile Velocity (112) while playing: enough for the table, never above the joint's limit."""
-        limits = [joint.speed_limit_rpm for joint in self.robot.joint]
         return [
-            velocity_units(min(SPEED_RESERVE * peak, cap))
-            for peak, cap in zip(self.peak_speed_rpm(), limits, strict=True)
+            joint.servo.velocity_units(min(SPEED_RESERVE * peak, joint.speed_limit_rpm))
+            for peak, joint in zip(self.peak_speed_rpm(), self.robot.joint, strict=True)
         ]
 
     def settings(self) -> dict[str, list[int]]:
@@ -127,9 +121,9 @@ class Plan:
         return {
             "return_delay_time": [RETURN_DELAY_UNITS] * len(joints),
             "drive_mode": [0] * len(joints),
-            "operating_mode": [POSITION_MODE] * len(joints),
+            "operating_mode": [joint.servo.position_mode for joint in joints],
             "homing_offset": [0] * len(joints),
-            "velocity_limit": [velocity_units(joint.speed_limit_rpm) for joint in joints],
+            "velocity_limit": [joint.servo.velocity_units(joint.speed_limit_rpm) for joint in joints],
             "minimum_position_limit": [joint.minimum_ticks for joint in joints],
             "maximum_position_limit": [joint.maximum_ticks for joint in joints],
         }
@@ -156,24 +150,29 @@ def check_repetition(cycles: int, pause_s: float) -> None:
         raise InputError(f"--pause must be between 0 and 600 seconds, got {pause_s}.")
 
 
-def row_speeds_rpm(ticks: NDArray[np.int64], cycle_duration_s: float, closed: bool) -> NDArray[np.float64]:
+def row_speeds_rpm(
+    ticks: NDArray[np.int64], robot: Robot, cycle_duration_s: float, closed: bool
+) -> NDArray[np.float64]:
     """Speed (T, m) of every step: from each row to the next, and in a closed table from the last to the first."""
     steps = travels(ticks, closed)
-    return np.asarray(steps * (len(steps) * 60.0 / (TICKS_PER_TURN * cycle_duration_s)))
+    per_turn = np.array([servo.ticks_per_turn for servo in robot.servos])
+    return np.asarray(steps * (len(steps) * 60.0 / (per_turn * cycle_duration_s)))
 
 
-def write_time_s(joints: int, baud_rate: int) -> float:
-    """One sync write of a row: 14 bytes and 5 per servo."""
-    return (14 + 5 * joints) * BITS_PER_BYTE / baud_rate
+def velocity_unit(robot: Robot) -> str:
+    """Of Velocity Limit (44) and Profile Velocity (112): `0.229 rpm`."""
+    return ", ".join(dict.fromkeys(f"{kind.rpm_per_velocity_unit:g} rpm" for kind in robot.kinds))
 
 
-def read_time_s(joints: int, baud_rate: int) -> float:
+def write_time_s(robot: Robot) -> float:
+    """One sync write of a row: 14 bytes, and the ID and the goal of each servo."""
+    goal = robot.servos[0].shared.goal
+    return (14 + (1 + goal.size) * len(robot.joint)) * BITS_PER_BYTE / robot.bus.baud_rate
+
+
+def read_time_s(robot: Robot) -> float:
     """One sync read of all states and one servo's health: questions, answers, return delays."""
-    state = 14 + joints + joints * (11 + STATE_BYTES)
-    health = 14 + 11 + HEALTH_BYTES
-    return (state + health) * BITS_PER_BYTE / baud_rate + (joints + 1) * RETURN_DELAY_UNITS * 2e-6
-
-
-def velocity_units(rpm: float) -> int:
-    """Velocity Limit (44) and Profile Velocity (112), never above `rpm`."""
-    return max(1, int(rpm / RPM_PER_VELOCITY_UNIT + 1e-9))
+    joints = len(robot.joint)
+    state = 14 + joints + sum(11 + servo.state.size for servo in robot.servos)
+    health = 14 + 11 + max(servo.health.size for servo in robot.servos)
+    return (state + health) * BITS_PER_BYTE / robot.bus.baud_rate + (joints + 1) * RETURN_DELAY_UNITS * 2e-6

@@ -15,7 +15,7 @@ from serpenoid.robot.log import ServoLog
 from serpenoid.robot.plan import READING_INTERVAL_S, Plan, RowCommand, read_time_s
 from serpenoid.robot.prepare import refuse, set_profile, set_up
 from serpenoid.robot.stop import StopWatcher
-from serpenoid.robot.ticks import RADIANS_PER_TICK, to_radians
+from serpenoid.robot.ticks import radians_per_tick, to_radians
 from serpenoid.robot.timing import RowTiming
 from serpenoid.robot.tracking import RowClock, Tracking
 from serpenoid.robot.watch import ServoWatch
@@ -47,7 +47,7 @@ class Player:
         self._ids = plan.robot.ids
         self._slipped_s = 0.0
         self._watch = ServoWatch(bus, plan)
-        self._reading_s = read_time_s(len(self._ids), plan.robot.bus.baud_rate)
+        self._reading_s = read_time_s(plan.robot)
         self._gave_up = False
         self.given_up_readings = 0
         self.switched_on = False  # from just before the first torque_enable = 1; all watchdogs are armed by then
@@ -78,9 +78,9 @@ class Player:
         """Profile and watchdogs, which wait for torque; goal = where it stands, so that nothing jumps; then torque."""
         states = self._bus.read_states(self._ids)
         set_profile(self._bus, self._plan, self._plan.approach_velocity())
-        for servo_id in self._ids:
+        for servo_id, units in zip(self._ids, self._plan.watchdog_units, strict=True):
             self._stop.check()
-            self._bus.write(servo_id, "bus_watchdog", self._plan.watchdog_units)
+            self._bus.write(servo_id, "bus_watchdog", units)
         self.switched_on = True
         fed = time.monotonic()
         for servo_id in self._ids:
@@ -94,12 +94,12 @@ class Player:
     def _approach(self) -> None:
         """Slowly to the first row; a joint that does not arrive stops the trial."""
         first = RowCommand(0.0, "approach", 0, 0, self._plan.ticks[0])
-        motion = self._plan.robot.motion
+        motion, tick = self._plan.robot.motion, radians_per_tick(self._plan.robot)
         states = self._bus.read_states(self._ids)
-        farthest = float(np.abs(self._positions(states) - first.goals).max()) * RADIANS_PER_TICK
+        farthest = float((np.abs(self._positions(states) - first.goals) * tick).max())
         seconds = farthest / (motion.approach_speed_rpm * 2 * np.pi / 60)
         self._progress(f"approaching the first row ({seconds:.1f} s)")
-        tolerance = np.radians(self._plan.robot.arrival_tolerance_deg) / RADIANS_PER_TICK
+        tolerance = np.radians(self._plan.robot.arrival_tolerances_deg) / tick
         give_up = time.monotonic() + 1.5 * seconds + 2.0
         self._send(first)
         before = self._positions(states)
@@ -107,7 +107,7 @@ class Player:
             self._stop.wait_until(time.monotonic() + READING_INTERVAL_S / 2)
             now = self._positions(self._read(first))
             off, moved, before = np.abs(now - first.goals), np.abs(now - before), now
-            if off.max() <= tolerance and moved.max() <= STANDSTILL_TICKS:
+            if (off <= tolerance).all() and moved.max() <= STANDSTILL_TICKS:
                 break
             if time.monotonic() > give_up:
                 raise RobotFault(self._not_there(off))
@@ -115,9 +115,11 @@ class Player:
 
     def _not_there(self, off: NDArray[np.int64]) -> str:
         robot = self._plan.robot
-        short, limit = np.degrees(off.max() * RADIANS_PER_TICK), robot.arrival_tolerance_deg
-        where = f"{robot.joint_label(int(off.argmax()))} did not arrive at the first row: {short:.1f} degrees short"
-        return f"{where}, the limit is {limit:g} (`limit_deg` in [tracking]). Is it blocked, or does the floor hold it?"
+        short, limits = np.degrees(off * radians_per_tick(robot)), robot.arrival_tolerances_deg
+        joint = int((short - limits).argmax())
+        where = f"{robot.joint_label(joint)} did not arrive at the first row: {short[joint]:.1f} degrees short"
+        limit = f"the limit is {limits[joint]:g} (`limit_deg` in [tracking])"
+        return f"{where}, {limit}. Is it blocked, or does the floor hold it?"
 
     def _play(self) -> None:
         plan = self._plan

@@ -9,17 +9,10 @@ import numpy as np
 
 from serpenoid.robot.bus import Bus
 from serpenoid.robot.checks import Refusal, check_voltage
-from serpenoid.robot.control_table import (
-    MODEL_NAME,
-    MODEL_NUMBER,
-    OLDEST_FIRMWARE,
-    REGISTERS,
-    RPM_PER_VELOCITY_UNIT,
-    name_hardware_errors,
-)
 from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import BusFault, PortLost, RobotFault
-from serpenoid.robot.plan import Plan, velocity_units
+from serpenoid.robot.models import ServoModel, by_number
+from serpenoid.robot.plan import Plan
 from serpenoid.robot.stop import StopWatcher
 
 
@@ -32,18 +25,18 @@ def set_up(bus: Bus, plan: Plan, stop: StopWatcher) -> tuple[Plan, list[str]]:
     refuse(inspect(bus, plan.robot))
     robot, notes = (plan.robot, []) if plan.widen_limits else narrower(bus, plan.robot)
     plan = replace(plan, robot=robot)
-    ids = plan.robot.ids
+    ids, servos = plan.robot.ids, plan.robot.servos
     for servo_id in ids:
         bus.write(servo_id, "torque_enable", 0)
         bus.write(servo_id, "bus_watchdog", 0)  # clears a trip that an earlier, killed run left behind
         bus.write(servo_id, "profile_acceleration", 0)
     for register, values in plan.settings().items():
-        for servo_id, value in zip(ids, values, strict=True):
+        for servo_id, servo, value in zip(ids, servos, values, strict=True):
             stop.check()
             before = bus.read(servo_id, register)
             if before != value:  # EEPROM wears out: write only what differs
                 bus.write(servo_id, register, value)
-                if before != REGISTERS[register].initial:  # somebody set it
+                if before != servo.registers[register].initial:  # somebody set it
                     label = plan.robot.joint_label(ids.index(servo_id))
                     notes.append(f"{label}: {register} {before} -> {value} written to its memory")
     return plan, notes
@@ -54,14 +47,15 @@ def narrower(bus: Bus, robot: Robot) -> tuple[Robot, list[str]]:
     joints, notes = [], []
     for j, joint in enumerate(robot.joint):
         low, high = (bus.read(joint.id, f"{end}_position_limit") for end in ("minimum", "maximum"))
-        speed = bus.read(joint.id, "velocity_limit")
+        speed, servo = bus.read(joint.id, "velocity_limit"), joint.servo
         own: dict[str, float] = {}
         if low > joint.minimum_ticks:
             own["minimum_ticks"] = low
         if high < joint.maximum_ticks:
             own["maximum_ticks"] = high
-        if speed < velocity_units(joint.speed_limit_rpm) and speed < REGISTERS["velocity_limit"].initial:
-            own["speed_limit_rpm"] = speed * RPM_PER_VELOCITY_UNIT
+        factory = servo.registers["velocity_limit"].initial
+        if speed < servo.velocity_units(joint.speed_limit_rpm) and speed < factory:
+            own["speed_limit_rpm"] = speed * servo.rpm_per_velocity_unit
         said = [f"`{name}` is {value:.4g}, not {getattr(joint, name):g}" for name, value in own.items()]
         if said:
             holds = "the narrower limit holds (--widen-limits writes the robot file's)"
@@ -79,10 +73,10 @@ def set_profile(bus: Bus, plan: Plan, velocity: Sequence[int]) -> None:
 def identify(bus: Bus, robot: Robot) -> list[Refusal]:
     """Ping each servo: presence, model, firmware."""
     refusals = []
-    for j, servo_id in enumerate(robot.ids):
-        label = f"{robot.joint_label(j)}, before step 0"
+    for j, joint in enumerate(robot.joint):
+        label, servo_id = f"{robot.joint_label(j)}, before step 0", joint.id
         try:
-            model = bus.ping(servo_id)
+            number = bus.ping(servo_id)
             firmware = bus.read(servo_id, "firmware_version")
         except PortLost:
             raise
@@ -90,26 +84,33 @@ def identify(bus: Bus, robot: Robot) -> list[Refusal]:
             remedy = "Check power and cable, and whether two servos have this ID: serpenoid robot scan."
             refusals.append(Refusal(label, str(fault).rstrip("."), f"expected at {robot.bus.baud_rate} baud", remedy))
             continue
-        if model != MODEL_NUMBER:
-            limit = f"`model` is {MODEL_NAME} ({MODEL_NUMBER})"
-            refusals.append(Refusal(label, f"model number {model}", limit, "Correct the ID or the servo."))
-        if firmware < OLDEST_FIRMWARE:
-            limit = f"the oldest that serves is {OLDEST_FIRMWARE}"
+        if number != joint.servo.number:
+            refusals.append(_another_model(label, number, joint.servo))
+        elif firmware < joint.servo.oldest_firmware:
+            limit = f"the oldest that serves is {joint.servo.oldest_firmware}"
             refusals.append(Refusal(label, f"firmware {firmware}", limit, "Update it with DYNAMIXEL Wizard 2.0."))
     return refusals
+
+
+def _another_model(label: str, number: int, wanted: ServoModel) -> Refusal:
+    """A servo that is not what the robot file says."""
+    found = by_number(number)
+    value = f"model number {number}" + (f", an {found.name}" if found is not None else ", which is not known here")
+    remedy = "Correct the ID or the servo"
+    if found is not None:
+        remedy += f', or write model = "{found.name}" in the robot file (in its [[joint]] if others differ)'
+    return Refusal(label, value, f"`model` is {wanted.name} ({wanted.number})", f"{remedy}.")
 
 
 def inspect(bus: Bus, robot: Robot) -> list[Refusal]:
     """Voltage and hardware errors."""
     states = bus.read_states(robot.ids)
     refusals = check_voltage(np.array([states[servo_id].voltage for servo_id in robot.ids]), robot)
-    for j, servo_id in enumerate(robot.ids):
-        bits = bus.read_health(servo_id).hardware_error
+    for j, joint in enumerate(robot.joint):
+        bits = bus.read_health(joint.id).hardware_error
         if bits:
-            remedy = "Then reboot it: serpenoid robot reboot."
-            refusals.append(
-                Refusal(f"{robot.joint_label(j)}, before step 0", name_hardware_errors(bits), "no error", remedy)
-            )
+            remedy, trouble = "Then reboot it: serpenoid robot reboot.", joint.servo.name_hardware_errors(bits)
+            refusals.append(Refusal(f"{robot.joint_label(j)}, before step 0", trouble, "no error", remedy))
     return refusals
 
 

@@ -78,7 +78,7 @@ def _play(
 ) -> Outcome:
     outcome = Outcome("done", "played to the end")
     log = next(recorder for recorder in recorders if isinstance(recorder, ServoLog))
-    bus = open_bus(port, plan.robot.bus.baud_rate)
+    bus = open_bus(port, plan.robot.bus.baud_rate, plan.robot.by_id)
     try:
         player = Player(bus, plan, log, stop, progress, lambda: _begin(recorders, folder, plan))
         try:
@@ -159,7 +159,7 @@ def _switch_off_again(bus: Bus, port: str, plan: Plan, progress: Progress) -> li
     while time.monotonic() < give_up:
         bus.close()
         try:
-            with Bus(port, plan.robot.bus.baud_rate) as again:
+            with Bus(port, plan.robot.bus.baud_rate, plan.robot.by_id) as again:
                 return again.torque_off(plan.robot.ids)
         except BusFault:
             time.sleep(0.1)
@@ -191,6 +191,7 @@ def _summary(plan: Plan, outcome: Outcome) -> dict[str, Any]:
         "reason": outcome.reason,
         "torque_off": outcome.torque_off,
         "robot": plan.robot.name,
+        "servos": [servo.name for servo in plan.robot.servos],
         "cycle_duration_s": plan.cycle_duration_s,
         "cycles": plan.cycles,
         "pause_s": plan.pause_s,

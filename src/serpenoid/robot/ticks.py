@@ -1,31 +1,31 @@
-"""Radians to servo ticks and back: `ticks = zero_ticks + sign * round(angle * 4096 / (2 pi))`.
+"""Radians to servo ticks and back: `ticks = zero_ticks + sign * round(angle / tick)`, tick = 2 pi / ticks per turn.
 
-m: joints. The round trip radians -> ticks -> radians is exact within half a tick, pi / 4096 rad.
+m: joints. The round trip radians -> ticks -> radians is exact within half a tick, pi / 4096 rad of most servos.
 """
 
 from __future__ import annotations
 
-from math import tau
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from serpenoid.robot.control_table import TICKS_PER_TURN
 from serpenoid.robot.description import Robot
 
-RADIANS_PER_TICK = tau / TICKS_PER_TURN
+
+def radians_per_tick(robot: Robot) -> NDArray[np.float64]:
+    """Of each joint (m,)."""
+    return np.array([servo.radians_per_tick for servo in robot.servos])
 
 
 def to_ticks(angles: ArrayLike, robot: Robot) -> NDArray[np.int64]:
     """Joint angles (..., m) [rad] to servo positions (..., m) [ticks]; angles must be finite."""
-    turned = np.rint(np.asarray(angles, dtype=float) / RADIANS_PER_TICK)
+    turned = np.rint(np.asarray(angles, dtype=float) / radians_per_tick(robot))
     return _zeros(robot) + _signs(robot) * turned.astype(np.int64)
 
 
 def to_radians(ticks: ArrayLike, robot: Robot) -> NDArray[np.float64]:
     """Servo positions (..., m) [ticks] to joint angles (..., m) [rad]."""
     turned = (np.asarray(ticks, dtype=np.int64) - _zeros(robot)) * _signs(robot)
-    return np.asarray(turned * RADIANS_PER_TICK, dtype=np.float64)
+    return np.asarray(turned * radians_per_tick(robot), dtype=np.float64)
 
 
 def _zeros(robot: Robot) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import RobotFault
-from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.robot.ticks import radians_per_tick
 
 STILL_TICKS = 3  # over a whole cycle: the shaft did not move
 WHOLE = 0.9  # of a cycle between the first and the last of its readings
@@ -34,6 +34,7 @@ class Tracking:
 
     def __init__(self, robot: Robot, cycle_s: float) -> None:
         self._robot, self._cycle_s = robot, cycle_s
+        self._limits, self._tick = robot.tracking_limits_deg, radians_per_tick(robot)  # (m,) [degrees], [rad]
         self._cycle: deque[tuple[float, Ticks, Ticks]] = deque()  # moment, command, position
         self._sent: deque[tuple[float, Ticks]] = deque()
         self._running = 0
@@ -50,9 +51,11 @@ class Tracking:
         error = self._error(moment, positions)
         blocked = self._blocked(moment, positions)
         self.worst = np.maximum(self.worst, error)
-        self._running = self._running + 1 if error.max() > self._robot.tracking.limit_deg else 0
+        beyond = error - self._limits
+        self._running = self._running + 1 if beyond.max() > 0 else 0
         if self._running == READINGS:
-            self._act(int(error.argmax()), f"is {error.max():.1f} degrees off its command")
+            worst = int(beyond.argmax())
+            self._act(worst, f"is {error[worst]:.1f} degrees off its command")
         elif blocked.max() > 0:
             self._act(int(blocked.argmax()), f"did not move in a whole cycle of {blocked.max():.1f} degrees")
 
@@ -62,7 +65,7 @@ class Tracking:
             self._sent.popleft()
         commands = np.array([goals for _, goals in self._sent])
         off = np.maximum(commands.min(axis=0) - positions, positions - commands.max(axis=0))
-        return np.degrees(np.maximum(off, 0) * RADIANS_PER_TICK)
+        return np.degrees(np.maximum(off, 0) * self._tick)
 
     def _blocked(self, moment: float, positions: Ticks) -> NDArray[np.float64]:
         """Commanded travel over the last cycle [degrees] of joints that stood still in it, else 0, shape (m,)."""
@@ -72,15 +75,15 @@ class Tracking:
         moments, commands, places = zip(*self._cycle, strict=True)
         if moments[-1] - moments[0] < WHOLE * self._cycle_s * self.stretch:
             return np.zeros(len(positions))
-        travel = np.degrees(np.ptp(commands, axis=0) * RADIANS_PER_TICK)
+        travel = np.degrees(np.ptp(commands, axis=0) * self._tick)
         still = np.ptp(places, axis=0) <= STILL_TICKS
-        return np.where(still & (travel > self._robot.tracking.limit_deg), travel, 0.0)
+        return np.where(still & (travel > self._limits), travel, 0.0)
 
     def _act(self, joint: int, fault: str) -> None:
         self._running = 0
         self._cycle.clear()
         label, rule = self._robot.joint_label(joint), self._robot.tracking
-        what = f"{label} {fault}, `limit_deg` in [tracking] is {rule.limit_deg:g}"
+        what = f"{label} {fault}, `limit_deg` in [tracking] is {self._limits[joint]:g}"
         if rule.action == "stop" or (rule.action == "slow" and self.stretch * SLOWER > SLOWEST):
             slowed = f", though the gait was slowed down {self.stretch:.2g} times" if self.stretch > 1 else ""
             raise RobotFault(f"{what}{slowed}. Is it blocked, overloaded, or its horn loose?")
@@ -91,8 +94,8 @@ class Tracking:
 
     def sentence(self) -> str:
         """For the summary."""
-        joint = int(self.worst.argmax())
-        limit = f"the limit is {self._robot.tracking.limit_deg:g}"
+        joint = int((self.worst - self._limits).argmax())
+        limit = f"the limit is {self._limits[joint]:g}"
         worst = (
             f"largest error beyond the lag {self.worst[joint]:.1f} degrees, {self._robot.joint_label(joint)} ({limit})"
         )

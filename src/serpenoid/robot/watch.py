@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from serpenoid.robot.bus import Bus, ServoHealth, ServoState
-from serpenoid.robot.control_table import name_hardware_errors
 from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.plan import Plan
 
@@ -40,10 +39,11 @@ class ServoWatch:
 
     def _refuse_sick(self, healths: Mapping[int, ServoHealth], states: Mapping[int, ServoState]) -> None:
         for servo_id, health in healths.items():
-            label = self._plan.robot.joint_label(self._ids.index(servo_id))
+            joint = self._ids.index(servo_id)
+            label = self._plan.robot.joint_label(joint)
             if health.hardware_error:
                 state = f"{states[servo_id].temperature} deg C, {states[servo_id].voltage:.1f} V"
-                trouble = name_hardware_errors(health.hardware_error)
+                trouble = self._plan.robot.servos[joint].name_hardware_errors(health.hardware_error)
                 raise RobotFault(f"{label} protects itself: {trouble}; {state}. Then: serpenoid robot reboot.")
             if health.watchdog_tripped:
                 raise RobotFault(

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import ceil, radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
-from serpenoid.robot.control_table import BAUD_RATES, TICKS_PER_TURN
-from serpenoid.robot.ticks import RADIANS_PER_TICK
+from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.scaffold.json_schema import write_schema
-from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, whole
+from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of, whole
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
 
-CENTRE = TICKS_PER_TURN // 2
+CELL_V = 3.3, 4.2, 3.7  # of a lithium cell: empty, full, nominal
+CLOSE = 0.1  # a battery this near to what is recommended serves
+NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven")
+USUAL, USUAL_SPEED = "usual", 0.7  # of the no-load speed at the recommended voltage
 
 
 def _ids(text: str) -> tuple[int, ...]:
@@ -27,17 +29,24 @@ def _ids(text: str) -> tuple[int, ...]:
 
 
 def _baud_rate(text: str) -> int:
-    if not text.isdecimal() or int(text) not in BAUD_RATES.values():
-        raise ValueError(f"needs one of {', '.join(map(str, BAUD_RATES.values()))}")
+    known = sorted({rate for servo in models().values() for rate in servo.baud_rates.values()})
+    if not text.isdecimal() or int(text) not in known:
+        raise ValueError(f"needs one of {', '.join(map(str, known))}")
     return int(text)
+
+
+def _speed(text: str) -> float | None:
+    """None: what is usual."""
+    return None if text == USUAL else number(0, max(servo.fastest[1] for servo in models().values()))(text)
 
 
 QUESTIONS = (
     Question("problem", "Problem file of its body (empty: answer the next)", "", existing),
     Question("joints", "How many joints (where no problem file is given)?", "6", whole(1, 60), "problem"),
+    Question("model", f"Servo model ({', '.join(models())})", DEFAULT, one_of(*models())),
     Question("ids", "Servo IDs, tail to head, with commas (empty: 1, 2, 3 ...)", "", _ids),
     Question("joint-limit", "How far may the mechanics bend a joint, in degrees?", "80", number(0, 175)),
-    Question("speed-limit", "How fast may a joint turn, in rpm?", "40", number(0, 61)),
+    Question("speed-limit", f"How fast may a joint turn, in rpm ({USUAL}: 0.7 of its no-load speed)?", USUAL, _speed),
     Question("baud-rate", "Baud rate of the servos", "1000000", _baud_rate),
 )
 
@@ -49,11 +58,46 @@ def write(path: Path, answers: Answers) -> str:
     ids = answers["ids"] or tuple(range(1, joints + 1))
     if len(ids) != joints:
         raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
-    head = _head(write_schema(path.parent, "robot"), path.stem, answers)
-    reach = int(radians(answers["joint-limit"]) / RADIANS_PER_TICK)
-    servos = [_servo(number, servo_id, reach, answers) for number, servo_id in enumerate(ids, 1)]
-    write_text(path, "\n".join([head, _limits(answers, problem), *servos]))
+    servo = models()[answers["model"]]
+    answers = {**answers, "speed-limit": _speed_limit(servo, answers)}
+    _refuse_rate(servo, answers["baud-rate"])
+    head = _head(write_schema(path.parent, "robot"), path.stem, servo, answers)
+    joint_sections = [_servo(number, servo_id, servo, answers) for number, servo_id in enumerate(ids, 1)]
+    write_text(path, "\n".join([head, _limits(answers, problem), *joint_sections]))
     return f"serpenoid robot emulate --robot {path}"
+
+
+def _speed_limit(servo: ServoModel, answers: Answers) -> float:
+    """What was asked for, if the motor can; else what is usual [rpm]."""
+    asked: float | None = answers["speed-limit"]
+    volts, fastest = servo.fastest
+    if asked is not None and asked > fastest:
+        raise InputError(
+            f"--speed-limit: {servo.name} servos do {fastest:g} rpm at {volts:g} V without load, got {asked:g}."
+        )
+    return float(ceil(USUAL_SPEED * servo.no_load_speed_rpm(servo.recommended_V))) if asked is None else asked
+
+
+def _refuse_rate(servo: ServoModel, baud_rate: int) -> None:
+    rates = servo.baud_rates.values()
+    if baud_rate not in rates:
+        raise InputError(f"--baud-rate: {servo.name} servos know {', '.join(map(str, rates))}, got {baud_rate}.")
+
+
+def _voltage_section(servo: ServoModel) -> str:
+    """A battery of lithium cells where one is near what is recommended, else a supply."""
+    (low, high), wanted = servo.voltage_range, servo.recommended_V
+    empty, full, nominal = CELL_V
+    cells = round(wanted / nominal)
+    if abs(cells * nominal - wanted) <= CLOSE * wanted:
+        window, source = (cells * empty, cells * full, cells * nominal), f"{NUMBERS[cells]} lithium cells"
+    else:
+        window, source = (wanted * (1 - CLOSE), wanted * (1 + CLOSE), wanted), f"a supply of {wanted:g} V"
+    lowest, highest, usual = max(low, window[0]), min(high, window[1]), window[2]
+    return f"""[voltage]                    # at the servos' input; {source}
+minimum_V = {lowest:.1f}
+maximum_V = {highest:.1f}
+nominal_V = {usual:.1f}"""
 
 
 def _problem(answers: Answers) -> Problem | None:
@@ -78,7 +122,7 @@ def _limits(answers: Answers, problem: Problem | None) -> str:
 """
 
 
-def _head(hint: str, name: str, answers: Answers) -> str:
+def _head(hint: str, name: str, servo: ServoModel, answers: Answers) -> str:
     return f"""{hint}
 # {name}: which servo moves which joint. joint_1 is next to the tail. `serpenoid schema robot` lists every key.
 #   serpenoid robot emulate --robot {name}.toml                        rehearse without a robot
@@ -88,7 +132,7 @@ def _head(hint: str, name: str, answers: Answers) -> str:
 # with them. Turn a joint counter-clockwise seen from above: if its ticks fall, its sign is -1.
 format = 1
 name = "{name}"
-model = "XL430-W250-T"
+model = "{servo.name}"  # a [[joint]] with another servo says `model` itself
 
 [bus]
 baud_rate = {answers["baud-rate"]}          # servos leave the factory at 57600, all with ID 1
@@ -99,26 +143,24 @@ approach_speed_rpm = 5.0     # slow way to the first row
 approach_limit_deg = 90.0    # no joint may be farther than this from the first row
 watchdog_s = 0.5             # a servo that hears nothing for so long stops by itself
 
-[voltage]                    # at the servos' input; three lithium cells
-minimum_V = 9.9
-maximum_V = 12.6
-nominal_V = 11.1
+{_voltage_section(servo)}
 
 [tracking]                   # how far a joint may stand from its command, lag apart
-limit_deg = 12.0
+limit_deg = {servo.tracking_limit_deg:.1f}             # without this line: of each servo's own model
 lag_s = 0.3
 action = "stop"              # or "slow", "warn"
 """
 
 
-def _servo(number: int, servo_id: int, reach: int, answers: Answers) -> str:
-    limit = answers["joint-limit"]
+def _servo(number: int, servo_id: int, servo: ServoModel, answers: Answers) -> str:
+    limit, centre = answers["joint-limit"], servo.ticks_per_turn // 2
+    reach = int(radians(limit) / servo.radians_per_tick)
     return f"""[[joint]]                    # joint_{number}
 id = {servo_id}
 sign = 1
-zero_ticks = {CENTRE}
-minimum_ticks = {CENTRE - reach}         # -{limit:g} degrees
-maximum_ticks = {CENTRE + reach}         # +{limit:g} degrees
+zero_ticks = {centre}
+minimum_ticks = {centre - reach}         # -{limit:g} degrees
+maximum_ticks = {centre + reach}         # +{limit:g} degrees
 speed_limit_rpm = {answers["speed-limit"]:g}
 """
 

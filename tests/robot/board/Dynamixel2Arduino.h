@@ -1,4 +1,4 @@
-// The parts of Dynamixel2Arduino that the sketch uses, with the XL430's rules checked at every call.
+// The parts of Dynamixel2Arduino that the sketch uses, with the servos' rules checked at every call.
 #pragma once
 #include <cstdint>
 

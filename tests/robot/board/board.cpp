@@ -1,4 +1,5 @@
 // Runs a sketch on the host. Arguments: seconds to run, then what happens: press@S  error@S  sag@S  gone@S  wrap  narrow@S
+// The servos' model: MODEL_NUMBER, FACTORY_VELOCITY [0.229 rpm] and DECIVOLT as macros.
 // Prints one line per event; exits with 3 if the sketch breaks a rule of the servos or of the schedule's watchdog.
 #include <cmath>
 #include <cstring>
@@ -38,7 +39,7 @@ void broken(const std::string &rule) {
 
 static void move(Servo &servo, uint64_t us) {
   if (!servo.item[TORQUE_ENABLE]) return;
-  const double units = servo.item[PROFILE_VELOCITY] ? servo.item[PROFILE_VELOCITY] : 265;
+  const double units = servo.item[PROFILE_VELOCITY] ? servo.item[PROFILE_VELOCITY] : FACTORY_VELOCITY;
   const double way = units * 0.229 * 4096 / 60 * us * 1e-6, left = servo.item[GOAL_POSITION] - servo.position;
   servo.position += std::fabs(left) < way ? left : std::copysign(way, left);
   if (servo.item[BUS_WATCHDOG] > 0 && now_us - servo.heard_us > servo.item[BUS_WATCHDOG] * 20000ull)
@@ -84,12 +85,12 @@ void Dynamixel2Arduino::begin(unsigned long rate) {
   for (int id = 1; id <= JOINT_COUNT; id++) {
     servos[id].item[OPERATING_MODE] = 1;
     servos[id].item[MAX_POSITION_LIMIT] = narrow && id == 4 ? 2400 : 4095;
-    servos[id].item[VELOCITY_LIMIT] = 265;
+    servos[id].item[VELOCITY_LIMIT] = FACTORY_VELOCITY;
   }
 }
 bool Dynamixel2Arduino::setPortProtocolVersion(float version) { return version == 2.0f; }
 bool Dynamixel2Arduino::ping(uint8_t id) { return talk(id, 24) != nullptr; }
-uint16_t Dynamixel2Arduino::getModelNumber(uint8_t id) { return talk(id, 27) ? 1060 : 0; }
+uint16_t Dynamixel2Arduino::getModelNumber(uint8_t id) { return talk(id, 27) ? MODEL_NUMBER : 0; }
 bool Dynamixel2Arduino::torqueOn(uint8_t id) { return writeControlTableItem(TORQUE_ENABLE, id, 1); }
 bool Dynamixel2Arduino::torqueOff(uint8_t id) { return writeControlTableItem(TORQUE_ENABLE, id, 0); }
 
@@ -98,7 +99,7 @@ int32_t Dynamixel2Arduino::readControlTableItem(uint8_t item, uint8_t id, uint32
   Servo *servo = talk(id, 29);
   if (!servo) return 0;
   if (item == PRESENT_POSITION) return (int32_t)std::lround(servo->position);
-  if (item == PRESENT_INPUT_VOLTAGE) return now_us >= sag_us ? 90 : 111;
+  if (item == PRESENT_INPUT_VOLTAGE) return now_us >= sag_us ? DECIVOLT * 4 / 5 : DECIVOLT;
   if (item == HARDWARE_ERROR_STATUS) return now_us >= error_us && id == 4 ? 4 : 0;
   return servo->item[item];
 }

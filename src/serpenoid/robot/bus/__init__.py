@@ -2,13 +2,11 @@
 
 from serpenoid.robot.bus.bus import ATTEMPTS_IN_MOTION, Bus, open_bus
 from serpenoid.robot.bus.collisions import REMEDY as COLLISION_REMEDY
-from serpenoid.robot.bus.readings import HEALTH_BYTES, STATE_BYTES, ServoHealth, ServoState
+from serpenoid.robot.bus.readings import ServoHealth, ServoState
 
 __all__ = [
     "ATTEMPTS_IN_MOTION",
     "COLLISION_REMEDY",
-    "HEALTH_BYTES",
-    "STATE_BYTES",
     "Bus",
     "ServoHealth",
     "ServoState",

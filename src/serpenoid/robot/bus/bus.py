@@ -18,10 +18,6 @@ from serpenoid.errors import InputError
 from serpenoid.robot.bus.collisions import Found, read_ping_answers
 from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink
 from serpenoid.robot.bus.readings import (
-    FIRST_HEALTH,
-    FIRST_STATE,
-    HEALTH_BYTES,
-    STATE_BYTES,
     Answer,
     ServoHealth,
     ServoState,
@@ -29,8 +25,8 @@ from serpenoid.robot.bus.readings import (
     decode_health,
     decode_state,
 )
-from serpenoid.robot.control_table import REGISTERS
 from serpenoid.robot.faults import BusFault, PortLost
+from serpenoid.robot.models import DEFAULT, Block, Register, ServoModel, by_number, models
 
 ALERT_BIT = 0x80
 ATTEMPTS_AT_REST = 6  # nothing moves: a slow answer is worth waiting for
@@ -41,9 +37,14 @@ T = TypeVar("T")
 
 
 class Bus:
-    """An open port; close it, or use `with`."""
+    """An open port; close it, or use `with`.
 
-    def __init__(self, port_name: str, baud_rate: int) -> None:
+    servos: each one's model by its ID, with all that is `Shared` alike (`Robot` sees to that); `scan` adds those that
+    it knows. A servo whose model nobody says is spoken to as the usual one.
+    """
+
+    def __init__(self, port_name: str, baud_rate: int, servos: Mapping[int, ServoModel]) -> None:
+        self._servos = dict(servos)
         self._link = SerialLink(port_name)
         self._packets = sdk.Protocol2PacketHandler()
         self.attempts = ATTEMPTS_AT_REST
@@ -51,7 +52,8 @@ class Bus:
         with self._guard("opening"):
             if not self._link.setBaudRate(baud_rate):
                 raise BusFault(f"{port_name}: this computer cannot do {baud_rate} baud.")
-        goal = REGISTERS["goal_position"]
+        self._shared = next(iter(self._servos.values()), models()[DEFAULT]).shared
+        goal = self._shared.goal
         self._goals = sdk.GroupSyncWrite(self._link, self._packets, goal.address, goal.size)
 
     def __enter__(self) -> Self:
@@ -70,26 +72,36 @@ class Bus:
         """Broadcast ping. The SDK throws away what it cannot read, so all that was heard is read here."""
         with self._guard("broadcast ping"), contextlib.suppress(IndexError, TypeError, ValueError):
             self._packets.broadcastPing(self._link)
-        return read_ping_answers(bytes(self._link.heard), lambda data: self._packets.updateCRC(0, data, len(data)))
+        found = read_ping_answers(bytes(self._link.heard), lambda data: self._packets.updateCRC(0, data, len(data)))
+        known = {servo_id: by_number(number) for servo_id, (number, _) in found.servos.items()}
+        self._servos |= {servo_id: servo for servo_id, servo in known.items() if servo is not None}
+        return found
+
+    def model(self, servo_id: int) -> ServoModel:
+        """What is known of a servo, else the usual model."""
+        return self._servos.get(servo_id, models()[DEFAULT])
+
+    def _register(self, servo_id: int, name: str) -> Register:
+        return self.model(servo_id).registers[name]
 
     def is_garbled(self, servo_id: int) -> bool:
         """Whether what comes back from an ID is no whole answer; a single question, so noise may look like it."""
         with self._guard("read", servo_id):
-            self._packets.readTx(self._link, servo_id, FIRST_STATE.address, STATE_BYTES)
-            return self._receive(STATE_BYTES).reason not in ("", NO_ANSWER)
+            self._packets.readTx(self._link, servo_id, self._shared.state.address, self._shared.state.size)
+            return self._receive(self._shared.state.size).reason not in ("", NO_ANSWER)
 
     def ping(self, servo_id: int) -> int:
         """The model number."""
         return self._retry(lambda: self._checked(servo_id, "ping", self._packets.ping(self._link, servo_id)))
 
     def read(self, servo_id: int, register: str) -> int:
-        item = REGISTERS[register]
-        data = self._retry(lambda: self._read_once(servo_id, item.address, item.size).data)
+        item = self._register(servo_id, register)
+        data = self._retry(lambda: self._read_once(servo_id, Block(item.address, item.size)).data)
         return decode(data, item)
 
     def write(self, servo_id: int, register: str, value: int) -> None:
         """Write and wait for the servo's own word that it took the value."""
-        item = REGISTERS[register]
+        item = self._register(servo_id, register)
         data = list((value & (1 << 8 * item.size) - 1).to_bytes(item.size, "little"))
 
         def once() -> None:
@@ -105,7 +117,7 @@ class Bus:
         """One sync write of goal positions [ticks]; sync writes get no answer, so limits are checked before."""
         self._goals.clearParam()
         for servo_id, ticks in goals.items():
-            self._goals.addParam(servo_id, list(int(ticks).to_bytes(4, "little", signed=True)))
+            self._goals.addParam(servo_id, list(int(ticks).to_bytes(self._shared.goal.size, "little", signed=True)))
         with self._guard("sync write"):
             result = self._goals.txPacket()
         if result != sdk.COMM_SUCCESS:
@@ -122,11 +134,12 @@ class Bus:
 
     def read_health(self, servo_id: int) -> ServoHealth:
         """Torque, hardware error and watchdog of one servo, in one exchange."""
-        return decode_health(self._retry(lambda: self._read_once(servo_id, FIRST_HEALTH.address, HEALTH_BYTES)).data)
+        servo = self.model(servo_id)
+        return decode_health(self._retry(lambda: self._read_once(servo_id, servo.health)).data, servo)
 
     def torque_off(self, servo_ids: Iterable[int]) -> list[int]:
         """Switch every motor off, all at once and then one by one; return the IDs that did not confirm."""
-        torque = REGISTERS["torque_enable"]
+        torque = self._shared.torque
         self.attempts = ATTEMPTS_AT_REST
         for _ in range(2):
             with self._guard("torque off"):
@@ -146,27 +159,29 @@ class Bus:
         """Servos answer in the order asked; one out of turn is a late answer to an earlier question, and old."""
         with self._guard("sync read"):
             ids = list(servo_ids)
-            self._packets.syncReadTx(self._link, FIRST_STATE.address, STATE_BYTES, ids, len(ids), False)
+            self._packets.syncReadTx(
+                self._link, self._shared.state.address, self._shared.state.size, ids, len(ids), False
+            )
             waiting = list(ids)
             while waiting:
-                answer = self._receive(STATE_BYTES)
+                answer = self._receive(self._shared.state.size)
                 if answer.reason == NO_ANSWER:
                     return
                 if answer.servo_id in (waiting[0], None):
                     servo_id = waiting.pop(0)
                     if not answer.reason:
-                        yield servo_id, decode_state(answer.data, answer.alert)
+                        yield servo_id, decode_state(answer.data, answer.alert, self.model(servo_id))
 
     def _read_state(self, servo_id: int) -> ServoState:
-        answer = self._read_once(servo_id, FIRST_STATE.address, STATE_BYTES)
-        return decode_state(answer.data, answer.alert)
+        answer = self._read_once(servo_id, self._shared.state)
+        return decode_state(answer.data, answer.alert, self.model(servo_id))
 
-    def _read_once(self, servo_id: int, address: int, size: int) -> Answer:
+    def _read_once(self, servo_id: int, block: Block) -> Answer:
         with self._guard("read", servo_id):
-            self._packets.readTx(self._link, servo_id, address, size)
-            answer = self._receive(size)
+            self._packets.readTx(self._link, servo_id, block.address, block.size)
+            answer = self._receive(block.size)
             while answer.servo_id not in (servo_id, None):  # a late answer to an earlier question
-                answer = self._receive(size)
+                answer = self._receive(block.size)
         if answer.reason:
             raise BusFault(f"servo {servo_id}: {answer.reason}.", servo_id)
         return answer
@@ -222,10 +237,10 @@ def _reason(result: int) -> str:
     return NO_ANSWER if result == sdk.COMM_RX_TIMEOUT else "a corrupt answer (its checksum or length is wrong)"
 
 
-def open_bus(port_name: str, baud_rate: int) -> Bus:
+def open_bus(port_name: str, baud_rate: int, servos: Mapping[int, ServoModel]) -> Bus:
     """A Bus on a port that the user named: what cannot be opened is bad input."""
     try:
-        return Bus(port_name, baud_rate)
+        return Bus(port_name, baud_rate, servos)
     except BusFault as fault:
         cause = fault.__cause__ or fault
         remedy = "Is it the right port, free, and may you use it (Linux: group dialout)?"

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from serpenoid.robot.control_table import LOAD_PER_UNIT, REGISTERS, VOLT_PER_UNIT, WATCHDOG_TRIPPED, Register
-
-FIRST_STATE = REGISTERS["present_load"]
-STATE_BYTES = REGISTERS["present_temperature"].end - FIRST_STATE.address
-FIRST_HEALTH = REGISTERS["torque_enable"]
-HEALTH_BYTES = REGISTERS["bus_watchdog"].end - FIRST_HEALTH.address
+from serpenoid.robot.models import WATCHDOG_TRIPPED, Block, Register, ServoModel
 
 
 @dataclass(frozen=True)
 class ServoState:
-    """One reading: load [-1..1], position [ticks], voltage [V], temperature [deg C], the status packet's alert bit."""
+    """One reading: position [ticks], voltage [V], temperature [deg C], the status packet's alert bit.
+
+    effort: what its model tells of its motor (`models.Effort`): load [-1..1] or current [A].
+    """
 
     position: int
-    load: float
+    effort: float
     voltage: float
     temperature: int
     alert: bool
@@ -47,28 +45,28 @@ def decode(data: bytes, item: Register) -> int:
     return int.from_bytes(data, "little", signed=item.signed)
 
 
-def _unpack(data: bytes, start: int) -> Callable[[str], int]:
-    """Registers by name out of a block that was read from address `start`."""
+def _unpack(data: bytes, block: Block, servo: ServoModel) -> Callable[[str], int]:
+    """Registers by name out of a block that was read."""
 
     def value(name: str) -> int:
-        register = REGISTERS[name]
-        return decode(data[register.address - start : register.end - start], register)
+        register = servo.registers[name]
+        return decode(data[register.address - block.address : register.end - block.address], register)
 
     return value
 
 
-def decode_state(data: bytes, alert: bool) -> ServoState:
-    value = _unpack(data, FIRST_STATE.address)
+def decode_state(data: bytes, alert: bool, servo: ServoModel) -> ServoState:
+    value = _unpack(data, servo.state, servo)
     return ServoState(
         position=value("present_position"),
-        load=value("present_load") * LOAD_PER_UNIT,
-        voltage=value("present_input_voltage") * VOLT_PER_UNIT,
+        effort=value(servo.effort.register) * servo.effort.per_unit,
+        voltage=value("present_input_voltage") * servo.volt_per_unit,
         temperature=value("present_temperature"),
         alert=alert,
     )
 
 
-def decode_health(data: bytes) -> ServoHealth:
-    value = _unpack(data, FIRST_HEALTH.address)
+def decode_health(data: bytes, servo: ServoModel) -> ServoHealth:
+    value = _unpack(data, servo.health, servo)
     tripped = value("bus_watchdog") == WATCHDOG_TRIPPED
     return ServoHealth(bool(value("torque_enable")), value("hardware_error_status"), tripped)

@@ -1,1 +1,1 @@
-"""Ten XL430 servos on a pseudo-terminal: Protocol 2.0, control table, motion, faults. For rehearsal and tests."""
+"""A chain of servos on a pseudo-terminal: Protocol 2.0, control table, motion, faults. For rehearsal and tests."""

@@ -1,4 +1,4 @@
-"""Ten servos on one bus: bytes in, timed bytes out. Pure: time is an argument, so tests need no clock."""
+"""Servos on one bus: bytes in, timed bytes out. Pure: time is an argument, so tests need no clock."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ KINDS: dict[str, tuple[bool, float, str]] = {
     "stuck": (True, 0.0, "the shaft turns no faster than this many rpm: 0 is blocked"),
     "crc": (True, 1.0, "this share of the servo's answers has a wrong checksum"),
     "delay": (True, 0.1, "the servo answers this many seconds late"),
-    "overheat": (True, 80.0, "the servo's temperature jumps to this many degrees"),
+    "overheat": (True, 90.0, "the servo's temperature jumps to this many degrees"),
     "voltage": (False, 9.0, "the battery falls to this many volts"),
     "unplug": (False, 1e9, "the cable is out for this many seconds"),
     "noise": (False, 0.5, "this share of all answers has one random byte changed"),

@@ -8,24 +8,20 @@ from __future__ import annotations
 
 from math import copysign, exp, inf, sqrt
 
-from serpenoid.robot.control_table import (
-    RPM2_PER_ACCELERATION_UNIT,
-    RPM_PER_VELOCITY_UNIT,
-    TICKS_PER_TURN,
-    no_load_speed_rpm,
-)
+from serpenoid.robot.models import ServoModel
 
 STEP_S = 0.002
 LAG_S = 0.020
-TICKS_PER_S_PER_RPM = TICKS_PER_TURN / 60.0
-TICKS_PER_S_PER_UNIT = RPM_PER_VELOCITY_UNIT * TICKS_PER_S_PER_RPM
-TICKS_PER_S2_PER_UNIT = RPM2_PER_ACCELERATION_UNIT * TICKS_PER_TURN / 3600.0
 
 
 class Motion:
     """Position, profile and speed of one shaft [ticks, s]."""
 
-    def __init__(self, position: float) -> None:
+    def __init__(self, position: float, model: ServoModel) -> None:
+        self._model = model
+        self.per_rpm = model.ticks_per_turn / 60.0  # [ticks/s]
+        self.per_unit = model.rpm_per_velocity_unit * self.per_rpm  # [ticks/s]
+        self._per_acceleration_unit = model.rpm2_per_acceleration_unit * model.ticks_per_turn / 3600.0  # [ticks/s^2]
         self.position = position
         self.profile = position
         self.velocity = 0.0
@@ -39,7 +35,7 @@ class Motion:
 
     def advance(self, duration: float, goal: float, velocity: int, acceleration: int, voltage: float) -> None:
         """Move for `duration` [s] towards `goal` with the register values of the profile."""
-        fastest = min(no_load_speed_rpm(voltage), self.fastest_rpm) * TICKS_PER_S_PER_RPM
+        fastest = min(self._model.no_load_speed_rpm(voltage), self.fastest_rpm) * self.per_rpm
         remaining = duration
         while remaining > 0:
             step = min(STEP_S, remaining)
@@ -52,9 +48,9 @@ class Motion:
 
     def walk_profile(self, duration: float, goal: float, velocity: int, acceleration: int, voltage: float) -> None:
         """Move the profile alone; it never asks for more than the no-load speed."""
-        fastest = no_load_speed_rpm(voltage) * TICKS_PER_S_PER_RPM
-        limit = min(velocity * TICKS_PER_S_PER_UNIT, fastest) if velocity else fastest
-        self._move_profile(duration, goal, limit, acceleration * TICKS_PER_S2_PER_UNIT)
+        fastest = self._model.no_load_speed_rpm(voltage) * self.per_rpm
+        limit = min(velocity * self.per_unit, fastest) if velocity else fastest
+        self._move_profile(duration, goal, limit, acceleration * self._per_acceleration_unit)
 
     def _move_profile(self, step: float, goal: float, limit: float, acceleration: float) -> None:
         distance = goal - self.profile

@@ -12,9 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from serpenoid.robot.control_table import RPM_PER_VELOCITY_UNIT, WATCHDOG_TRIPPED
 from serpenoid.robot.emulator.chain import Chain, Reply
-from serpenoid.robot.emulator.motion import TICKS_PER_S_PER_UNIT
+from serpenoid.robot.models import WATCHDOG_TRIPPED
 
 IDLE_S = 0.02
 
@@ -58,12 +57,13 @@ class PtyServer:
             "servos": [
                 {
                     "id": servo.id,
+                    "model": servo.model.name,
                     "torque": servo.torque,
                     "watchdog_tripped": servo.table["bus_watchdog"] == WATCHDOG_TRIPPED,
                     "position_ticks": servo.table["present_position"],
                     "lowest_ticks": servo.lowest,
                     "highest_ticks": servo.highest,
-                    "fastest_rpm": servo.fastest / TICKS_PER_S_PER_UNIT * RPM_PER_VELOCITY_UNIT,
+                    "fastest_rpm": servo.fastest / servo.motion.per_rpm,
                     "hardware_error": servo.table["hardware_error_status"],
                 }
                 for servo in self.chain.servos

@@ -1,16 +1,15 @@
-"""One emulated XL430: its control table, its shaft, its watchdog and its protection."""
+"""One emulated servo: its control table, its shaft, its watchdog and its protection."""
 
 from __future__ import annotations
 
 from math import copysign
 
-from serpenoid.robot.control_table import LOAD_PER_UNIT, VOLT_PER_UNIT, WATCHDOG_TRIPPED, WATCHDOG_UNIT_S
 from serpenoid.robot.emulator import packets
 from serpenoid.robot.emulator.memory import ACCESS, INSTRUCTION_ERROR, ControlTable
-from serpenoid.robot.emulator.motion import TICKS_PER_S_PER_UNIT, Motion
+from serpenoid.robot.emulator.motion import Motion
+from serpenoid.robot.models import WATCHDOG_TRIPPED, ServoModel
 
-RESTING_VOLTAGE = 11.8
-SAG_PER_MOVING_SPEED = 0.2 / 3000.0  # [V per tick/s]: a battery gives way a little under load
+SAG = 0.0231348  # of the voltage that a motor turns at: a battery gives way a little under load (0.2 V at 44 rpm)
 ROOM_TEMPERATURE = 34
 OVERVOLTAGE_BIT, OVERHEAT_BIT = 0x01, 0x04
 
@@ -18,10 +17,11 @@ OVERVOLTAGE_BIT, OVERHEAT_BIT = 0x01, 0x04
 class EmulatedServo:
     """Answers instructions and moves; `advance(now)` must be called before each instruction."""
 
-    def __init__(self, servo_id: int, baud_value: int, position: float = 2048.0) -> None:
-        self.table = ControlTable(servo_id, baud_value)
-        self.motion = Motion(position)
-        self.supply_voltage = RESTING_VOLTAGE
+    def __init__(self, model: ServoModel, servo_id: int, baud_value: int, position: float = 2048.0) -> None:
+        self.model = model
+        self.table = ControlTable(model, servo_id, baud_value)
+        self.motion = Motion(position, model)
+        self.supply_voltage = self.table["present_input_voltage"] * model.volt_per_unit
         self.temperature = ROOM_TEMPERATURE
         self.lowest = self.highest = position  # where the shaft has been while it was driven
         self.fastest = 0.0  # [ticks/s]
@@ -48,8 +48,9 @@ class EmulatedServo:
         self._now = now
         table = self.table
         watchdog = table["bus_watchdog"]
-        if self.torque and watchdog > 0 and now - self._last_heard > watchdog * WATCHDOG_UNIT_S:
-            self._drive(max(0.0, duration - (now - self._last_heard - watchdog * WATCHDOG_UNIT_S)))
+        patience = watchdog * self.model.watchdog_unit_s
+        if self.torque and watchdog > 0 and now - self._last_heard > patience:
+            self._drive(max(0.0, duration - (now - self._last_heard - patience)))
             self._trip()
         elif self.torque and watchdog != WATCHDOG_TRIPPED:
             self._drive(duration)
@@ -122,7 +123,7 @@ class EmulatedServo:
         status = table["hardware_error_status"]
         if self.temperature > table["temperature_limit"]:
             status |= OVERHEAT_BIT
-        low, high = (table[f"{end}_voltage_limit"] * VOLT_PER_UNIT for end in ("minimum", "maximum"))
+        low, high = (table[f"{end}_voltage_limit"] * self.model.volt_per_unit for end in ("minimum", "maximum"))
         if not low <= self.supply_voltage <= high:
             status |= OVERVOLTAGE_BIT
         table["hardware_error_status"] = status
@@ -130,15 +131,16 @@ class EmulatedServo:
             table["torque_enable"] = 0
 
     def _publish(self) -> None:
-        table, motion = self.table, self.motion
+        table, motion, effort = self.table, self.motion, self.model.effort
         error = motion.profile - motion.position
         table["present_position"] = round(motion.position)
-        table["present_velocity"] = round(motion.velocity / TICKS_PER_S_PER_UNIT)
+        table["present_velocity"] = round(motion.velocity / motion.per_unit)
         load = copysign(min(1.0, abs(error) / 200.0), error) if self.torque else 0.0
-        table["present_load"] = round(load / LOAD_PER_UNIT)
-        table["moving"] = int(abs(motion.velocity) > table["moving_threshold"] * TICKS_PER_S_PER_UNIT)
-        voltage = self.supply_voltage - SAG_PER_MOVING_SPEED * abs(motion.velocity)
-        table["present_input_voltage"] = round(voltage / VOLT_PER_UNIT)
+        table[effort.register] = round(load * effort.full / effort.per_unit)
+        table["moving"] = int(abs(motion.velocity) > table["moving_threshold"] * motion.per_unit)
+        turned_at = abs(motion.velocity) / motion.per_rpm / self.model.no_load_speed_rpm(1.0)  # [V]
+        voltage = self.supply_voltage - SAG * turned_at
+        table["present_input_voltage"] = round(voltage / self.model.volt_per_unit)
         table["present_temperature"] = round(self.temperature)
         table["position_trajectory"] = round(motion.profile)
         table["realtime_tick"] = int((self._now or 0.0) * 1000) % 32768
