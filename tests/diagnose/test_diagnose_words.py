@@ -53,6 +53,8 @@ def test_numbers_stand_in_the_units_people_use(value: float | None, unit: str, t
 def test_digits_tell_the_ends_of_an_interval_apart() -> None:
     assert parameter({"value": 0.15, "interval": [0.14992, 0.15006], "unit": "1"}) == "0.15 (95 %: 0.14992 .. 0.15006)"
     assert parameter({"value": 0.5, "interval": [0.3, None], "unit": "m/s"}) == "500 mm/s (95 %: 300 mm/s .. unbounded)"
+    one_unit = {"value": -6.95e-6, "interval": [-7.25e-5, 5.86e-5], "unit": "m"}
+    assert parameter(one_unit) == "-0.00695 mm (95 %: -0.0725 mm .. 0.0586 mm)"
     bound = {"value": 1.0, "interval": [0.8, 1.0], "unit": "1", "at_bound": True}
     assert parameter(bound).endswith("at its bound)")
 

@@ -43,12 +43,12 @@ def alternative(effect: Record) -> str:
     return f"{title(effect)} in the place of {title(instead)}" if instead else title(effect)
 
 
-def shown(value: float | None, unit: str, digits: int = 3) -> str:
-    """A number in the unit that people use, as `1.97 mm` (of a worm, in um); `unbounded` for None."""
+def shown(value: float | None, unit: str, digits: int = 3, size: float | None = None) -> str:
+    """A number in the unit that people use, as `1.97 mm` (of a worm, in um), or of its `size`; `unbounded` for None."""
     if value is None:
         return "unbounded"
     scale, name = SCALES.get(unit, (1.0, "" if unit == "1" else unit))
-    if name[:2] == "mm" and 0 < abs(value) < SMALL_M:
+    if name[:2] == "mm" and 0 < (abs(value) if size is None else size) < SMALL_M:
         scale, name = 1e6, f"\N{MICRO SIGN}m{name[2:]}"
     number = value * scale
     text = f"{number:.{digits}g}" if abs(number) < 1000 else f"{number:.0f}"
@@ -63,12 +63,12 @@ def parameter(p: Record) -> str:
 
 
 def ends(p: Record) -> tuple[str, str, str]:
-    """Value and ends of the interval, with as many digits as tell them apart."""
+    """Value and ends of the interval, in one unit, with as many digits as tell them apart."""
     low, high = p["interval"]
     size = max(abs(x) for x in (p["value"], low, high) if x is not None)
     width = high - low if None not in (low, high) else size
     digits = 3 if width <= 0 or size == 0 else max(3, 2 + math.ceil(math.log10(size / width)))
-    value, first, last = (shown(x, p["unit"], digits) for x in (p["value"], low, high))
+    value, first, last = (shown(x, p["unit"], digits, size) for x in (p["value"], low, high))
     return value, first, last
 
 
