@@ -177,8 +177,13 @@ def _campaign_lines(folder: Path) -> list[str]:
 
 def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:
     """What the verb said when it wrote the folder."""
+    from serpenoid.errors import InputError
+
     if not (folder / options.SUMMARY).exists():
-        raise ValueError(f"no {options.SUMMARY} beside it")
+        raise InputError(
+            f"no {options.SUMMARY} beside it: the command that wrote it was stopped before it ended. Run it again with "
+            "the same --out: what it kept is not computed again."
+        )
     return read_text(folder / options.SUMMARY).splitlines()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,11 +50,11 @@ def write(path: Path, answers: Answers) -> str:
     ids = answers["ids"] or tuple(range(1, joints + 1))
     if len(ids) != joints:
         raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
-    head = _head(write_schema(path.parent, "robot"), path.stem, answers)
+    head = _head(write_schema(path.parent, "robot"), path.name, answers)
     reach = int(radians(answers["joint-limit"]) / RADIANS_PER_TICK)
     servos = [_servo(number, servo_id, reach, answers) for number, servo_id in enumerate(ids, 1)]
     write_text(path, "\n".join([head, _limits(answers, problem), *servos]))
-    return f"serpenoid robot emulate --robot {path}"
+    return f"serpenoid robot emulate --robot {shlex.quote(str(path))}"
 
 
 def _problem(answers: Answers) -> Problem | None:
@@ -78,12 +79,13 @@ def _limits(answers: Answers, problem: Problem | None) -> str:
 """
 
 
-def _head(hint: str, name: str, answers: Answers) -> str:
+def _head(hint: str, file: str, answers: Answers) -> str:
+    name, typed = Path(file).stem, shlex.quote(file)
     return f"""{hint}
 # {name}: which servo moves which joint. joint_1 is next to the tail. `serpenoid schema robot` lists every key.
-#   serpenoid robot emulate --robot {name}.toml                        rehearse without a robot
+#   serpenoid robot emulate --robot {typed}                        rehearse without a robot
 #   serpenoid robot scan                                               what is on the bus
-#   serpenoid play RESULTS --robot {name}.toml --log trials/first      play and record
+#   serpenoid play RESULTS --robot {typed} --log trials/first      play and record
 # Calibrate: straighten the robot by hand, copy the ticks that `robot scan` shows into `zero_ticks` and shift the limits
 # with them. Turn a joint counter-clockwise seen from above: if its ticks fall, its sign is -1.
 format = 1
