@@ -195,10 +195,16 @@ def test_open_shows_the_report_before_any_picture(
     assert [Path(url).name for url in opened] == ["b.png", "report.html"]
 
 
+def test_show_of_what_was_begun_alone_says_how_to_go_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "request.json").write_text('{"verb": "sweep", "request": "0"}', encoding="utf-8")
+    assert main(["show", str(tmp_path)]) == 2
+    assert "holds no answer yet. The command that began it was stopped" in capsys.readouterr().err
+
+
 def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "fit.json").write_text(json.dumps({"joint": {}}), encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 2
-    assert "stopped before it ended. Run it again" in capsys.readouterr().err
+    assert "stopped before it ended: run it again" in capsys.readouterr().err
     (tmp_path / "summary.txt").write_text("anisotropy_ratio 0.2\n", encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 0
     assert capsys.readouterr().out.startswith("anisotropy_ratio 0.2\n")

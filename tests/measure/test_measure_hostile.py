@@ -15,6 +15,7 @@ from rehearsal import serpenoid_table
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
+from serpenoid.measure.columns import ServoColumns, ServoKeys
 from serpenoid.measure.consistency.check import check
 from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.geometry import marker_faults
@@ -111,6 +112,16 @@ def test_what_is_no_file_has_no_digest_and_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
     (tmp_path / "endless.csv").symlink_to("/dev/zero")
     assert [file_digest(tmp_path / name) for name in ("pipe.csv", "endless.csv", ".")] == ["", "", ""]
+
+
+def test_columns_that_servo_log_names_and_a_log_has_not_are_told(tmp_path):
+    """A misspelt name would cost the commands without a word; names that nobody gave are no promise."""
+    path = tmp_path / "servo.csv"
+    path.write_text("t_s,position_1,goal_1\n0,0.1,0.1\n1,0.2,0.2\n")
+    misspelt = ServoKeys(columns=ServoColumns(command="gaol_*", cycle="round"))
+    assert read_servo_log(path, misspelt).absent == ("`gaol_*` (command)", "`round` (cycle)")
+    assert read_servo_log(path, ServoKeys(columns=ServoColumns(command="goal_*"))).absent == ()
+    assert read_servo_log(path).absent == ()
 
 
 @pytest.mark.parametrize("joints", [1, 2, 4])
