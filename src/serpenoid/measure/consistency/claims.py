@@ -83,7 +83,7 @@ def believe(
             words = f"{count} rows of the servo log are the row before them to the last character: each is read once"
             remarks[files.entry.name].append(words)
         if files.servo_log is not None and (absent := files.servo_log.absent):
-            words = f"the servo log has no column {', '.join(absent)} that [servo_log] names, and is read without. Misspelt?"
+            words = f"the servo log has no column {', '.join(absent)}, which [servo_log] names: is it misspelt?"
             remarks[files.entry.name].append(words)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
