@@ -114,6 +114,13 @@ def test_what_is_no_file_has_no_digest_and_is_not_waited_for(tmp_path):
     assert [file_digest(tmp_path / name) for name in ("pipe.csv", "endless.csv", ".")] == ["", "", ""]
 
 
+def test_a_number_that_is_too_large_is_told_as_too_large(tmp_path):
+    path = tmp_path / "servo.csv"
+    path.write_text("t_s,position_1\n0,0.1\n1,1e300\n")
+    with pytest.raises(InputError, match=r"row 3, column B \(`position_1`\): .* Larger than .* is no measurement"):
+        read_servo_log(path)
+
+
 def test_columns_that_servo_log_names_and_a_log_has_not_are_told(tmp_path):
     """A misspelt name would cost the commands without a word; names that nobody gave are no promise."""
     path = tmp_path / "servo.csv"
