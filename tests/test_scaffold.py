@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import shlex
 import shutil
 import subprocess
 import sys
@@ -73,6 +74,21 @@ def test_edges_say_the_length_and_a_second_word_on_it_is_refused(
     assert "--length" not in capsys.readouterr().out
     assert main(["new", "problem", str(tmp_path / "two.toml"), "--yes", *edges, "--length", "0.9"]) == 2
     assert "--length: --edges says it already. Leave one of them out." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["problem", "robot", "protocol", "campaign"])
+@pytest.mark.parametrize("name", ["my snake", "plain"])
+def test_commands_of_a_new_file_are_those_that_a_shell_takes(
+    kind: str, name: str, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    """Names with spaces, and without `.toml`, are one word, and the file's own."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", kind, name, "--yes"]) == 0
+    begin = capsys.readouterr().out.splitlines()[-1].removeprefix("Begin: ")
+    assert name in shlex.split(begin)
+    text = next(p for p in (tmp_path / name, tmp_path / name / "campaign.toml") if p.is_file()).read_text()
+    commands = [line.removeprefix("#").split("  ")[1] for line in text.splitlines() if line.startswith("#   serpenoid")]
+    assert sum(name in shlex.split(command) for command in commands) >= (1 if kind == "protocol" else 2)
 
 
 def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -> None:

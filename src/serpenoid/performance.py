@@ -11,12 +11,19 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.problem import Problem
 
 Range: TypeAlias = tuple[float, float]
 GRAVITY = 9.81  # m / s^2
+STANDS = 1e-8  # body lengths: as far as a certificate takes two poses for the same
+
+
+def moving(displacement: Floats) -> NDArray[np.bool_]:
+    """Which displacements (n,) are more than what certificates let pass for none: others have no cost of transport."""
+    return np.asarray(displacement) > STANDS
 
 
 def normalised_cost_of_transport(displacement: Floats, dissipation: Floats, idle: float) -> Floats:
@@ -64,12 +71,13 @@ def between(c: Floats, values: Floats, at: Floats) -> Floats:
 
 
 def idle_for_minimum(c: Floats, displacement: Floats, dissipation: Floats, low: float, high: float) -> Range | None:
-    """Idle levels for which the cost of transport is least at a c between low and high; None if the sweep is shorter.
+    """Idle levels for which the cost of transport is least at a c between low and high; None where none is known.
 
-    p(c) = Delta / c - dissipation falls with c (its slope is -Delta / c^2), so the two ends bound the levels.
+    p(c) = Delta / c - dissipation falls with c (its slope is -Delta / c^2), so the two ends bound the levels. Gaits on
+    either side of the interval say nothing of it unless one lies in it, and no idle level is negative.
     """
-    if c.size < 2 or c.min() > low or c.max() < high:
+    if c.size < 2 or c.min() > low or c.max() < high or not ((c >= low) & (c <= high)).any():
         return None
     ends = np.array([low, high])
     upper, lower = between(c, displacement, ends) / ends - between(c, dissipation, ends)
-    return float(lower), float(upper)
+    return (max(float(lower), 0.0), float(upper)) if upper > 0 else None

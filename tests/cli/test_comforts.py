@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import shutil
 import subprocess
 import sys
@@ -194,10 +195,16 @@ def test_open_shows_the_report_before_any_picture(
     assert [Path(url).name for url in opened] == ["b.png", "report.html"]
 
 
+def test_show_of_what_was_begun_alone_says_how_to_go_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "request.json").write_text('{"verb": "sweep", "request": "0"}', encoding="utf-8")
+    assert main(["show", str(tmp_path)]) == 2
+    assert "holds no answer yet. The command that began it was stopped" in capsys.readouterr().err
+
+
 def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "fit.json").write_text(json.dumps({"joint": {}}), encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 2
-    assert "summary.txt" in capsys.readouterr().err
+    assert "stopped before it ended: run it again" in capsys.readouterr().err
     (tmp_path / "summary.txt").write_text("anisotropy_ratio 0.2\n", encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 0
     assert capsys.readouterr().out.startswith("anisotropy_ratio 0.2\n")
@@ -217,3 +224,14 @@ def test_a_log_on_a_full_disk_is_said_once_and_stops_nothing(capsys: pytest.Capt
     said = capsys.readouterr().err
     assert said.count("No space left on device; it ends here.") == 1
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_a_terminal_that_lacks_letters_is_given_escapes(tmp_path: Path, encoding: str) -> None:
+    words = [sys.executable, "-m", "serpenoid", "show", str(tmp_path / "sweep")]
+    (tmp_path / "sweep").mkdir()
+    (tmp_path / "sweep" / "fit.json").write_text("{}")
+    (tmp_path / "sweep" / "summary.txt").write_text("fit of Ω\n", encoding="utf-8")
+    done = subprocess.run(words, env={**os.environ, "PYTHONIOENCODING": encoding}, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(b"fit of \\u03a9")

@@ -81,6 +81,15 @@ def test_wrong_words_are_refused_before_the_work(
     assert said in capsys.readouterr().err
 
 
+def test_a_model_whose_links_are_cut_finer_is_told_how_the_campaign_is_to_be(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What `new problem --dissipation edge` writes: as many joints, four edges a link."""
+    assert main(["new", "problem", str(tmp_path / "m.toml"), "--joints", "10", "--dissipation", "edge", "--yes"]) == 0
+    assert main(["diagnose", str(campaign), "--model", str(tmp_path / "m.toml")]) == 2
+    assert "Both have as many joints: give the campaign the [body] of this file" in capsys.readouterr().err
+
+
 def test_a_model_file_that_says_nothing_is_refused(
     campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,6 +15,7 @@ from serpenoid.diagnose.report.pages import left_over
 from serpenoid.diagnose.report.sentences import (
     chance,
     drag_ratio,
+    inadequacy,
     meaning,
     ratio,
     reference,
@@ -211,6 +212,21 @@ def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_first_and_no_p
     assert settled.startswith("first             the reference followed a law that the catalogue does not hold")
     assert all(f"{title(e)} ({times(e['strength_over_noise'])}), perhaps a stand-in" in "\n".join(lines(doubtful))
                for e in record["effects"])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "site", "told"),
+    [("frame_drift", "observation", False), ("position_jumps", "observation", False),
+     ("loose_joint", "actuation", False), ("marker_offset", "observation", True)],
+)  # fmt: skip
+def test_a_stand_in_for_how_the_frame_moves_is_none_of_what_markers_show_beside_servos(
+    diagnosed: tuple[Any, dict[str, Any], Any], name: str, site: str, told: bool
+) -> None:
+    """Drift and jumps of the frame are seen on the stage of motion, where markers and servos may agree to the noise."""
+    effect = {"name": name, "site": site, "place": None, "stand_in": True}
+    said = inadequacy(diagnosed[1] | {"discrepancy_m": 0.0031, "effects": [effect]})
+    assert any("what markers show beside the servos" in text for text in said) == told
+    assert any("inadequate by 3.1 mm" in text for text in said) == (site == "observation" and not told)
 
 
 def test_what_is_left_is_gathered_by_stage() -> None:

@@ -443,6 +443,20 @@ def test_two_repeats_of_a_gait_do_not_accuse_one_another_of_the_wrong_log(rate):
     assert not [r for r in verdict.rivals if r.kind == "log"]
 
 
+@pytest.mark.parametrize("rate", [0.5, 1.0, 1.2, 2.0])
+def test_a_film_at_another_frame_rate_than_its_log_is_told_as_such(rate):
+    """At half the frames a second a film moves for longer than its log runs: it is no log that ended too soon."""
+    schedule = Schedule(serpenoid_table(40), 3.0, 2, 0.5)
+    time = np.arange(-1.0, schedule.end_s + 1.0, 1 / 60)
+    angles = schedule.commanded(np.clip(time, 0.0, schedule.end_s))
+    seen, read = (angles + 0.002 * np.random.default_rng(k).standard_normal(angles.shape) for k in range(2))
+    claims = [Claim("one", "gait-1", schedule, cameras=Signal(rate * time, seen), servos=Signal(time, read))]
+    found = check(claims, {"gait-1": serpenoid_table(40)}).contradictions
+    told = [c for c in found if c.cure.startswith("check the frame rate of the recording")]
+    assert bool(told) == bool(found) == (rate != 1.0)
+    assert not [c for c in found if "another trial" in c.cure]
+
+
 @pytest.mark.parametrize("joints", [3, 30, 90])
 def test_rates_of_a_clock_are_tried_whatever_the_number_of_joints(joints):
     """All at once, some at once, one by one: each is laid as it is alone, but for what lies between its starts."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 import warnings
 from dataclasses import replace
@@ -14,12 +15,14 @@ from rehearsal import serpenoid_table
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
+from serpenoid.measure.columns import ServoColumns, ServoKeys
 from serpenoid.measure.consistency.check import check
 from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.load import load_campaign
 from serpenoid.measure.logs import ServoLog, read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.trial import build_motion, cut_passages
@@ -102,6 +105,48 @@ def test_links_in_a_circle_have_no_content(tmp_path):
     (tmp_path / "b.csv").symlink_to(tmp_path / "a.csv")
     assert [digest for _, digest in content(File(), tmp_path)] == [""]
     assert file_digest(tmp_path / "a.csv") == ""
+
+
+def test_what_is_no_file_has_no_digest_and_is_not_waited_for(tmp_path):
+    """A pipe into which nobody writes, and a device that never ends."""
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "endless.csv").symlink_to("/dev/zero")
+    assert [file_digest(tmp_path / name) for name in ("pipe.csv", "endless.csv", ".")] == ["", "", ""]
+
+
+def test_a_number_that_is_too_large_is_told_as_too_large(tmp_path):
+    path = tmp_path / "servo.csv"
+    path.write_text("t_s,position_1\n0,0.1\n1,1e300\n")
+    with pytest.raises(InputError, match=r"row 3, column B \(`position_1`\): .* Larger than .* is no measurement"):
+        read_servo_log(path)
+
+
+def test_columns_that_servo_log_names_and_a_log_has_not_are_told(tmp_path):
+    """A misspelt name would cost the commands without a word; names that nobody gave are no promise."""
+    path = tmp_path / "servo.csv"
+    path.write_text("t_s,position_1,goal_1\n0,0.1,0.1\n1,0.2,0.2\n")
+    misspelt = ServoKeys(columns=ServoColumns(command="gaol_*", cycle="round"))
+    assert read_servo_log(path, misspelt).absent == ("`gaol_*` (command)", "`round` (cycle)")
+    assert read_servo_log(path, ServoKeys(columns=ServoColumns(command="goal_*"))).absent == ()
+    assert read_servo_log(path).absent == ()
+
+
+@pytest.mark.parametrize("joints", [1, 2, 4])
+def test_a_log_of_other_joints_than_the_body_has_is_refused(joints, tmp_path):
+    at = np.arange(40) / 10
+    points = np.stack([np.linspace(0, 1, 5) + 0 * at[:, None], 0.05 * np.sin(at[:, None] + np.arange(5))], axis=2)
+    header = ",".join(f"x_{k},y_{k}" for k in range(5))
+    film = np.column_stack([at, points.reshape(len(at), -1)])
+    np.savetxt(tmp_path / "film.csv", film, delimiter=",", header="t_s," + header, comments="")
+    log = np.column_stack([at, np.zeros((len(at), joints))])
+    names = ",".join(f"position_{j + 1}" for j in range(joints))
+    np.savetxt(tmp_path / "servo.csv", log, delimiter=",", header="t_s," + names, comments="")
+    (tmp_path / "campaign.toml").write_text(
+        'format = 1\nname = "one"\n[body]\nvertices = 5\nkind = "wheeled robot"\n[motion]\nformat = "tidy"\n'
+        '[[trial]]\nname = "a"\nmotion = "film.csv"\nservo_log = "servo.csv"\n'
+    )
+    with pytest.raises(InputError, match=rf"servo.csv: has the positions of {joints} joints?, the body has 3\. Check"):
+        load_campaign(tmp_path)
 
 
 @pytest.mark.parametrize(("label", "cell"), [("cycle", "-1"), ("cycle", "0.5"), ("step", ""), ("step", "-3")])

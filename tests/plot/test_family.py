@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from serpenoid.plot import family as panels
 from serpenoid.plot import transport
 from serpenoid.plot.family import Family
+from serpenoid.plot.figures import sweep_figures
 
 
 @pytest.fixture
@@ -30,6 +31,25 @@ def test_idle_levels_fall_as_c_grows_and_bracket_the_interval(family):
     assert (np.diff(transport.best_idle(family)) < 0).all()
     short = Family(*(values[:15] for values in (family.c, family.displacement, family.dissipation, family.gaits)))
     assert transport.idle_interval(short) is None
+
+
+def test_gaits_on_either_side_of_an_interval_tell_no_idle_level_in_it(family):
+    """At c = 5 the best is to stand still: between a gait that moves and none nothing is known; p is never below 0."""
+    ends = Family(np.array([0.0, 5.0]), np.array([0.19, 6e-11]), np.array([0.26, 2e-11]), np.zeros((2, 6)))
+    assert transport.idle_interval(ends) is None
+    stops = Family(
+        family.c, *(np.where(family.c < 1.95, v, 0.0) for v in (family.displacement, family.dissipation)), family.gaits
+    )
+    assert transport.idle_interval(stops) == pytest.approx((0.0, 7 / 8 - 1 / 8))
+
+
+def test_a_gait_that_stands_still_has_no_cost_of_transport(family, tmp_path):
+    stops = np.where(family.c < 1.95, family.displacement, 5e-11)
+    moves = Family(family.c, stops, family.dissipation, family.gaits).moving()
+    np.testing.assert_array_equal(moves.c, family.c[family.c < 1.95])
+    few = Family(*(v[[0, -1]] for v in (family.c, stops, family.dissipation, family.gaits)))
+    names = sweep_figures(tmp_path, few)
+    assert {name.split(".")[0] for name in names} == {"family", "pareto"}
 
 
 def test_cost_of_transport_panel_draws_the_costs_and_stars_their_least(family, ax):

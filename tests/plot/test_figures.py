@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from serpenoid.gaits import EllipseGait, TableGait
-from serpenoid.plot import figures, optima, sweep
+from serpenoid.plot import figures, optima, sweep, transport
 from serpenoid.plot.animate import animation
 from serpenoid.plot.beside import apart
 from serpenoid.plot.both import save
@@ -106,6 +106,16 @@ def test_names_of_curves_that_end_together_do_not_overlap():
     FigureCanvasAgg(fig).draw()
     boxes = sorted((box.y0, box.y1) for box in map(Text.get_window_extent, ax.texts))  # without the lines
     assert len(boxes) == 9
+    assert all(low >= below for (_, below), (low, _) in itertools.pairwise(boxes))
+
+
+def test_names_of_idle_levels_whose_costs_end_together_do_not_overlap(family):
+    fig = figure(9.6, 4.0)
+    left = fig.subplots(1, 2)[0]
+    transport.cost_of_transport(family, left, [0.0, 0.001, 0.002, 0.004, 1.0])
+    FigureCanvasAgg(fig).draw()
+    boxes = sorted((box.y0, box.y1) for box in map(Text.get_window_extent, left.texts))
+    assert len(boxes) == 5
     assert all(low >= below for (_, below), (low, _) in itertools.pairwise(boxes))
 
 

@@ -51,6 +51,21 @@ def test_every_record_is_a_line_with_its_numbers_under_their_names(results: Path
     assert [found["trials", "campaign", f"t{i}"]["pause_s"] for i in range(2)] == ["0.5", "1.5"]
 
 
+def test_a_record_cut_short_is_a_line_that_says_so_and_keeps_no_other_back(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut = tmp_path / "cut" / "solution.json"
+    cut.parent.mkdir()
+    cut.write_text((results / "a4" / "solution.json").read_text()[:300])
+    assert main(["table", str(results), str(cut.parent), "--out", str(tmp_path / "runs.csv"), "--quiet"]) == 1
+    assert f"{cut}: not valid JSON" in capsys.readouterr().err
+    found = rows(tmp_path / "runs.csv")
+    assert len(found) == 6
+    assert found[-1]["status"] == "unreadable"
+    assert found[-1]["message"].startswith(str(cut))
+    assert found[-1]["displacement_body_lengths"] == ""
+
+
 def test_folders_without_results_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["table", str(tmp_path), "--out", str(tmp_path / "x.csv")]) == 2
     assert main(["table", str(tmp_path / "none"), "--out", str(tmp_path / "x.csv")]) == 2

@@ -12,6 +12,7 @@ the joint table of an earlier one becomes its repeat. Nothing is changed where t
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 
 from serpenoid.cli import options
@@ -44,6 +45,6 @@ def run(args: argparse.Namespace) -> int:
 
     keys = tuple((key, getattr(args, key)) for key in ("format", "from_s", "to_s") if getattr(args, key) is not None)
     name = add_trial(args.campaign, NewTrial(args.log, args.motion, args.name, args.gait, keys, args.anyway))
-    text = f"trial `{name}` added to {args.campaign}. Next: serpenoid measure {args.campaign}"
+    text = f"trial `{name}` added to {args.campaign}. Next: serpenoid measure {shlex.quote(str(args.campaign))}"
     options.report(args, {"campaign": str(args.campaign), "trial": name}, [text])
     return 0

@@ -10,6 +10,7 @@ Files that are there already are kept as they are.
 from __future__ import annotations
 
 import argparse
+import shlex
 import shutil
 import sys
 from collections.abc import Iterator
@@ -38,7 +39,8 @@ def run(args: argparse.Namespace) -> int:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source / name, folder / name)
     kept = f", {len(names) - len(new)} were there already" if len(new) < len(names) else ""
-    sys.stdout.write(f"{len(new)} file(s) copied to {folder}{kept}. Begin: serpenoid solve {folder}/snake10.toml\n")
+    first = f"serpenoid solve {shlex.quote(f'{folder}/snake10.toml')}"
+    sys.stdout.write(f"{len(new)} file(s) copied to {folder}{kept}. Begin: {first}\n")
     return 0
 
 

@@ -12,10 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
+from serpenoid.cli.claim import REQUEST
 from serpenoid.cli.goals import dissipation_name, goal_lines
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import csv_rows, read_text
 from serpenoid.wording import counted
+
+STOPPED = (
+    "The command that began it was stopped before it ended: run it again with the same --out. What it kept is not "
+    "computed again."
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +43,8 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
     name = next((name for name in RECORDS if (folder / name).exists()), None)
     if name is None and not (folder / "campaign.toml").exists():
+        if (folder / REQUEST).exists():
+            raise InputError(f"{folder}: holds no answer yet. {STOPPED}")
         raise InputError(f"{folder}: holds no results: none of {', '.join(RECORDS)}, campaign.toml.{_others(folder)}")
     try:
         record = read_record(folder, name) if name else {}
@@ -177,8 +185,10 @@ def _campaign_lines(folder: Path) -> list[str]:
 
 def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:
     """What the verb said when it wrote the folder."""
+    from serpenoid.errors import InputError
+
     if not (folder / options.SUMMARY).exists():
-        raise ValueError(f"no {options.SUMMARY} beside it")
+        raise InputError(f"no {options.SUMMARY} beside it. {STOPPED}")
     return read_text(folder / options.SUMMARY).splitlines()
 
 

@@ -167,6 +167,9 @@ def _failures(failures: list[dict[str, Any]]) -> list[str]:
 
 def _transport(window: list[float] | None) -> str:
     if window is None:
-        return "  cost of transport: these c do not span 1 .. 2, so its minimum there tells no idle energy"
+        return (
+            "  cost of transport: no idle energy is told for which it is least between c = 1 and 2: that takes gaits "
+            "that move from c = 1 or less to 2 or more, one of them in between"
+        )
     idle = f"{window[0]:.3f} .. {window[1]:.3f}"
     return f"  cost of transport is least between c = 1 and 2 for an idle energy of {idle} a cycle (units of T * E)"

@@ -4,7 +4,8 @@
     serpenoid table results/snake10 recordings/2024-09-foam --out foam.csv
 
 Whatever the other verbs wrote is taken: solutions (those of sweeps and in folders of other machines too), diagnoses,
-fits, campaigns as they were measured and compared, sets, plays; trials of a campaign that was not measured. In Python:
+fits, campaigns as they were measured and compared, sets, plays; trials of a campaign that was not measured. A record
+that cannot be read is a line with status `unreadable` and the reason (exit code 1). In Python:
 
     runs = pandas.read_csv("runs.csv")
     runs[runs.record == "solution"].plot.scatter("c", "displacement_body_lengths")
@@ -31,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     from collections import Counter
 
     from serpenoid.errors import InputError
-    from serpenoid.studies.many_runs import is_table, table_of, write_table
+    from serpenoid.studies.many_runs import UNREADABLE, is_table, table_of, write_table
 
     if args.out.suffix != ".csv":
         raise InputError(f"--out {args.out}: must end in .csv.")
@@ -45,4 +46,7 @@ def run(args: argparse.Namespace) -> int:
     counts = Counter(row["record"] for row in rows)
     words = ", ".join(f"{count} of {name}" for name, count in counts.items())
     options.report(args, rows, [f"{len(rows)} lines ({words})", f"written to {args.out}"])
-    return 0
+    damaged = [row["message"] for row in rows if row.get("status") == UNREADABLE]
+    for message in damaged:
+        options.complain(f"{message} Its line holds no numbers.")
+    return 1 if damaged else 0

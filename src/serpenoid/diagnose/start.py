@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -83,11 +84,20 @@ def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[s
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:
     """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
-    vertices = _vertices(_model(path)) if path is not None else None
+    data = _model(path) if path is not None else {}
+    vertices = _vertices(data)
     if vertices not in (None, file.body.vertices, file.body.with_middles().vertices):
+        joints = data["body"].get("joints")
+        cut = isinstance(joints, list) and len(joints) == file.body.joint_count
+        cure = (
+            "Both have as many joints: give the campaign the [body] of this file, and [motion] the `vertices` that "
+            f"have a marker, as `serpenoid new campaign --problem {shlex.quote(str(path))}` does."
+            if cut
+            else "Give the problem file of the robot that was recorded."
+        )
         raise InputError(
             f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "
-            f"{file.body.vertices}. Give the problem file of the robot that was recorded."
+            f"{file.body.vertices}. {cure}"
         )
 
 

@@ -105,7 +105,10 @@ def source_digest() -> str:
 
 
 def file_digest(path: Path) -> str:
-    """SHA-256 of a file's content; empty where it cannot be read (whoever reads it will say so)."""
+    """SHA-256 of a file's content; empty of what is none (a pipe would be waited for, a device never ends) or cannot be
+    read: whoever reads it will say so."""
+    if not path.is_file():
+        return ""
     try:
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()

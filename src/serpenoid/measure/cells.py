@@ -98,6 +98,7 @@ def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> flo
     value = inputs.number(cell)
     if value is None or abs(value) > LARGEST:
         cure = NO_DATES if DATED.fullmatch(cell) else ""
+        cure = f" Larger than {LARGEST:g} is no measurement." if value is not None else cure
         raise InputError(f"{place(path, row, column, name)}: must be a number or empty, got {cell[:40]!r}.{cure}")
     return value
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
-from serpenoid.measure.columns import SECONDS, ServoKeys, find_column, numbered, shown
+from serpenoid.measure.columns import SECONDS, ServoColumns, ServoKeys, find_column, numbered, shown
 
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
@@ -28,7 +28,8 @@ OWN_NAMES = (
 
 @dataclass(frozen=True)
 class ServoLog:
-    """R rows of m joints, on the servo bus's own clock; repeated: rows that stood there once more, and are left out."""
+    """R rows of m joints, on the servo bus's own clock; repeated: rows that stood there once more, and are left out;
+    absent: columns that `[servo_log]` names and the log has not, role by role."""
 
     time_s: Floats  # (R,)
     position: Floats  # (R, m) [rad]
@@ -39,6 +40,7 @@ class ServoLog:
     extra: dict[str, Floats]  # voltage_V, load, temperature_degC, error: (R, m)
     source: str
     repeated: int = 0
+    absent: tuple[str, ...] = ()
 
     @property
     def repeats_commands(self) -> bool:
@@ -116,9 +118,18 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
             {name: read[name] for name in EXTRA if name in read},
             str(path),
             len(data) - len(once),
+            _absent(own, header, groups["command"]),
         ),
         position,
         once,
+    )
+
+
+def _absent(own: ServoColumns, header: Sequence[str], commands: Sequence[str]) -> tuple[str, ...]:
+    """Columns that somebody named and that are not there: what they would tell is not known, and may be misspelt."""
+    there = {"command": bool(commands)} | {role: getattr(own, role) in header for role in ("phase", "cycle", "step")}
+    return tuple(
+        f"`{getattr(own, role)}` ({role})" for role in there if role in own.model_fields_set and not there[role]
     )
 
 

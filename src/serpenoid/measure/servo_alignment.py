@@ -49,8 +49,6 @@ def align_servo(
     joints or between them (a vertex guessed from its neighbours has two mirror positions), and so are the zeros of
     joints that no frame shows, as far as markers tell them.
     """
-    if log.position.shape[1] != body.joint_count:
-        return None, [f"servo log has {log.position.shape[1]} joints, the body {body.joint_count}: not used"]
     ends = seen_corners(body, markers)
     whole = ends == list(body.corners) and estimate.determined.mean() >= OFTEN
     offset = (

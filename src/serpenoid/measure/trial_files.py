@@ -157,8 +157,18 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
             labelled = replace(labelled, vertices=vertices)
             exchanged = told(found, marker_names(tracks, keys, file.body), tracks.time_s)
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
+    _of_every_joint(log, file.body)
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
     return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged, zeros)
+
+
+def _of_every_joint(log: ServoLog | None, body: Body) -> None:
+    """Refuse a log of more or fewer joints than the body's: nobody could say which joint a column is of."""
+    if log is not None and (count := log.position.shape[1]) != body.joint_count:
+        raise InputError(
+            f"{log.source}: has the positions of {count} joint{'s' * (count != 1)}, the body has {body.joint_count}. "
+            "Check `vertices` and `joints` in [body], and `position` in [servo_log]; or leave `servo_log` out."
+        )
 
 
 def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.gaits import EllipseGait
-from serpenoid.performance import between, pareto_front
+from serpenoid.performance import between, moving, pareto_front
 from serpenoid.plot.gait import FINE, X_LABEL, Y_LABEL
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, RED, dress, fill_equal
 
@@ -41,8 +42,14 @@ class Family:
         """Without the failures, c rising."""
         numbers = np.column_stack([self.c, self.displacement, self.dissipation, self.gaits])
         good = np.flatnonzero(np.isfinite(numbers).all(1))
-        order = good[np.argsort(self.c[good], kind="stable")]
-        return Family(self.c[order], self.displacement[order], self.dissipation[order], self.gaits[order], self.names)
+        return self._of(good[np.argsort(self.c[good], kind="stable")])
+
+    def moving(self) -> Family:
+        """The gaits that move; at a large c the best that can be done is to stand still."""
+        return self._of(moving(self.displacement))
+
+    def _of(self, kept: NDArray[np.intp] | NDArray[np.bool_]) -> Family:
+        return Family(self.c[kept], self.displacement[kept], self.dissipation[kept], self.gaits[kept], self.names)
 
     def between(self, first: int = 0) -> Family:
         """What it does between its gaits, from the given one on; parameters of gaits are not interpolated."""

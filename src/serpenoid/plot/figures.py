@@ -72,12 +72,15 @@ def spatial_figures(folder: str | Path, problem: Problem, trajectory: LiftedTraj
 
 
 def sweep_figures(folder: str | Path, data: Family) -> list[str]:
-    """The family over c, its Pareto front, its cost of transport; needs two solved gaits or more."""
+    """The family over c, its Pareto front, the cost of transport of gaits that move: of two gaits or more."""
     family = data.solved()
     if family.c.size < 2:
         return []
-    figures = {"family": family_figure, "pareto": front_figure, "cost-of-transport": costs_figure}
-    return [file for name, make in figures.items() for file in save(make(family), folder, name)]
+    made = {"family": family_figure(family), "pareto": front_figure(family)}
+    moving = family.moving()
+    if moving.c.size > 1:
+        made["cost-of-transport"] = costs_figure(moving)
+    return [file for name, figure in made.items() for file in save(figure, folder, name)]
 
 
 def multistart_figures(folder: str | Path, result: MultiStart) -> list[str]:

@@ -55,5 +55,7 @@ def costs_figure(family: Family) -> Figure:
 def levels(family: Family) -> list[float]:
     """Idle levels worth drawing: none, those that put the least cost at c = 1 and 2, between and beyond them."""
     ends = transport.idle_interval(family)
-    low, high = ends or np.quantile(transport.best_idle(family)[family.c > 0], [0.2, 0.6]).clip(1e-6)
+    low, high = (
+        ends if ends and ends[0] > 0 else np.quantile(transport.best_idle(family)[family.c > 0], [0.2, 0.6]).clip(1e-6)
+    )
     return [0.0, low / 2, low, float(np.sqrt(low * high)), high, 2 * high]

@@ -16,8 +16,9 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from serpenoid.body import Floats
 from serpenoid.performance import idle_for_minimum, normalised_cost_of_transport
+from serpenoid.plot.beside import name_levels
 from serpenoid.plot.family import C_LABEL, Family
-from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, NORMAL, ORANGE, SMALL, dress, legend_above
+from serpenoid.plot.style import BLUE, CHAIN_MAP, GREY, INK, NORMAL, ORANGE, dress, legend_above
 
 P_LABEL = "idle energy per cycle p [units of D]"
 BETWEEN = (1.0, 2.0)  # where the paper's robot had its least cost of transport
@@ -39,7 +40,7 @@ def cost_of_transport(
 ) -> Axes:
     """A curve per idle level p, a dot per gait, the least of these starred (hollow at an end: it goes on beyond)."""
     along = family.between()
-    levels = best_idle(along)
+    levels, ends = best_idle(along), []
     for p, colour in zip(idle_levels, CHAIN_MAP(np.linspace(0, 1, len(idle_levels))), strict=True):
         cost = normalised_cost_of_transport(family.displacement, family.dissipation, p)
         curve = normalised_cost_of_transport(along.displacement, along.dissipation, p)
@@ -49,16 +50,14 @@ def cost_of_transport(
         ax.plot(along.c, curve, color=colour, linewidth=1.6)
         ax.plot(family.c, cost, "o", color=colour, markersize=3)
         ax.plot(along.c[least], curve[least], "*", markersize=12, markeredgecolor=colour, zorder=4, **star)
-        ax.annotate(
-            f"p = {p:.3g}", (family.c[-1], cost[-1]), xytext=(9, 0), textcoords="offset points", color=INK,
-            fontsize=SMALL, va="center", annotation_clip=False,
-        )  # fmt: skip
+        ends.append(cost[-1])
     ax.plot([], [], "*", color=GREY, markersize=10, label="least cost")
     ax.plot([], [], "*", color=GREY, markersize=10, markerfacecolor="white", label="least at an end of the sweep")
     ax.set_ylim(0, None)
     if idle_interval(family) is not None:
         ax.axvspan(*BETWEEN, color=ORANGE, alpha=0.15, linewidth=0, zorder=0)
     dress(ax, title, C_LABEL, "cost of transport [units of D / body length]")
+    name_levels(ends, [f"p = {p:.3g}" for p in idle_levels], ax, family.c[-1])
     legend_above(ax, 2)
     return ax
 

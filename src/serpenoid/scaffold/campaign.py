@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import get_args
 
@@ -70,7 +71,7 @@ def write(path: Path, answers: Answers) -> str:
     _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, body.total_length_m)
     hint = write_schema(folder, "campaign")
     write_text(path, _text(hint, folder.absolute().name, body, problem.medium, duration, answers))
-    return f"serpenoid measure {folder}"
+    return f"serpenoid measure {shlex.quote(str(folder))}"
 
 
 def _animal(robot: Body) -> Body:
@@ -125,13 +126,15 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     rigid = len(body.corners) < body.vertices
     some = "" if len(marked) < body.vertices else "# "
     seen = [f"{some}vertices = {body.corners}   # those with a marker, where not all have one"] * rigid
+    typed = shlex.quote(name)
     return "\n".join(
         [
             hint,
             f"# {name}: recordings of one robot or animal (docs/campaign-format.md).",
             "# Every key: serpenoid schema campaign",
-            *(() if body.is_animal else _robot_steps(name)),
-            f"#   serpenoid measure {name} ; serpenoid compare {name} ; serpenoid diagnose {name} --model PROBLEM.toml",
+            *(() if body.is_animal else _robot_steps(typed)),
+            f"#   serpenoid measure {typed} ; serpenoid compare {typed}",
+            f"#   serpenoid diagnose {typed} --model PROBLEM.toml",
             "format = 1",
             f'name = "{name}"',
             "",
@@ -183,10 +186,10 @@ def _medium(medium: Medium) -> tuple[str, ...]:
     )
 
 
-def _robot_steps(name: str) -> tuple[str, ...]:
+def _robot_steps(folder: str) -> tuple[str, ...]:
     return (
         "#   serpenoid play RESULTS --robot ROBOT.toml --cycles 3 --pause 2 --log trials/first",
-        f"#   serpenoid campaign add {name} trials/first MOTION-FILE",
+        f"#   serpenoid campaign add {folder} trials/first MOTION-FILE",
     )
 
 

@@ -7,6 +7,7 @@ are cut into `PIECES`.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
@@ -62,16 +63,17 @@ def edges_of(answers: Answers) -> list[float]:
 def write(path: Path, answers: Answers) -> str:
     """Write the file; returns a command to begin with."""
     edges = edges_of(answers)
-    write_text(path, _text(write_schema(path.parent, "problem"), path.stem, answers, edges))
-    return f"serpenoid solve {path} --c 1.0"
+    write_text(path, _text(write_schema(path.parent, "problem"), path.name, answers, edges))
+    return f"serpenoid solve {shlex.quote(str(path))} --c 1.0"
 
 
-def _text(hint: str, name: str, answers: Answers, edges: list[float]) -> str:
+def _text(hint: str, file: str, answers: Answers, edges: list[float]) -> str:
+    name, typed = Path(file).stem, shlex.quote(file)
     return f"""{hint}
 # {name}: a chain of {len(edges) - 1} joints. `serpenoid schema problem` lists every key.
-#   serpenoid simulate {name}.toml             the gait below
-#   serpenoid solve {name}.toml --c 1.0        the gait that carries it farthest for what it dissipates
-{_of_servos(name, answers)}
+#   serpenoid simulate {typed}             the gait below
+#   serpenoid solve {typed} --c 1.0        the gait that carries it farthest for what it dissipates
+{_of_servos(typed, answers)}
 [about]
 question = "Which gait carries {name} farthest per cycle, at a given price of dissipation?"
 
@@ -105,11 +107,11 @@ xi = [0.5, 2.5]
 """
 
 
-def _of_servos(name: str, answers: Answers) -> str:
+def _of_servos(file: str, answers: Answers) -> str:
     """The line that leads on to a robot file; none of an animal."""
     if answers["kind"] in ANIMALS:
         return ""
-    return f"#   serpenoid new robot --problem {name}.toml  which servo moves which joint\n"
+    return f"#   serpenoid new robot --problem {file}  which servo moves which joint\n"
 
 
 def _limits(answers: Answers) -> str:

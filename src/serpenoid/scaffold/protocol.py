@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 from pathlib import Path
 
 from serpenoid.errors import InputError
@@ -34,20 +35,22 @@ def write(path: Path, answers: Answers) -> str:
     flat_only(problem.lift, str(source))
     named = "" if answers["problem"] is None else f"problem = {json.dumps(_relative(source, path.parent))}"
     write_table(path.parent / "gaits" / f"{path.stem}.csv", gait_table(problem))
-    write_text(path, _text(write_schema(path.parent, "protocol"), path.stem, named, answers))
-    return f"serpenoid arena run {path}"
+    write_text(path, _text(write_schema(path.parent, "protocol"), path.name, named, answers))
+    return f"serpenoid arena run {shlex.quote(str(path))}"
 
 
 def _relative(source: Path, folder: Path) -> str:
     return Path(os.path.relpath(source, folder)).as_posix()
 
 
-def _text(hint: str, name: str, named: str, answers: Answers) -> str:
+def _text(hint: str, file: str, named: str, answers: Answers) -> str:
+    name, typed = Path(file).stem, shlex.quote(file)
+    out = shlex.quote(f"results/{name}")
     robot = named or '# problem = "mine.toml"     # another body than the paper\'s ten-servo snake'
     return f"""{hint}
 # {name}: trials in the virtual laboratory (docs/arena.md). `serpenoid schema protocol` lists every key.
-#   serpenoid arena run {name}.toml --out results/{name}
-#   serpenoid measure results/{name} ; serpenoid compare results/{name}
+#   serpenoid arena run {typed} --out {out}
+#   serpenoid measure {out} ; serpenoid compare {out}
 format = 1
 name = "{name}"
 {robot}

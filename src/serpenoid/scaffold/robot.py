@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from math import ceil, radians
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -61,10 +62,10 @@ def write(path: Path, answers: Answers) -> str:
     servo = models()[answers["model"]]
     answers = {**answers, "speed-limit": _speed_limit(servo, answers)}
     _refuse_rate(servo, answers["baud-rate"])
-    head = _head(write_schema(path.parent, "robot"), path.stem, servo, answers)
+    head = _head(write_schema(path.parent, "robot"), path.name, servo, answers)
     joint_sections = [_servo(number, servo_id, servo, answers) for number, servo_id in enumerate(ids, 1)]
     write_text(path, "\n".join([head, _limits(answers, problem), *joint_sections]))
-    return f"serpenoid robot emulate --robot {path}"
+    return f"serpenoid robot emulate --robot {shlex.quote(str(path))}"
 
 
 def _speed_limit(servo: ServoModel, answers: Answers) -> float:
@@ -122,12 +123,13 @@ def _limits(answers: Answers, problem: Problem | None) -> str:
 """
 
 
-def _head(hint: str, name: str, servo: ServoModel, answers: Answers) -> str:
+def _head(hint: str, file: str, servo: ServoModel, answers: Answers) -> str:
+    name, typed = Path(file).stem, shlex.quote(file)
     return f"""{hint}
 # {name}: which servo moves which joint. joint_1 is next to the tail. `serpenoid schema robot` lists every key.
-#   serpenoid robot emulate --robot {name}.toml                        rehearse without a robot
+#   serpenoid robot emulate --robot {typed}                        rehearse without a robot
 #   serpenoid robot scan                                               what is on the bus
-#   serpenoid play RESULTS --robot {name}.toml --log trials/first      play and record
+#   serpenoid play RESULTS --robot {typed} --log trials/first      play and record
 # Calibrate: straighten the robot by hand, copy the ticks that `robot scan` shows into `zero_ticks` and shift the limits
 # with them. Turn a joint counter-clockwise seen from above: if its ticks fall, its sign is -1.
 format = 1

@@ -22,6 +22,7 @@ RECORDS: dict[str, str | None] = {
     "compare.json": "comparisons", "set.json": "gaits", "in-use.json": None, "play.json": None,
 }  # fmt: skip
 CAMPAIGN = "campaign.toml"
+UNREADABLE = "unreadable"
 FIRST = ("folder", "record", "campaign", "problem", "trial", "gait", "status", "verdict")
 
 
@@ -35,7 +36,7 @@ def table_of(folders: Iterable[Path]) -> list[Row]:
             raise InputError(f"{folder}: no such folder. Name one that holds results, or folders of them.")
         for path in sorted(folder.rglob("*")):
             if path.name in {*RECORDS, CAMPAIGN} and not _set_aside(path.relative_to(folder)):
-                rows += _rows(path)
+                rows += _rows_or_fault(path)
     if not rows:
         raise InputError(f"{', '.join(map(str, folders))}: no results there: none of {', '.join(RECORDS)}, {CAMPAIGN}.")
     return rows
@@ -55,6 +56,14 @@ def is_table(path: Path) -> bool:
 
 def _set_aside(path: Path) -> bool:
     return any(part.startswith(EARLIER) for part in path.parts)
+
+
+def _rows_or_fault(path: Path) -> list[Row]:
+    """One damaged record, of a run that was killed, does not keep the others back: it is a line that says so."""
+    try:
+        return _rows(path)
+    except InputError as error:
+        return [{"folder": str(path.parent), "record": path.stem, "status": UNREADABLE, "message": str(error)}]
 
 
 def _rows(path: Path) -> list[Row]:

@@ -127,8 +127,6 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     markers, strays = without_single(file.body, tracks.time_s, markers)
     if log is None or log.repeats_commands:
         return replace(_by_markers(file, entry, schedule, tracks.time_s, markers), strays=strays)
-    if log.position.shape[1] != file.body.joint_count:
-        raise InputError(f"{log.source}: {log.position.shape[1]} joints, the body has {file.body.joint_count}.")
     clock = align(file.body, tracks.time_s, markers, log)
     promised, schedule = schedule.cycles, as_played(log, schedule)
     labelled = start_on_log(log, schedule, clock.rate)

@@ -45,10 +45,15 @@ def meaning(record: Record) -> str:
     return words[record["verdict"]].format(law=law(record))
 
 
+def _stage(effect: Record) -> str:
+    """Where an effect is looked for: its site, but for how the cameras' frame moves: that motion shows."""
+    return "motion" if find(effect["name"]).marks in ("frame", "jumps") else effect["site"]
+
+
 def inadequacy(record: Record) -> list[str]:
     """Where names may be stand-ins: by how much the model is inadequate, before all else."""
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
-    servos, seen = ([title(e) for e in stand_ins if e["site"] == site] for site in ("actuation", "observation"))
+    servos, seen = ([title(e) for e in stand_ins if _stage(e) == stage] for stage in ("actuation", "observation"))
     moves = len(stand_ins) > len(servos) + len(seen)
     said = []
     if moves and record["discrepancy_m"] == 0 and seen:

@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.claim import Claim, logged, same_joints
 from serpenoid.measure.consistency.clock_steps import without_step
 from serpenoid.measure.consistency.hypotheses import (
     KINDS,
+    NEAR,
     ROLLS,
     SAME_TABLE,
     Fault,
@@ -278,8 +279,9 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
     cameras, servos = claim.cameras, claim.servos
     if cameras is None or servos is None or not same_joints(cameras, servos):
         return None
-    cameras = _covered(cameras, servos)
-    own, promised = cameras.period_s, servos.period_s
+    if abs(np.log(_slowed(cameras, servos))) <= NEAR:  # at another rate, seconds of the log are not those of the film
+        cameras = _covered(cameras, servos)
+    own, promised, slowed = cameras.period_s, servos.period_s, _slowed(cameras, servos)
     course = logged(servos, promised)
     joints = cameras.values.shape[1]
     logs = [(c.trial, c.servos) for c in claims if c.servos is not None and not _repeats(c, claim)]
@@ -289,11 +291,17 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
     for name, log in others:
         words = f"follow the servo log of trial `{name}`, not their own"
         faults.append(Fault("log", words, LOG_CURE, logged(log, promised), share, cures=CURES))
-    if own is not None and promised is not None and abs(np.log(own / promised)) > 0.05:
-        words = f"last {rounded(own / promised)} times as long as in the servo log"
-        cure = in_other_unit(own / promised) or "check the frame rate of the recording"
-        faults.append(Fault("rate", words, cure, course.slowed(own / promised), -np.log(KINDS)))
+    if abs(np.log(slowed)) > NEAR:
+        words = f"last {rounded(slowed)} times as long as in the servo log"
+        cure = in_other_unit(slowed) or "check the frame rate of the recording"
+        faults.append(Fault("rate", words, cure, course.slowed(slowed), -np.log(KINDS)))
     return compared(claim.trial, cameras, course, own, _of_any(len(claims), faults), "the recorded shapes", PHYSICAL)
+
+
+def _slowed(cameras: Signal, servos: Signal) -> float:
+    """How many times as long as in the log the recorded shapes take to repeat; 1 where either shows no period."""
+    own, promised = cameras.period_s, servos.period_s
+    return own / promised if own is not None and promised is not None else 1.0
 
 
 def _covered(cameras: Signal, servos: Signal) -> Signal:

@@ -82,6 +82,9 @@ def believe(
         if files.servo_log is not None and (count := files.servo_log.repeated):
             words = f"{count} rows of the servo log are the row before them to the last character: each is read once"
             remarks[files.entry.name].append(words)
+        if files.servo_log is not None and (absent := files.servo_log.absent):
+            words = f"the servo log has no column {', '.join(absent)}, which [servo_log] names: is it misspelt?"
+            remarks[files.entry.name].append(words)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
