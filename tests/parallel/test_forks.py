@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from serpenoid.parallel import forks, in_processes, limited, meanwhile
+from serpenoid.parallel import Beside, forks, in_processes, limited, meanwhile
 
 pytestmark = pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one core: nothing is forked")
 FIRST = os.getpid()
@@ -52,6 +52,26 @@ def late_if_three(number: int) -> int:
 def unsendable() -> Callable[[], int]:
     time.sleep(0.1)
     return lambda: 0
+
+
+def strided() -> np.ndarray:
+    """Every other column of an array that lies in columns: no process sends the gaps."""
+    return np.asfortranarray(np.arange(24.0).reshape(4, 6))[:, ::2]
+
+
+def test_answers_lie_in_memory_alike_wherever_they_are_found() -> None:
+    """Sums go by it, in their last bits, and a search by sums: with one core and with two it must end the same."""
+    several = in_processes([(strided, ())] * 4)
+    with meanwhile(strided) as there:
+        several.append(there())
+    with limited(1):
+        several += in_processes([(strided, ())])
+        with meanwhile(strided) as here:
+            several.append(here())
+        with Beside(strided) as other:
+            several.append(other.ask(strided)())
+    assert len({answer.strides for answer in several}) == 1
+    assert several[0].strides != strided().strides
 
 
 def test_workers_do_not_inherit_a_handler_of_sigterm() -> None:

@@ -22,7 +22,7 @@ from multiprocessing.process import BaseProcess
 from types import TracebackType
 from typing import IO, Any, Self, TypeVar
 
-from serpenoid.parallel.forks import Task, attempted, may_fork, packed, raised_again
+from serpenoid.parallel.forks import Task, answered, attempted, may_fork, packed, raised_again
 from serpenoid.parallel.local import interrupts_held
 
 PATIENCE_S = 2.0  # in which a process ends that was told to
@@ -67,7 +67,7 @@ class Beside:
             if pipe is not None:
                 with suppress(EOFError, OSError):
                     found = pipe.recv()
-            value: T = raised_again(found or attempted((function, arguments)))
+            value: T = raised_again(found or answered((function, arguments)))
             return value
 
         return value_of

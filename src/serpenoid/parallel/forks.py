@@ -40,7 +40,7 @@ def in_processes(tasks: Sequence[Task], awaited: Callable[[int], None] = lambda 
     """
     cores = min(len(tasks), _allowed, os.cpu_count() or 1)
     if cores < 2 or not may_fork():
-        return _collected((function(*arguments) for function, arguments in tasks), len(tasks), awaited)
+        return _one_by_one(tasks, awaited)
     workers: list[tuple[BaseProcess, Connection]] = []
     queue = _queue(len(tasks))
     try:
@@ -67,14 +67,14 @@ def meanwhile(function: Callable[..., T], *arguments: Any) -> Iterator[Callable[
     Where nothing is forked, or the process was killed, it is found when it is asked for.
     """
     if not may_fork():
-        yield lambda: function(*arguments)
+        yield lambda: raised_again(answered((function, arguments)))
         return
     task, queue = (function, arguments), _queue(1)
     worker: list[tuple[BaseProcess, Connection]] = []
     try:
         with interrupts_held(tracked=False):
             worker.append(_started([task], queue))
-        yield lambda: raised_again(_heard([pipe for _, pipe in worker]).get(0) or attempted(task))
+        yield lambda: raised_again(_heard([pipe for _, pipe in worker]).get(0) or answered(task))
     finally:
         _ended(worker, queue)
 
@@ -152,6 +152,17 @@ def attempted(task: Task) -> Answer:
         return False, error
 
 
+def answered(task: Task) -> Answer:
+    """What a task gives or raises, found here as another process would find it."""
+    return as_sent(attempted(task))
+
+
+def as_sent(answer: Answer) -> Answer:
+    """Laid out as what another process sends: sums of arrays that lie otherwise differ in their last bits, and a search
+    that goes by them may end elsewhere."""
+    return pickle.loads(packed(answer)) if answer[0] else answer
+
+
 def raised_again(answer: Answer) -> Any:
     """What a task gave; what it raised is raised here."""
     done, value = answer
@@ -174,11 +185,11 @@ def _together(tasks: Sequence[Task], queue: int, pipes: list[Connection], awaite
 
     with limited(1):  # what workers do, they do alone
         for index, found in _worked(tasks, queue, begun):
-            answers[index] = pickle.loads(packed(found))  # arrays laid out as those that are sent: the same last bits
+            answers[index] = as_sent(found)
     answers |= _heard(pipes)
     for number in unheard:
         awaited(number)
-    return [raised_again(answers[i] if i in answers else attempted(task)) for i, task in enumerate(tasks)]
+    return [raised_again(answers[i] if i in answers else answered(task)) for i, task in enumerate(tasks)]
 
 
 def _heard(pipes: Sequence[Connection]) -> dict[int, Answer]:
@@ -192,11 +203,11 @@ def _heard(pipes: Sequence[Connection]) -> dict[int, Answer]:
     return answers
 
 
-def _collected(results: Iterator[Any], count: int, awaited: Callable[[int], None]) -> list[Any]:
+def _one_by_one(tasks: Sequence[Task], awaited: Callable[[int], None]) -> list[Any]:
     found = []
-    for index in range(count):
+    for index, task in enumerate(tasks):
         awaited(index)
-        found.append(next(results))
+        found.append(raised_again(answered(task)))
     return found
 
 
