@@ -241,3 +241,11 @@ def test_what_the_mesh_misses_is_that_of_the_model_whose_error_is_a_habit(follow
         np.testing.assert_array_equal(track.offset, own.offset)
     far = np.concatenate([a.offset - b.offset for a, b in zip(about(d, model).tracks, motion.tracks, strict=True)])
     assert np.abs(far[:, :2]).max() > 1e-4  # what was subtracted from one campaign and not from the other
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "remains"),
+    [(168.0, 80.0, 0.475), (26.0, 5.0, 0.0), (4.0, 3.0, 0.0), (4.0, 4.5, 1.0)],  # noise alone, in the last two
+)
+def test_what_remains_of_a_path_is_told_beyond_noise(before: float, after: float, remains: float) -> None:
+    assert choose_motion.left_of(before, after, 5.0) == pytest.approx(remains, abs=1e-3)

@@ -197,13 +197,22 @@ def finding(
     elsewhere = {a.effect.key for a in alone}
     named = [replace(n, stand_in=True) if n.effect.key in elsewhere else n for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
-    if wrong and after >= before:  # it mends windows of a law that is wrong, and no path
+    most = 1.0 if motion.ratio is None else LAW_ERROR
+    if (
+        wrong and left_of(before, after, noise_level) >= most
+    ):  # it mends windows of a law that is wrong, and not the path
         named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
     stage = replace(stage, unlike=unlike, ratio=ends)
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def left_of(before: float, after: float, noise: float) -> float:
+    """How much of a path error remains, beyond noise."""
+    was, remains = (float(np.sqrt(max(x**2 - noise**2, 0.0))) for x in (before, after))
+    return remains / was if was > 0 else float(after >= before)
 
 
 def of_a_law(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:
