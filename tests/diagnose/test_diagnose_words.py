@@ -246,12 +246,14 @@ def test_the_interval_of_the_anisotropy_ratio_holds_the_true_one_and_is_narrow(
     assert low < eps["after"] < high < 1.05 * low  # what eight trials tell: 2 %
 
 
+@pytest.mark.parametrize("earlier", [None, 0.2])
 def test_beside_names_that_may_be_stand_ins_the_anisotropy_ratio_is_known_no_better_than_with_and_without_them(
-    diagnosed: tuple[Any, dict[str, Any], Any],
+    diagnosed: tuple[Any, dict[str, Any], Any], earlier: float | None
 ) -> None:
     found = diagnosed[0].motion
+    selection = replace(found.selection, motion=replace(found.selection.motion, ratio=earlier))
     doubtful = replace(found.stage, named=tuple(replace(n, stand_in=True) for n in found.stage.named))
-    sure, unsure = ratio_interval(found.selection, found.stage), ratio_interval(found.selection, doubtful)
+    sure, unsure = ratio_interval(selection, found.stage), ratio_interval(selection, doubtful)
     assert unsure[0] <= sure[0] < sure[1] <= unsure[1]
     assert unsure[0] < found.selection.null.model.medium.anisotropy_ratio < unsure[1]
     assert not sure[0] < found.selection.null.model.medium.anisotropy_ratio < sure[1]  # the load has a part of it

@@ -76,7 +76,7 @@ def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
 def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
     """95 % interval of eps with what is there. Names that may be stand-ins may take a part of what resists, or
     give it: then eps is known no better than with and without them."""
-    unsure = found.motion.ratio is None and not stage.unlike and any(n.stand_in for n in stage.named)
+    unsure = not stage.unlike and any(n.stand_in for n in stage.named)
     fits = [found.settled, found.null] if unsure else [found.settled]
     low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
     return min(low), max(high)
