@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PlainValidator, WithJsonSchema, field_validator, model_validator
+from pydantic_core import PydanticKnownError
 
 from serpenoid.files.schema import Record
+from serpenoid.media import DEFAULT, LAWS
 
 FIRST_GUESS = 0.2  # of eps, where nothing states it
 
 Site = Literal["vertex", "edge"]
-Law = Literal["viscous", "coulomb"]
+
+
+def known_law(name: Any) -> str:
+    """The name of a law; raises what pydantic says of a word that is none of several."""
+    if not isinstance(name, str) or name not in LAWS:
+        *others, last = map(repr, LAWS)
+        raise PydanticKnownError("literal_error", {"expected": f"{', '.join(others)} or {last}"})
+    return name
+
+
+Law = Annotated[
+    str,
+    PlainValidator(known_law),
+    WithJsonSchema({"enum": list(LAWS), "type": "string"}),
+    Field(description=", or ".join(law.title for law in LAWS.values())),
+]
 
 
 class Medium(Record):
@@ -26,7 +43,7 @@ class Medium(Record):
 
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
-    law: Law = Field(default="viscous", description="linear drag, or dry friction")
+    law: Law = DEFAULT
     softening: Annotated[float, Field(ge=1e-6)] = Field(  # less changes no digit of a motion, and takes longer to solve
         default=0.01,
         description="coulomb: slip below which friction gives way, over the element's way in the body frame",
@@ -66,7 +83,7 @@ class OpenMedium(Record):
 
     anisotropy_ratio: float | None = Field(default=None, description="eps in (0, 1]; left out: what fits find")
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
-    law: Law = Field(default="viscous", description="linear drag, or dry friction")
+    law: Law = DEFAULT
     softening: float | None = Field(default=None, description="coulomb: as in a problem file")
     anisotropy_ratio_bounds: tuple[float, float] | None = Field(
         default=None, description="[lower, upper] of what physics allows, for fits; in water [0.5, 1]"

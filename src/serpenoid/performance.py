@@ -43,10 +43,10 @@ def electrical_cost_of_transport(problem: Problem, displacement: float, dissipat
 def lighthill_efficiency(problem: Problem, displacement: float, dissipation: float) -> float | None:
     """Work to pull the straight body along its axis as far in a cycle, over the work done (Lighthill 1976).
 
-    eps * displacement^2 / (2 T E); None where the drag of a straight body is not eps: dry friction, effects; and where
-    parts are lifted, which may move with less work than pulling takes.
+    eps * displacement^2 / (2 T E); None where the drag of a straight body is not eps: effects, and laws that are not
+    linear; and where parts are lifted, which may move with less work than pulling takes.
     """
-    if problem.medium.law != "viscous" or problem.model.effects or problem.lift is not None or dissipation <= 0:
+    if not problem.model.law.linear or problem.model.effects or problem.lift is not None or dissipation <= 0:
         return None
     return problem.medium.anisotropy_ratio * displacement**2 / (2 * dissipation)
 

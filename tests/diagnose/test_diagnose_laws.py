@@ -15,13 +15,14 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference import laws
-from serpenoid.diagnose.inference.laws import dry_friction, on_dry_friction
+from serpenoid.diagnose.inference.laws import on_rival, rival_laws
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.media import LAWS
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
@@ -41,13 +42,13 @@ def dragged(tmp_path_factory: pytest.TempPathFactory) -> tuple[Motion, Fit]:
 
 
 def asked(motion: Motion, null: Fit) -> str:
-    return dry_friction(Selection(null, (), null, (), (), motion, null, 1.0, ()))
+    return rival_laws(Selection(null, (), null, (), (), motion, null, 1.0, ()))
 
 
 def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
     """The same shapes on dry friction, and eps alone of linear drag."""
     motion, null = dragged
-    dry = on_dry_friction(null.model)
+    dry = on_rival(null.model, LAWS["coulomb"])
     assert dry is not None
     slid = linearised(motion, replace(dry, medium=Medium(anisotropy_ratio=EPS, law="coulomb")), [])[1]
     moved = [

@@ -84,6 +84,22 @@ def test_a_problem_file_names_its_law_and_the_default_keeps_its_hash() -> None:
         problem("reference", 'medium.law="columb"')
 
 
+@pytest.mark.parametrize(
+    ("name", "changes", "known"),
+    [
+        ("reference", (), "200cab5f"),
+        ("reference", ('medium.law="coulomb"',), "042785a9"),
+        ("reference", ('medium.law="coulomb"', "medium.softening=0.1"), "9682bc11"),
+        ("snake10", (), "5139cae4"),
+        ("snake10", ('medium.law="coulomb"',), "1bbc4a4e"),
+        ("broken-joint", ('medium.law="coulomb"',), "455d6e0b"),
+    ],
+)
+def test_hashes_are_those_of_results_that_are_there(name: str, changes: tuple[str, ...], known: str) -> None:
+    """Recorded before laws were listed: a folder of results is found again by them."""
+    assert problem(name, *changes).hash == known
+
+
 def test_uneven_bodies_have_the_law_of_their_medium() -> None:
     assert uneven().law is LAWS["viscous"]
     assert friction().law is LAWS["coulomb"]

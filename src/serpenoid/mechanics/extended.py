@@ -125,7 +125,7 @@ def parameter_rows(kinds: Kinds, placed: bool) -> list[tuple[str, str, int]]:
 
 
 @lru_cache(maxsize=8)
-def vertex_functions(law: str = "viscous") -> dict[str, Vertex]:
+def vertex_functions(law: str) -> dict[str, Vertex]:
     """With all medium effects, in a medium of this law:
 
     balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)

@@ -11,10 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-import casadi as ca
+Quantity = Any  # a number, an array or a symbol of CasADi's
+OfSlip = Callable[[Quantity, Quantity], Quantity]
 
-OfSlip = Callable[[ca.SX, ca.SX], ca.SX]
+
+@dataclass(frozen=True)
+class Rival:
+    """When a diagnosis asks whether a law does better than another, `of`, that it has fitted.
+
+    title: what the law is called there; needs: what must be there for it to be a question (see `Body.parts`).
+    """
+
+    of: Law
+    title: str
+    needs: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,10 +34,24 @@ class Law:
     """potential, multiplier: functions of squared slip and softening length; form_ratio: eps -> r of the squared slip.
 
     degree: of the potential in the displacement. The sum over a cycle of T steps, times T^(degree - 1), converges.
+    words: what resists, in sentences; title: what the law is called beside others. softened: whether the potential
+    depends on the softening length. softer: the linear law, with the ratio form_ratio(eps), that it becomes where it is
+    softened beyond any slip, if its optima are found from there; None: they are found without. rival: see `Rival`;
+    None: a diagnosis knows it where a file says so, and does not ask for it.
     """
 
     name: str
+    words: str
+    title: str
     degree: int
     potential: OfSlip
     multiplier: OfSlip
-    form_ratio: Callable[[ca.SX], ca.SX]
+    form_ratio: Callable[[Quantity], Quantity]
+    softened: bool = False
+    softer: Law | None = None
+    rival: Rival | None = None
+
+    @property
+    def linear(self) -> bool:
+        """Whether forces are proportional to slips: a step's energy is quadratic, eps the drag of a straight body."""
+        return self.degree == 2 and not self.softened

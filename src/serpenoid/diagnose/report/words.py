@@ -9,6 +9,7 @@ from typing import Any
 from serpenoid.body import ANIMALS
 from serpenoid.effects.base import Advice
 from serpenoid.effects.catalogue import find
+from serpenoid.media import LAWS
 
 Record = Mapping[str, Any]
 SCALES = {
@@ -17,13 +18,12 @@ SCALES = {
     "s2/m": (1.0, "s²/m"), "s2/bl": (1.0, "s²/body length"),
 }  # fmt: skip
 SMALL_M = 1e-5
-LAWS = {"viscous": "drag", "coulomb": "dry friction"}
 STAND_IN = ", perhaps a stand-in"
 
 
 def law(record: Record) -> str:
     """What the floor or the water does, in the model that was fitted."""
-    return LAWS[record["law"]["name"]]
+    return LAWS[record["law"]["name"]].words
 
 
 def advice(record: Record, effect: Record) -> Advice:
