@@ -1,10 +1,10 @@
 """A dissipation law: what a slip of an element costs.
 
-    q = |dp|^2 + (r - 1)/2 (<dp, T>^2 + <dp, T'>^2),  r = form_ratio(eps)      squared slip, T, T' before and after
+    q = |dp|^2 + (r - 1)/2 (<dp, T>^2 + <dp, T'>^2),  r = eps^(2 / degree)     squared slip, T, T' before and after
     E = sum_k w_k potential(q_k),   force = -w multiplier(q) D dp,   multiplier = 2 d potential / dq
 
 q is the same quadratic form for every law, so a law is a function of one number, and its wrench is the linear one times
-a multiplier that both ends of the step share.
+a multiplier that both ends of the step share. eps is lengthwise over sideways force, of slips of one size.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Rival:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """potential, multiplier: functions of squared slip and softening length; form_ratio: eps -> r of the squared slip.
+    """potential, multiplier: functions of squared slip and softening length.
 
     degree: of the potential in the displacement. The sum over a cycle of T steps, times T^(degree - 1), converges.
     words: what resists, in sentences; title: what the law is called beside others. softened: whether the potential
@@ -46,10 +46,13 @@ class Law:
     degree: int
     potential: OfSlip
     multiplier: OfSlip
-    form_ratio: Callable[[Quantity], Quantity]
     softened: bool = False
     softer: Law | None = None
     rival: Rival | None = None
+
+    def form_ratio(self, eps: Quantity) -> Quantity:
+        """r of the squared slip."""
+        return eps ** (2 / self.degree)
 
     @property
     def linear(self) -> bool:

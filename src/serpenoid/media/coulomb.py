@@ -26,10 +26,6 @@ def _multiplier(q: Quantity, softening: Quantity) -> Quantity:
     return 1 / (q + softening**2) ** 0.5
 
 
-def _form_ratio(eps: Quantity) -> Quantity:
-    return eps**2
-
-
 LAW = Law(
     name="coulomb",
     words="dry friction",
@@ -37,7 +33,6 @@ LAW = Law(
     degree=1,
     potential=_potential,
     multiplier=_multiplier,
-    form_ratio=_form_ratio,
     softened=True,
     softer=VISCOUS,
     rival=Rival(VISCOUS, "dry friction (Coulomb)", frozenset({"ground"})),

@@ -13,10 +13,6 @@ def _multiplier(q: Quantity, softening: Quantity) -> Quantity:
     return q**0
 
 
-def _form_ratio(eps: Quantity) -> Quantity:
-    return eps
-
-
 LAW = Law(
     name="viscous",
     words="drag",
@@ -24,5 +20,4 @@ LAW = Law(
     degree=2,
     potential=_potential,
     multiplier=_multiplier,
-    form_ratio=_form_ratio,
 )
