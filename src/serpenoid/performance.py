@@ -2,7 +2,7 @@
 
 Normalised cost of transport: (p_idle + dissipation) / Delta, with p_idle the idle energy per cycle in units of the
 normalised dissipation T * E. In SI: CoT = P / (m g v) with electrical P = P_idle + k * dissipation / cycle duration.
-Efficiency, where drag is viscous: what pulling the straight body costs over what the gait costs.
+Efficiency, where drag is linear: what pulling the straight body costs over what the gait costs.
 Along a family of gaits that minimise -Delta + c * dissipation it is least where p_idle = Delta / c - dissipation.
 """
 

@@ -42,5 +42,5 @@ def test_many_steps_at_once_are_casadis_own(which: str, law: str, steps: int, el
         mapped = vertices.over_steps(which, law)(*numbers)
     vertices.over_steps.cache_clear()
     for a, b in zip(wide, mapped, strict=True):
-        size = np.abs(b).max()  # softened signs cancel eleven digits of a part of a sum
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-11 * size)
+        size = np.abs(b).max()  # softened signs cancel eleven digits of a part of a sum, which may be larger than that
+        np.testing.assert_allclose(a, b, rtol=0, atol=3e-11 * size)

@@ -42,8 +42,8 @@ def wrench(
 ) -> ca.SX:
     """Drag (3), momentum (3) and energy of one vertex; elements (6, `with_links`) in their body frames.
 
-    medium = (weight, eps). Forces are in units of the drag level: that of a slip of 1 m/s, or (Coulomb) of any slip.
-    The energy is half the work of linear drag, the work of dry friction: the potential, but for its softening.
+    medium = (weight, eps). Forces are in units of the drag level, that of a slip of 1 m/s (dry friction: of any).
+    The energy is the work over the law's degree: the potential, but for its softening.
     """
     length, duration = setting[0], setting[1]
     element = _element(before, after, poses, medium, setting)

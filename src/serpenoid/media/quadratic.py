@@ -2,10 +2,9 @@
 
     q = v_n^2 + eps^(2/3) v_t^2,   force = -w sqrt(q) (v_n N + eps^(2/3) v_t T)
 
-eps is the drag of a straight body that moves lengthwise over that of one that moves sideways, at the same speed. Of a
-given speed sideways the force grows with the way along, and the other way round: one speed past the body decides on
-both, as for a law with one potential of the squared slip. Of cylinders in oblique flow Taylor (1952) takes the force
-sideways, v_n^2, for independent of the flow along them; between these two are what is measured.
+eps is the drag of a straight body that moves lengthwise over that of one that moves sideways, at the same speed. One
+speed past the body, sqrt(q), decides on both parts of the force; Taylor (1952) takes the pressure on a cylinder in
+oblique flow, v_n^2, for independent of the flow along it, which is another law.
 
 Softened: ((q + s^2)^(3/2) - s^3) / 3, s as for dry friction: at a slip of zero drag has no slope, and its derivative no
 second one. The law stays blind to speed and to the number of steps.
