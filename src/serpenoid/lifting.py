@@ -21,8 +21,8 @@ def fault(lift: Lift, gait: Gait, model: Model, bounds: GaitBounds, goals: Seque
     """What does not go together with lifting, in words; None: nothing."""
     if not isinstance(gait, EllipseGait | FourierGait) or (isinstance(gait, FourierGait) and len(gait.xi) > 1):
         return "parts are lifted beside a wave of bending; [gait] must be an ellipse, or `fourier` with one `xi`."
-    if model.effects or model.medium.law != "viscous":
-        return "effects and dry friction are known in the plane; leave them out."
+    if model.only_in_the_plane is not None:
+        return model.only_in_the_plane
     flat = next((goal for goal in goals if goal.flat), None)
     if flat is not None:
         return f"`{flat.kind}` cannot be asked in space: {flat.flat}; leave one of the two out."

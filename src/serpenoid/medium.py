@@ -2,34 +2,54 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PlainValidator, WithJsonSchema, field_validator, model_validator
+from pydantic_core import PydanticKnownError
 
 from serpenoid.files.schema import Record
+from serpenoid.media import DEFAULT, LAWS
 
 FIRST_GUESS = 0.2  # of eps, where nothing states it
 
+SOFTENED = ", ".join(law.name for law in LAWS.values() if law.softened)
+
 Site = Literal["vertex", "edge"]
-Law = Literal["viscous", "coulomb"]
+
+
+def known_law(name: Any) -> str:
+    """The name of a law; raises what pydantic says of a word that is none of several."""
+    if not isinstance(name, str) or name not in LAWS:
+        *others, last = map(repr, LAWS)
+        raise PydanticKnownError("literal_error", {"expected": f"{', '.join(others)} or {last}"})
+    return name
+
+
+Law = Annotated[
+    str,
+    PlainValidator(known_law),
+    WithJsonSchema({"enum": list(LAWS), "type": "string"}),
+    Field(description=", or ".join(law.title for law in LAWS.values())),
+]
 
 
 class Medium(Record):
     """Anisotropic local dissipation at the vertices (the paper's) or at edge midpoints; `law`: see serpenoid.media.
 
-    viscous: D = w (I + (eps - 1) T T^t), eps the ratio of drag coefficients. coulomb: a friction ellipse, eps the ratio
-    of friction coefficients.
+    eps is the force on a straight body lengthwise over that sideways, at one speed: of linear drag, where the
+    dissipation is D = w (I + (eps - 1) T T^t), the ratio of drag coefficients; of dry friction, a friction ellipse, the
+    ratio of friction coefficients.
 
-    A fitted `anisotropy_ratio` holds for one of the two only. `anisotropy_ratio_bounds` is what physics allows: a
+    A fitted `anisotropy_ratio` holds for one law only. `anisotropy_ratio_bounds` is what physics allows: a
     slender body in water has a drag ratio K = 1/eps of at most 2, so [0.5, 1]. Fits and diagnoses stay inside.
     """
 
     anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
-    law: Law = Field(default="viscous", description="linear drag, or dry friction")
+    law: Law = DEFAULT
     softening: Annotated[float, Field(ge=1e-6)] = Field(  # less changes no digit of a motion, and takes longer to solve
         default=0.01,
-        description="coulomb: slip below which friction gives way, over the element's way in the body frame",
+        description=f"{SOFTENED}: slip below which forces give way, over the element's way in the body frame",
     )
     anisotropy_ratio_bounds: tuple[float, float] | None = Field(
         default=None, description="[lower, upper] of what physics allows, for fits; in water [0.5, 1]"
@@ -66,8 +86,8 @@ class OpenMedium(Record):
 
     anisotropy_ratio: float | None = Field(default=None, description="eps in (0, 1]; left out: what fits find")
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
-    law: Law = Field(default="viscous", description="linear drag, or dry friction")
-    softening: float | None = Field(default=None, description="coulomb: as in a problem file")
+    law: Law = DEFAULT
+    softening: float | None = Field(default=None, description=f"{SOFTENED}: as in a problem file")
     anisotropy_ratio_bounds: tuple[float, float] | None = Field(
         default=None, description="[lower, upper] of what physics allows, for fits; in water [0.5, 1]"
     )

@@ -14,8 +14,9 @@ from serpenoid.body import Body, Floats
 from serpenoid.effects.active import ActiveEffect, check
 from serpenoid.effects.base import ActuationEffect, MediumEffect, ObservationEffect
 from serpenoid.errors import InputError
-from serpenoid.media import LAWS, Law
+from serpenoid.media import DEFAULT, LAWS, Law
 from serpenoid.medium import Medium
+from serpenoid.wording import listed
 
 UNEVEN = 1.2  # times as heavy per length: more than the spread of a well-made robot's modules
 
@@ -27,7 +28,7 @@ class Structure:
     vertices: int
     joints: tuple[int, ...]
     dissipation: str
-    law: str = "viscous"
+    law: str = DEFAULT
     softening: float = 0.0
 
     @property
@@ -63,7 +64,7 @@ class Model:
         check(present, self.body)
         at_vertices = self.medium.dissipation == "vertex"
         kinds = [e.effect for e in present if isinstance(e.effect, MediumEffect)]
-        strangers = [kind.name for kind in kinds if self.medium.law not in kind.laws]
+        strangers = [kind.name for kind in kinds if not kind.acts_in(self.medium.law)]
         if strangers:
             raise InputError(
                 f"[medium] law: `{strangers[0]}` does not act in a {self.medium.law} medium; leave it out."
@@ -122,9 +123,17 @@ class Model:
         return LAWS[self.medium.law]
 
     @property
+    def only_in_the_plane(self) -> str | None:
+        """Why the body cannot be lifted, as a sentence; None: it can."""
+        if not self.effects and self.law.linear:
+            return None
+        others = [law.title for law in LAWS.values() if not law.linear]
+        return f"{listed(['effects', *others])} are known in the plane; leave them out."
+
+    @property
     def is_plain(self) -> bool:
-        """Whether the planar step is the viscous one without effects, which has a function of its own."""
-        return self.medium.law == "viscous" and not self.medium_effects
+        """Whether the planar step is that of linear drag without effects, which has a function of its own."""
+        return self.law.linear and not self.medium_effects
 
     def knows(self, what: str) -> bool:
         """Whether an effect of the medium depends on `speed`, `clock`, `place` or `history`."""
@@ -145,7 +154,7 @@ class Model:
     def structure(self) -> Structure:
         """The part of the model that compiled functions depend on."""
         medium = self.medium
-        softening = medium.softening if medium.law == "coulomb" else 0.0
+        softening = medium.softening if self.law.softened else 0.0
         return Structure(self.body.vertices, self.body.joint_vertices, medium.dissipation, medium.law, softening)
 
     @cached_property

@@ -2,7 +2,7 @@
 
 Normalised cost of transport: (p_idle + dissipation) / Delta, with p_idle the idle energy per cycle in units of the
 normalised dissipation T * E. In SI: CoT = P / (m g v) with electrical P = P_idle + k * dissipation / cycle duration.
-Efficiency, where drag is viscous: what pulling the straight body costs over what the gait costs.
+Efficiency, where drag is linear: what pulling the straight body costs over what the gait costs.
 Along a family of gaits that minimise -Delta + c * dissipation it is least where p_idle = Delta / c - dissipation.
 """
 
@@ -43,10 +43,10 @@ def electrical_cost_of_transport(problem: Problem, displacement: float, dissipat
 def lighthill_efficiency(problem: Problem, displacement: float, dissipation: float) -> float | None:
     """Work to pull the straight body along its axis as far in a cycle, over the work done (Lighthill 1976).
 
-    eps * displacement^2 / (2 T E); None where the drag of a straight body is not eps: dry friction, effects; and where
-    parts are lifted, which may move with less work than pulling takes.
+    eps * displacement^2 / (2 T E); None where the drag of a straight body is not eps: effects, and laws that are not
+    linear; and where parts are lifted, which may move with less work than pulling takes.
     """
-    if problem.medium.law != "viscous" or problem.model.effects or problem.lift is not None or dissipation <= 0:
+    if not problem.model.law.linear or problem.model.effects or problem.lift is not None or dissipation <= 0:
         return None
     return problem.medium.anisotropy_ratio * displacement**2 / (2 * dissipation)
 

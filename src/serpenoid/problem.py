@@ -24,6 +24,7 @@ from serpenoid.files.writing import short_hash
 from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds, GaitFamily, families
 from serpenoid.gaits.lifted import Lift, LiftedGait, lifted
 from serpenoid.lifting import fault
+from serpenoid.media import DEFAULT
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
@@ -201,9 +202,9 @@ class Problem(Record):
             limit = math.radians(self.joint_limit_deg)
             joints = {ask.quantity for d in task.demands if isinstance(d, Shape) for ask in d.asks(rows)}
             others += [("[body] joint_limit_deg", Ask(joint, -limit, limit)) for joint in sorted(joints)]
-        if self.medium.law != "viscous" and any(isinstance(term, Efficiency) for term in task.objectives):
+        if not self.model.law.linear and any(isinstance(term, Efficiency) for term in task.objectives):
             raise ValueError(
-                "[[task.objectives]] efficiency: is one of viscous drag; with dry friction ask for transport"
+                f"[[task.objectives]] efficiency: is one of viscous drag; with {self.model.law.title} ask for transport"
             )
         fault = contradiction(task.demands, rows, self.body.edges, others)
         if fault is not None:
@@ -262,8 +263,10 @@ class Problem(Record):
         else:
             named = [read_bytes(self.folder / name) for name in self.task.robust.files]
             data["task"]["robust"]["contents"] = [hashlib.sha256(content).hexdigest() for content in named]
-        if self.medium.law == "viscous":
-            del medium["law"], medium["softening"]
+        if self.medium.law == DEFAULT:
+            del medium["law"]
+        if not self.model.law.softened:
+            del medium["softening"]
         holds = {"joint_limits": self.joint_limit_deg, "joint_speed_limits": self.joint_speed_limit_rpm}
         data["task"]["constraints"] |= {name: limit is not None for name, limit in holds.items()}
         return short_hash(data)

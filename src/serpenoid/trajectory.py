@@ -23,7 +23,7 @@ class Trajectory(Shown):
 
     poses (R, 3): x, y [body lengths], heading [rad]; vertices (R, N, 2) [body lengths]; step_energy (R - 1,), raw;
     residual: largest |dE/d turn| of any step (weights sum to one, lengths in body lengths);
-    degree: of the step energy in the displacement (2: linear drag, 1: Coulomb friction).
+    degree: of the step energy in the displacement (2: linear drag).
     """
 
     status: Status

@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+
+def listed(words: Sequence[str]) -> str:
+    """`one`, `one and another`, `one, another and a third`."""
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
+
 
 def counted(number: int, noun: str) -> str:
     """`1 joint`, `2 joints`; nouns whose plural ends in s."""

@@ -16,10 +16,11 @@ from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.inference.laws import on_dry_friction
+from serpenoid.diagnose.inference.laws import on_rival
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.reference import about, reference_of
 from serpenoid.errors import InputError
+from serpenoid.media import LAWS
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.model_file import write_model_file
@@ -70,9 +71,9 @@ def test_the_law_of_the_floor_is_asked(then):
     )
     assert said
     assert float(said[1]) < float(said[2])
-    assert on_dry_friction(Model(then.model.body, Medium(anisotropy_ratio=0.2, law="coulomb"))) is None
+    assert on_rival(Model(then.model.body, Medium(anisotropy_ratio=0.2, law="coulomb")), LAWS["coulomb"]) is None
     swimmer = Body(kind="swimmer", vertices=12)
-    assert on_dry_friction(Model(swimmer, Medium(anisotropy_ratio=0.2))) is None
+    assert on_rival(Model(swimmer, Medium(anisotropy_ratio=0.2)), LAWS["coulomb"]) is None
 
 
 def test_another_day_with_the_healthy_robot_brings_no_news(then, folder):

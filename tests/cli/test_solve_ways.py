@@ -106,7 +106,7 @@ def test_what_a_gait_makes_of_its_goals_is_in_the_record_and_shown(
         assert all(f"goal              {words}\n" in shown for words in said)
 
 
-@pytest.mark.parametrize(("law", "name"), [("viscous", "T*E"), ("coulomb", "E  ")])
+@pytest.mark.parametrize(("law", "name"), [("viscous", "T*E"), ("coulomb", "E  "), ("quadratic", "T^2*E")])
 def test_the_dissipation_is_named_by_what_it_is_and_show_knows_dry_friction(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], law: str, name: str
 ) -> None:

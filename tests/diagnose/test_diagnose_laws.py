@@ -15,13 +15,14 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference import laws
-from serpenoid.diagnose.inference.laws import dry_friction, on_dry_friction
+from serpenoid.diagnose.inference.laws import on_rival, rival_laws
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.media import LAWS
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
@@ -41,20 +42,25 @@ def dragged(tmp_path_factory: pytest.TempPathFactory) -> tuple[Motion, Fit]:
 
 
 def asked(motion: Motion, null: Fit) -> str:
-    return dry_friction(Selection(null, (), null, (), (), motion, null, 1.0, ()))
+    return rival_laws(Selection(null, (), null, (), (), motion, null, 1.0, ()))
+
+
+def slid(motion: Motion, null: Fit, other: Model) -> Motion:
+    """The same shapes as another law moves them: what the fit leaves is what is left of it."""
+    predicted = linearised(motion, other, [])[1]
+    moved = [
+        replace(t, offset=t.offset + p.displacement - q.displacement)
+        for t, p, q in zip(motion.tracks, null.predictions, predicted, strict=True)
+    ]
+    return replace(motion, tracks=tuple(moved))
 
 
 def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
     """The same shapes on dry friction, and eps alone of linear drag."""
     motion, null = dragged
-    dry = on_dry_friction(null.model)
+    dry = on_rival(null.model, LAWS["coulomb"])
     assert dry is not None
-    slid = linearised(motion, replace(dry, medium=Medium(anisotropy_ratio=EPS, law="coulomb")), [])[1]
-    moved = [
-        replace(t, offset=t.offset + p.displacement - q.displacement)  # what linear drag leaves is what is left of it
-        for t, p, q in zip(motion.tracks, null.predictions, slid, strict=True)
-    ]
-    motion = replace(motion, tracks=tuple(moved))
+    motion = slid(motion, null, replace(dry, medium=Medium(anisotropy_ratio=EPS, law="coulomb")))
     return motion, fit_eps(motion, null.model)
 
 
@@ -101,3 +107,14 @@ def test_where_steps_lose_their_roots_on_the_way_a_fit_is_begun_nearer(
 
 def test_on_a_floor_of_linear_drag_nothing_is_said_of_dry_friction(dragged: tuple[Motion, Fit]) -> None:
     assert asked(*dragged) == ""
+
+
+def test_the_ratio_of_a_law_that_a_file_states_is_fitted_and_no_other_law_is_asked_for(
+    dragged: tuple[Motion, Fit],
+) -> None:
+    motion, null = dragged
+    fast = replace(null.model, medium=Medium(anisotropy_ratio=EPS, law="quadratic"))
+    motion = slid(motion, null, fast)
+    _, found = calibrated(motion, fit_eps(motion, replace(fast, medium=fast.medium.with_ratio(0.4))))
+    assert found.model.medium.anisotropy_ratio == pytest.approx(EPS, abs=0.01)  # the noise of the markers
+    assert asked(motion, found) == ""

@@ -310,6 +310,8 @@ def test_what_is_not_named_is_said_in_one_sentence_what_takes_away_most_first() 
         ("slope", "viscous", "bl", "bl/s"),
         ("slope", "coulomb", "m", "1"),
         ("inertia", "coulomb", "bl", "s2/bl"),
+        ("slope", "quadratic", "bl", "bl2/s2"),
+        ("inertia", "quadratic", "m", "m"),
         ("friction_gradient", "coulomb", "bl", "1/bl"),
     ],
 )

@@ -92,7 +92,7 @@ ACTING = [(name, law) for name in MEDIUM for law in LAWS if find(name).acts_in(l
 
 def in_other_sizes(unit: str) -> float:
     """By how much a quantity in this unit grows with lengths and times."""
-    sizes = {"m": LONGER, "s": SLOWER, "s2": SLOWER**2}
+    sizes = {"m": LONGER, "m2": LONGER**2, "s": SLOWER, "s2": SLOWER**2}
     over, *under = (sizes.get(part, 1.0) for part in unit.split("/"))
     return over / float(np.prod(under))
 

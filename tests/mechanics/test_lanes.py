@@ -36,16 +36,18 @@ def test_the_polynomial_sine_is_the_sine(largest: float) -> None:
 def test_exponentials_logarithms_powers_and_angles_are_those_of_the_c_library() -> None:
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
     a, b = x.elements()
-    function = ca.Function("four", [x, y], [ca.exp(a), ca.log(b), ca.power(b, a / 400), ca.atan2(a, b)])
+    values = [ca.exp(a), ca.log(b), ca.power(b, a / 400), ca.atan2(a, b), b ** (2 / 3)]
+    function = ca.Function("five", [x, y], values)
     rng = np.random.default_rng(4)
     given = np.column_stack([rng.uniform(-700, 700, 5000), np.exp(rng.uniform(-300, 300, 5000))])
     given[:4] = [[0.0, 1.0], [-1.0, 1e-300], [1.0, 0.5], [0.0, 3.0]]
-    exponential, logarithm, power, angle = (f[0] for f in over_columns(function)(given, np.ones(1)))
+    exponential, logarithm, power, angle, fixed = (f[0] for f in over_columns(function)(given, np.ones(1)))
     a, b = given.T
     np.testing.assert_allclose(exponential, np.exp(a), rtol=4 * ROUNDING)
     np.testing.assert_allclose(logarithm, np.log(b), rtol=4 * ROUNDING, atol=ROUNDING)
     # rounding of y log(x), up to 525, counts
     np.testing.assert_allclose(power, b ** (a / 400), rtol=1000 * ROUNDING)
+    np.testing.assert_allclose(fixed, b ** (2 / 3), rtol=400 * ROUNDING)
     np.testing.assert_allclose(angle, np.arctan2(a, b), rtol=4 * ROUNDING)
 
 

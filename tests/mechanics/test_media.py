@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from oracle import coulomb
+from oracle import power_laws
 from oracle.chain import place
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
-from serpenoid.media import LAWS
+from serpenoid.media import LAWS, Law
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.steps import elements_of_vertices
@@ -31,7 +31,7 @@ def step_energy(model: Model, pose: np.ndarray, shapes: np.ndarray = SHAPES) -> 
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-def test_the_multiplier_is_the_slope_of_the_potential_and_the_degree_is_what_it_says(law) -> None:  # type: ignore[no-untyped-def]
+def test_the_multiplier_is_the_slope_of_the_potential_and_the_degree_is_what_it_says(law: Law) -> None:
     q, s = ca.SX.sym("q"), ca.SX.sym("s")
     slope = ca.Function("slope", [q, s], [2 * ca.gradient(law.potential(q, s), q) - law.multiplier(q, s)])
     assert float(slope(0.37, 0.1)) == pytest.approx(0, abs=1e-15)
@@ -40,10 +40,32 @@ def test_the_multiplier_is_the_slope_of_the_potential_and_the_degree_is_what_it_
     assert float(potential(4 * 0.37, 1e-12) / potential(0.37, 1e-12)) == pytest.approx(2**law.degree)
 
 
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_what_a_law_says_of_itself_is_so(law: Law) -> None:
+    """Softened, linear, and what it becomes beyond any slip: sqrt(q + s^2) - s is q / (2 s), and so on."""
+    q = np.array([0.2, 0.37])
+    one, other = (law.potential(q, s) for s in (0.0, 0.1))
+    assert law.softened == bool(np.any(one != other))
+    assert law.linear == bool(np.allclose(one, q / 2))
+    if law.softer is not None:
+        assert law.softer.linear
+        far = law.potential(q, 1e4) * law.multiplier(0 * q, 1.0) / law.multiplier(0 * q, 1e4)
+        np.testing.assert_allclose(far, law.softer.potential(q, 0.0), rtol=1e-6)
+    assert law.rival is None or law.rival.of in LAWS.values()
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_eps_is_the_force_on_a_straight_body_lengthwise_over_that_sideways(name: str) -> None:
+    line = np.stack([np.linspace(-0.5, 0.5, 12), np.zeros(12)], axis=1)[None].repeat(2, axis=0)
+    model = Model(reference().body, Medium(anisotropy_ratio=0.3, law=name))
+    lengthwise, sideways = (step_energy(model, np.array(way), line) for way in ([0.1, 0, 0], [0, 0.1, 0]))
+    assert lengthwise == pytest.approx(0.3 * sideways, rel=1e-6)  # of Coulomb's law a softening of 1e-9
+
+
 def test_the_friction_energy_and_its_gradient_are_those_written_by_hand() -> None:
     model, pose = friction(), np.array([0.03, -0.05, 0.2])
     w = model.body.vertex_weights
-    energy, gradient = coulomb.friction(pose, SHAPES[0], SHAPES[1], w, 0.3)
+    energy, gradient = power_laws.step_energy(pose, SHAPES[0], SHAPES[1], w, 0.3, degree=1)
     assert step_energy(model, pose) == pytest.approx(energy, abs=1e-6)  # the softening, subtracted
     before, after = (elements_of_vertices(model, shape[None]) for shape in SHAPES)
     turn, *force = functions.step_momentum(model.structure)(before, after, pose, model.parameters).full()[:, 0]
@@ -82,6 +104,22 @@ def test_a_problem_file_names_its_law_and_the_default_keeps_its_hash() -> None:
     assert plain.hash != problem("reference", 'medium.law="coulomb"').hash
     with pytest.raises(InputError, match="law"):
         problem("reference", 'medium.law="columb"')
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "known"),
+    [
+        ("reference", (), "200cab5f"),
+        ("reference", ('medium.law="coulomb"',), "042785a9"),
+        ("reference", ('medium.law="coulomb"', "medium.softening=0.1"), "9682bc11"),
+        ("snake10", (), "5139cae4"),
+        ("snake10", ('medium.law="coulomb"',), "1bbc4a4e"),
+        ("broken-joint", ('medium.law="coulomb"',), "455d6e0b"),
+    ],
+)
+def test_hashes_are_those_of_results_that_are_there(name: str, changes: tuple[str, ...], known: str) -> None:
+    """Recorded before laws were listed: a folder of results is found again by them."""
+    assert problem(name, *changes).hash == known
 
 
 def test_uneven_bodies_have_the_law_of_their_medium() -> None:

@@ -9,6 +9,7 @@ from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics import vertices
 from serpenoid.mechanics.compile import find_compiler
 from serpenoid.mechanics.extended import coordinate_count
+from serpenoid.media import LAWS
 
 
 def given(steps: int, elements: int) -> list[np.ndarray]:
@@ -30,7 +31,7 @@ def given(steps: int, elements: int) -> list[np.ndarray]:
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
 @pytest.mark.parametrize(("steps", "elements"), [(1, 3), (67, 5), (128, 4)])
-@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("which", ["balance", "coupled", "sensitivity"])
 def test_many_steps_at_once_are_casadis_own(which: str, law: str, steps: int, elements: int) -> None:
     numbers = given(steps, elements)
@@ -41,5 +42,5 @@ def test_many_steps_at_once_are_casadis_own(which: str, law: str, steps: int, el
         mapped = vertices.over_steps(which, law)(*numbers)
     vertices.over_steps.cache_clear()
     for a, b in zip(wide, mapped, strict=True):
-        size = np.abs(b).max()  # softened signs cancel eleven digits of a part of a sum
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-11 * size)
+        size = np.abs(b).max()  # softened signs cancel eleven digits of a part of a sum, which may be larger than that
+        np.testing.assert_allclose(a, b, rtol=0, atol=3e-11 * size)

@@ -13,6 +13,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from serpenoid.gaits import EllipseGait, TableGait
+from serpenoid.media import LAWS
 from serpenoid.plot import figures, optima, sweep, transport
 from serpenoid.plot.animate import animation
 from serpenoid.plot.beside import apart
@@ -239,7 +240,7 @@ def test_a_figure_is_drawn_once_for_both_files(tmp_path, problem, table, monkeyp
 SIDES = ("width", "height", "x", "y")
 
 
-@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+@pytest.mark.parametrize("law", LAWS)
 def test_a_motions_title_has_the_dissipation_of_its_own_law(law: str) -> None:
     found = simulate(problem("reference", "task.steps=30", "task.cycles=2", f"medium.law={law}"))
     spent = found.trajectory.dissipation / 2  # of one cycle of two

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from oracle import coulomb
+from oracle import power_laws
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.mechanics.tables import joint_table
@@ -29,7 +29,7 @@ def friction(eps: float = EPS, softening: float = 0.01, **model: object) -> Mode
 
 def test_motion_is_that_of_plain_minimisation_and_softening_errs_by_its_square() -> None:
     table = serpenoid_table(reference(), 50)
-    run = coulomb.simulate(table, reference().body.edges, reference().body.vertex_weights, EPS)
+    run = power_laws.simulate(table, reference().body.edges, reference().body.vertex_weights, EPS, degree=1)
     motions = [simulate_joint_angles(friction(softening=s), table) for s in (0.1, 0.03, 0.01, 0.001)]
     errors = [np.abs(m.poses - run.poses).max() for m in motions]
     assert all(m.status.ok for m in motions)

@@ -53,8 +53,7 @@ def record(effect: Effect) -> dict[str, Any]:
         "parameters": [
             {
                 "name": p.name,
-                "unit": p.unit,
-                "unit_with_dry_friction": p.dry_unit or p.unit,
+                **units(p),
                 "bounds": [p.lower, p.upper if math.isfinite(p.upper) else None],
                 "neutral": "infinity" if p.neutral == math.inf else p.neutral,
                 "meaning": p.meaning,
@@ -67,6 +66,14 @@ def record(effect: Effect) -> dict[str, Any]:
         "of_animals": None if effect.of_animals is None else vars(effect.of_animals),
         "does_not_apply": dict(effect.reasons),
     }
+
+
+def units(p: Parameter) -> dict[str, str]:
+    """`unit`, and `unit_with_dry_friction` and the like for laws that are not the default one."""
+    from serpenoid.media import DEFAULT, LAWS
+
+    others = {f"unit_with_{law.title.replace(' ', '_')}": law for law in LAWS.values() if law.name != DEFAULT}
+    return {"unit": p.unit} | {key: p.unit_in(law) for key, law in others.items()}
 
 
 def _table(effects: list[Effect]) -> None:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from serpenoid.media import LAWS
+
 if TYPE_CHECKING:
     from serpenoid.optimise.clearance import Clearance
     from serpenoid.optimise.solution import SelfClear
 
 
 def dissipation_name(law: str) -> str:
-    """Begins the line of the dissipation: of dry friction E alone does not depend on the number of steps."""
-    return f"{'dissipation T*E' if law == 'viscous' else 'dissipation E':18}"
+    """Begins the line of the dissipation, T^(degree - 1) E: what does not depend on the number of steps."""
+    factor = {0: "", 1: "T*"}.get(power := LAWS[law].degree - 1, f"T^{power}*")
+    return f"dissipation {factor}E".ljust(18)
 
 
 def goal_lines(record: dict[str, Any]) -> list[str]:

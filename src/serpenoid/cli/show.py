@@ -16,6 +16,7 @@ from serpenoid.cli.claim import REQUEST
 from serpenoid.cli.goals import dissipation_name, goal_lines
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import csv_rows, read_text
+from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import counted
 
 STOPPED = (
@@ -85,7 +86,7 @@ def _taken_by(path: Path) -> str:
 
 def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
-    law = record.get("law", "viscous")  # not in older records
+    law = LAWS[record.get("law", DEFAULT)]  # not in older records
     joints = counted(len(body["joints"]), "joint")
     lines = [
         f"{record['kind']}: {record['status']}"
@@ -93,13 +94,13 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {joints}, {body['length_m']:.4g} m",
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}"
-        + ", dry friction" * (law == "coulomb"),
+        + ("" if law.name == DEFAULT else f", {law.title}"),
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(_gait(gait))}",
         *bound_lines(record.get("at_bounds", [])),
         f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
         f"heading change    {_short(record['heading_change_rad'])} rad",
-        f"{dissipation_name(law)}{_short(record['dissipation'])}",
+        f"{dissipation_name(law.name)}{_short(record['dissipation'])}",
         *goal_lines(record),
         *_floor(record),
         *note_lines(record.get("note")),

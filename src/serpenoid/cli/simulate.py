@@ -81,19 +81,19 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _raw(problem: Problem, motion: Trajectory) -> str:
-    """E without the factor T, where the law has one."""
-    return f"   (raw E {motion.energy_raw:.6g})" if problem.medium.law == "viscous" else ""
+    """E without the factor T^(degree - 1), where the law has one."""
+    return f"   (raw E {motion.energy_raw:.6g})" if problem.model.law.degree > 1 else ""
 
 
 HARDER = 10.0  # leaves a hundredth of the error, where parts stick a fifth (results/benchmarks/softening.md)
 
 
 def _softening_lines(problem: Problem, motion: Trajectory) -> list[str]:
-    """What the softening of dry friction changes, found by simulating with a tenth of it."""
+    """What the softening of a law changes, found by simulating with a tenth of it."""
     from serpenoid.simulation.problem import simulate
 
     medium = problem.medium
-    if medium.law != "coulomb":
+    if not problem.model.law.softened:
         return []
     share = medium.softening / HARDER
     harder = problem.model_copy(update={"medium": medium.model_copy(update={"softening": share})})

@@ -18,8 +18,9 @@ import numpy as np
 from serpenoid.body import Body, Floats, Part
 from serpenoid.effects.element import Drag, Element
 from serpenoid.effects.scan import Scan
+from serpenoid.effects.units import times_speed
 from serpenoid.effects.view import View
-from serpenoid.media import Law
+from serpenoid.media import LAWS, Law
 
 Site = Literal["actuation", "medium", "observation"]
 Marks = Literal["zeros", "gaps", "markers", "ahead", "scale", "rate", "frame", "jumps"]
@@ -32,8 +33,9 @@ USES = ("simulate", "nlp", "fit", "diagnose")
 class Parameter:
     """One number of an effect, in `unit`; `neutral` None: it only matters beside the others (where a patch lies).
 
-    dry_unit: the unit beside dry friction, where that is another one: a force is told by the speed at which drag is as
-    large, or as a share of friction, which is the same at any speed.
+    over_drag: whether it is a force over the drag level, that of a slip of 1 m/s. Such a force is told by the speed at
+    which linear drag is as large; as a share of dry friction, which is the same at any speed: in a medium of any degree
+    by a power of that speed (see `unit_in`).
     power: the coordinate is value ** power; 1 (the value itself), 2 where only the square matters, or negative where
     the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
@@ -49,11 +51,11 @@ class Parameter:
     meaning: str
     power: int = 1
     resolution: float = 0.0
-    dry_unit: str | None = None
+    over_drag: bool = False
 
     def unit_in(self, law: Law) -> str:
-        """The unit in a medium of this law."""
-        return self.dry_unit if self.dry_unit and law.degree == 1 else self.unit
+        """The unit in a medium of this law: a force over the drag level is a speed to the power of (degree - 1)."""
+        return times_speed(self.unit, law.degree - 2) if self.over_drag else self.unit
 
     def coordinate(self, value: float) -> float:
         """The number that the symbolic contribution takes."""
@@ -69,8 +71,9 @@ class Parameter:
 
     @property
     def units(self) -> str:
-        """The unit, and that beside dry friction where it is another one."""
-        return f"{self.unit}; with dry friction {self.dry_unit}" if self.dry_unit else self.unit
+        """The unit, and those in media of other laws where they are others."""
+        others = [law for law in LAWS.values() if self.unit_in(law) != self.unit]
+        return "; ".join([self.unit, *(f"with {law.title} {self.unit_in(law)}" for law in others)])
 
     @property
     def resting(self) -> float:
@@ -175,13 +178,14 @@ class MediumEffect(Effect):
 
     knows: what the contribution depends on beyond the shapes: `speed` (seconds per step), `clock` (seconds since the
     start), `place` (pose on the floor), `history` (momentum of the steps before). scales_ratio: whether it multiplies
-    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow. laws: the media's laws that
-    it can change; dry friction is none on top of Coulomb's.
+    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow. of_linear_drag: whether it
+    makes another law of linear drag, and so does not act in media of other laws; dry friction is none on top of
+    Coulomb's.
     """
 
     knows: frozenset[str] = frozenset()
     scales_ratio: bool = False
-    laws: frozenset[str] = frozenset({"viscous", "coulomb"})
+    of_linear_drag: bool = False
 
     @property
     def site(self) -> Site:
@@ -204,8 +208,8 @@ class MediumEffect(Effect):
         return "place" in self.knows
 
     def acts_in(self, law: str) -> bool:
-        """See `laws`."""
-        return law in self.laws
+        """See `of_linear_drag`."""
+        return LAWS[law].linear or not self.of_linear_drag
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Change what meets the floor at one vertex."""

@@ -9,7 +9,7 @@ that is locked, h: half the distance of the wheels on the axle. The multipliers 
 l, h and f_d are 0.
 Each end's force acts at the other end's contact point: for any law that comes from a potential of (v, T_i) that is
 exactly the derivative of the step energy by the pose, because the potential does not change when everything turns.
-World frame, SI: metres, seconds; forces divided by the drag level are speeds.
+World frame, SI: metres, seconds; forces divided by the drag level are speeds, where drag is linear (`Parameter`).
 """
 
 from __future__ import annotations

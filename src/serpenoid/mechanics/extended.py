@@ -42,8 +42,8 @@ def wrench(
 ) -> ca.SX:
     """Drag (3), momentum (3) and energy of one vertex; elements (6, `with_links`) in their body frames.
 
-    medium = (weight, eps). Forces are in units of the drag level: that of a slip of 1 m/s, or (Coulomb) of any slip.
-    The energy is half the work of linear drag, the work of dry friction: the potential, but for its softening.
+    medium = (weight, eps). Forces are in units of the drag level, that of a slip of 1 m/s (dry friction: of any).
+    The energy is the work over the law's degree: the potential, but for its softening.
     """
     length, duration = setting[0], setting[1]
     element = _element(before, after, poses, medium, setting)
@@ -125,7 +125,7 @@ def parameter_rows(kinds: Kinds, placed: bool) -> list[tuple[str, str, int]]:
 
 
 @lru_cache(maxsize=8)
-def vertex_functions(law: str = "viscous") -> dict[str, Vertex]:
+def vertex_functions(law: str) -> dict[str, Vertex]:
     """With all medium effects, in a medium of this law:
 
     balance:     -> drag and momentum (6), energy, derivatives of the six by the second pose (6, 3)

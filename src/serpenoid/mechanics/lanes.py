@@ -39,6 +39,7 @@ _UNARY = {
 }
 _OF_TWO = {
     ca.OP_POW: "lane_exp({1} * lane_log({0}))",
+    ca.OP_CONSTPOW: "lane_exp({1} * lane_log({0}))",
     ca.OP_ATAN2: "lane_atan2({0}, {1})",
     ca.OP_LT: "({0} < {1} ? 1.0 : 0.0)",
     ca.OP_LE: "({0} <= {1} ? 1.0 : 0.0)",

@@ -30,7 +30,7 @@ VECTORS = (  # where CasADi's C puts a plain number in a variable: in C a vector
     (r"CASADI_SYMBOL_EXPORT int \w+_casadi_real_size.*\n", ""),
 )
 LANEWISE = {"sqrt": 1, "fabs": 1, "exp": 1, "log": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1, "tanh": 1}
-LANEWISE |= {"atan2": 2, "fmin": 2, "fmax": 2}
+LANEWISE |= {"atan2": 2, "fmin": 2, "fmax": 2, "pow": 2}
 COMPARED = re.compile(r"^\s*a\d+=.*(?:[<>!]|==)", re.MULTILINE)
 
 

@@ -14,23 +14,26 @@ elements that would stick creep by a share of that way.
 
 from __future__ import annotations
 
-import casadi as ca
-
-from serpenoid.media.base import Law
-
-LEAST = 1e-9  # body lengths: in a pause nothing changes shape, and nothing slips
+from serpenoid.media.base import Law, Quantity, Rival
+from serpenoid.media.viscous import LAW as VISCOUS
 
 
-def _potential(q: ca.SX, softening: ca.SX) -> ca.SX:
-    return ca.sqrt(q + softening**2) - softening
+def _potential(q: Quantity, softening: Quantity) -> Quantity:
+    return (q + softening**2) ** 0.5 - softening
 
 
-def _multiplier(q: ca.SX, softening: ca.SX) -> ca.SX:
-    return 1 / ca.sqrt(q + softening**2)
+def _multiplier(q: Quantity, softening: Quantity) -> Quantity:
+    return 1 / (q + softening**2) ** 0.5
 
 
-def _form_ratio(eps: ca.SX) -> ca.SX:
-    return eps**2
-
-
-COULOMB = Law("coulomb", 1, _potential, _multiplier, _form_ratio)
+LAW = Law(
+    name="coulomb",
+    words="dry friction",
+    title="dry friction",
+    degree=1,
+    potential=_potential,
+    multiplier=_multiplier,
+    softened=True,
+    softer=VISCOUS,
+    rival=Rival(VISCOUS, "dry friction (Coulomb)", frozenset({"ground"})),
+)

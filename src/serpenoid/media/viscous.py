@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import casadi as ca
-
-from serpenoid.media.base import Law
+from serpenoid.media.base import Law, Quantity
 
 
-def _potential(q: ca.SX, softening: ca.SX) -> ca.SX:
+def _potential(q: Quantity, softening: Quantity) -> Quantity:
     return q / 2
 
 
-def _multiplier(q: ca.SX, softening: ca.SX) -> ca.SX:
-    return ca.SX(1)
+def _multiplier(q: Quantity, softening: Quantity) -> Quantity:
+    return q**0
 
 
-def _form_ratio(eps: ca.SX) -> ca.SX:
-    return eps
-
-
-VISCOUS = Law("viscous", 2, _potential, _multiplier, _form_ratio)
+LAW = Law(
+    name="viscous",
+    words="drag",
+    title="linear drag",
+    degree=2,
+    potential=_potential,
+    multiplier=_multiplier,
+)

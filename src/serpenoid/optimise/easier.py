@@ -57,16 +57,16 @@ def easier(problem: Problem, family: GaitFamily, given: bool) -> Easier | None:
 
 
 def softer(problem: Problem) -> Problem | None:
-    """The same problem with the next softer friction; None for linear drag."""
-    medium = problem.medium
-    if medium.law != "coulomb":
+    """The same problem with the next softer law; None for linear drag, and for laws that need none."""
+    medium, law = problem.medium, problem.model.law
+    if law.softer is None:
         return None
     softening = medium.softening * SOFTER
     if softening <= SOFTEST:
         update: dict = {"softening": softening}
     else:
-        ratio = medium.anisotropy_ratio**2
-        update = {"law": "viscous", "anisotropy_ratio": ratio, "anisotropy_ratio_bounds": None}
+        ratio = law.form_ratio(medium.anisotropy_ratio)
+        update = {"law": law.softer.name, "anisotropy_ratio": ratio, "anisotropy_ratio_bounds": None}
     return problem.model_copy(update={"medium": medium.model_copy(update=update)})
 
 

@@ -75,8 +75,8 @@ def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> Moti
 
 
 def _in_space(model: Model, family: LiftedFamily, portable: bool) -> MotionLaw:
-    if model.effects or model.law.degree != 2:
-        raise InputError("[lift]: effects and dry friction are known in the plane; leave them out.")
+    if model.only_in_the_plane is not None:
+        raise InputError(f"[lift]: {model.only_in_the_plane}")
     steps, blocks = family.rows - (not family.closed), LiftedBlocks(model.structure, family.lift, portable)
     coordinates = _coordinates(family, model.structure, portable)
     return MotionLaw(model.structure, family, steps, COORDINATES, blocks, coordinates)

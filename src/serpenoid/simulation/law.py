@@ -25,14 +25,14 @@ SOFTER = 3  # power of the strength: at a tenth, friction gives way at a thousan
 class MediumNumbers:
     """medium (2, M): weights above anisotropy ratios; theta (P, M): coordinates, element by element; length [m].
 
-    kind: the medium's law; softening: share of the change of shape (Coulomb).
+    kind: the medium's law; softening: share of the change of shape (0: the law has none).
     """
 
     medium: Floats
     theta: Floats
     length_m: float
-    kind: str = "viscous"
-    softening: float = 0.0
+    kind: str
+    softening: float
 
     @classmethod
     def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> MediumNumbers:

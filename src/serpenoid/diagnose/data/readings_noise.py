@@ -14,6 +14,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import register, shapes
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.media import VISCOUS
 from serpenoid.model import Model
 from serpenoid.simulation.steps import elements_of_vertices, solve_steps
 
@@ -41,7 +42,7 @@ def _moved(r: Recording, model: Model, times: Floats) -> Floats:
     each = np.repeat(angles, joints, axis=0) + np.tile(BENT * np.eye(joints), (len(times), 1))
     bent, before = shapes(r.body, each), np.repeat(plain, joints, axis=0)
     seen = register(bent, before)[0]
-    drag = Model(r.body, model.medium.model_copy(update={"law": "viscous"}))
+    drag = Model(r.body, model.medium.model_copy(update={"law": VISCOUS.name}))
     rows = [elements_of_vertices(drag, chain / length) for chain in (before, bent)]
     pushed = solve_steps(drag, *rows).relative * np.array([length, length, 1.0])
     return np.asarray((seen - pushed).reshape(len(times), joints, 3) / BENT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -54,4 +55,4 @@ def length_unit(tracks: Sequence[Track]) -> str:
 
 def parameter_unit(p: Parameter, law: str, length: str) -> str:
     """A parameter's unit in a medium of this law, with `length` in the place of metres."""
-    return "/".join(length if part == "m" else part for part in p.unit_in(LAWS[law]).split("/"))
+    return re.sub(r"\bm(?=\d?\b)", length, p.unit_in(LAWS[law]))

@@ -1,4 +1,4 @@
-"""Which law the floor follows: where linear drag leaves more than chance, the explanation is fitted on dry friction."""
+"""Which law the floor follows: where that which is fitted leaves more than chance, its rivals are fitted, too."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.media import Law, Rival, rivals
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
@@ -22,68 +23,72 @@ RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun th
 SOFTENING = Medium.model_fields["softening"].default
 
 
-def dry_friction(found: Selection) -> str:
-    """How dry friction does beside linear drag, in words; empty where it is no question, or does worse.
-
-    By eps alone, and with what is named: RMS of what is left of the windows that all predict, by the same noise.
-    """
-    dry = on_dry_friction(found.null.model)
-    if dry is None or not unclear(found.best):
+def rival_laws(found: Selection) -> str:
+    """How the law's rivals do beside it, in words; empty where there is no question, or all do worse."""
+    if not unclear(found.best):
         return ""
-    alone = _alone(found, dry)
+    asked = [(law, on_rival(found.null.model, law)) for law in rivals(found.null.model.law)]
+    said = [_beside(found, law.rival, law.title, model) for law, model in asked if law.rival and model is not None]
+    return "; ".join(text for text in said if text)
+
+
+def _beside(found: Selection, rival: Rival, title: str, model: Model) -> str:
+    """How a rival does by eps alone, and with what is named: RMS of what is left of the windows that all predict, by
+    the same noise; empty where it does worse."""
+    alone = _alone(found, model)
     if alone is None:
         return ""
-    fits = (found.null, found.best, alone, _named(found, dry, alone))
-    drag, drag_named, dry_alone, dry_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
-    if min(dry_alone, dry_named) < drag_named:
-        by_drag = by_dry = " with what is named" if found.best.effects else ""
-        if by_dry and dry_alone <= dry_named:
-            by_dry = " alone"
-        by = f"{min(dry_alone, dry_named):.1f} times chance, linear drag{by_drag} by {drag_named:.1f}"
-        return f"dry friction (Coulomb){by_dry} misses windows by {by}"
-    if dry_alone >= drag:
+    fits = (found.null, found.best, alone, _named(found, model, alone))
+    own, own_named, its, its_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
+    fitted = rival.of.title
+    if min(its, its_named) < own_named:
+        by_own = by_its = " with what is named" if found.best.effects else ""
+        if by_its and its <= its_named:
+            by_its = " alone"
+        by = f"{min(its, its_named):.1f} times chance, {fitted}{by_own} by {own_named:.1f}"
+        return f"{rival.title}{by_its} misses windows by {by}"
+    if its >= own:
         return ""
     return (
-        f"alone, dry friction (Coulomb) misses windows by {dry_alone:.1f} times chance and linear drag by {drag:.1f}; "
-        f"with what is named, dry friction by {dry_named:.1f} and linear drag by {drag_named:.1f}: the floor may "
-        "follow neither"
+        f"alone, {rival.title} misses windows by {its:.1f} times chance and {fitted} by {own:.1f}; with what is named, "
+        f"{title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the floor may follow neither"
     )
 
 
-def on_dry_friction(model: Model) -> Model | None:
-    """The same body and what is known of it on dry friction; None where that is no question."""
-    medium = model.medium
-    if medium.law != "viscous" or "ground" not in model.body.parts or medium.anisotropy_ratio_bounds is not None:
+def on_rival(model: Model, law: Law) -> Model | None:
+    """The same body and what is known of it under a rival of its law; None where that is no question."""
+    medium, rival = model.medium, law.rival
+    if rival is None or rival.of is not model.law or medium.anisotropy_ratio_bounds is not None:
         return None
-    if len(_acting(model.effects)) < len(model.effects):
+    if not rival.needs <= model.body.parts or len(_acting(model.effects, law.name)) < len(model.effects):
         return None
-    return replace(model, medium=medium.model_copy(update={"law": "coulomb", "softening": SOFTENING}))
+    return replace(model, medium=medium.model_copy(update={"law": law.name, "softening": SOFTENING}))
 
 
-def _acting(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
-    """Effects that act on dry friction."""
-    return [e for e in effects if e.effect.acts_in("coulomb")]
+def _acting(effects: Sequence[ActiveEffect], law: str) -> list[ActiveEffect]:
+    """Effects that act in a medium of this law."""
+    return [e for e in effects if e.effect.acts_in(law)]
 
 
-def _alone(found: Selection, dry: Model) -> Fit | None:
-    """eps alone on dry friction; None where no window has a root.
+def _alone(found: Selection, model: Model) -> Fit | None:
+    """eps alone under a rival law; None where no window has a root.
 
     Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So the
     ratios from drag's to one are looked at first.
     """
     tried = np.geomspace(found.null.model.medium.anisotropy_ratio, 1.0, RATIOS)
-    begun = in_processes([(_fit, (found.motion, dry, [], eps, 0)) for eps in tried])
+    begun = in_processes([(_fit, (found.motion, model, [], eps, 0)) for eps in tried])
     near = sorted(begun, key=_missed)[:POLISHED]
     ratios = [f.model.medium.anisotropy_ratio for f in near]
-    fits = in_processes([(_fit, (found.motion, dry, [], eps, TO_THE_END)) for eps in ratios])
+    fits = in_processes([(_fit, (found.motion, model, [], eps, TO_THE_END)) for eps in ratios])
     best = min(fits, key=_missed)
     return best if np.isfinite(_missed(best)) else None
 
 
-def _named(found: Selection, dry: Model, alone: Fit) -> Fit:
+def _named(found: Selection, model: Model, alone: Fit) -> Fit:
     """The same with what is named, as far as it acts there; begun without the effects."""
-    effects = _acting(found.best.effects)
-    both = _fit(found.motion, dry, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
+    effects = _acting(found.best.effects, model.medium.law)
+    both = _fit(found.motion, model, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
     return both if np.isfinite(_missed(both)) else alone
 
 
@@ -93,9 +98,9 @@ def _missed(fit: Fit) -> float:
     return fit.chi2 / count if count else np.inf
 
 
-def _fit(motion: Motion, dry: Model, effects: list[ActiveEffect], eps: float, steps: int) -> Fit:
+def _fit(motion: Motion, model: Model, effects: list[ActiveEffect], eps: float, steps: int) -> Fit:
     resting = [p.resting for e in effects for p in e.effect.parameters]
-    return fit(motion, dry, effects, np.array([eps, *resting]), steps)
+    return fit(motion, model, effects, np.array([eps, *resting]), steps)
 
 
 def misses(motion: Motion, fits: Sequence[tuple[Sequence[Track], Fit]]) -> list[float]:

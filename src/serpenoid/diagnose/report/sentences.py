@@ -6,6 +6,7 @@ from math import hypot
 
 from serpenoid.diagnose.report.words import STAND_IN, Record, law, parameter, shown, times, title, unseen
 from serpenoid.effects.catalogue import find
+from serpenoid.media import LAWS, rivals
 
 UNSAID = (
     "neither labels of the log nor commands that are the table's to within a servo's tick say when rows were due: rows "
@@ -84,8 +85,8 @@ def inadequacy(record: Record) -> list[str]:
 def rival_law(record: Record) -> list[str]:
     """How another law of the floor does, or another place of the drag, and how to follow it."""
     other, follow = record["law"], "to look for causes beside it, diagnose with a --model whose [medium] has"
-    found = []
-    for said, key in ((other["rival"], 'law = "coulomb"'), (other["drag_at"], 'dissipation = "edge"')):
+    found, names = [], [f'law = "{law.name}"' for law in rivals(LAWS[other["name"]])]
+    for said, key in ((other["rival"], " or ".join(names)), (other["drag_at"], 'dissipation = "edge"')):
         found += [said, f"{follow} {key}"] if said else []
     return found
 

@@ -9,21 +9,22 @@ from typing import Any
 from serpenoid.body import ANIMALS
 from serpenoid.effects.base import Advice
 from serpenoid.effects.catalogue import find
+from serpenoid.media import LAWS
 
 Record = Mapping[str, Any]
 SCALES = {
     "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s"),
     "bl": (1.0, "body lengths"), "bl/s": (1.0, "body lengths/s"),
     "s2/m": (1.0, "s²/m"), "s2/bl": (1.0, "s²/body length"),
+    "m2/s2": (1.0, "m²/s²"), "bl2/s2": (1.0, "body lengths²/s²"),
 }  # fmt: skip
 SMALL_M = 1e-5
-LAWS = {"viscous": "drag", "coulomb": "dry friction"}
 STAND_IN = ", perhaps a stand-in"
 
 
 def law(record: Record) -> str:
     """What the floor or the water does, in the model that was fitted."""
-    return LAWS[record["law"]["name"]]
+    return LAWS[record["law"]["name"]].words
 
 
 def advice(record: Record, effect: Record) -> Advice:

@@ -26,7 +26,7 @@ from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.laws import dry_friction
+from serpenoid.diagnose.inference.laws import rival_laws
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.middles import drag_amid_edges
@@ -98,7 +98,7 @@ def choose_on_tracks(
         lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
-    law = dry_friction(chosen) if asked else ""
+    law = rival_laws(chosen) if asked else ""
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     parts = differing(chosen, baseline.inadequate)
     if parts is None:

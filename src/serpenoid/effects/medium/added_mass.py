@@ -32,7 +32,7 @@ EFFECT = AddedMass(
             0.0,
             0.2,
             "added mass over drag (that of sliding sideways)",
-            dry_unit="s2/m",
+            over_drag=True,
         ),
     ),
     looks_like="thrust out of phase with drag: a swimmer gets farther than any drag ratio allows; quick cycles show it",

@@ -29,5 +29,5 @@ EFFECT = DryFriction(
     ),
     rank=31,
     knows=frozenset({"speed"}),
-    laws=frozenset({"viscous"}),
+    of_linear_drag=True,
 )

@@ -22,7 +22,7 @@ EFFECT = Inertia(
     place=None,
     parameters=(
         Parameter(
-            "relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag (that of sliding sideways)", dry_unit="s2/m"
+            "relaxation_time", "s", 0.0, 100.0, 0.0, 0.2, "mass over drag (that of sliding sideways)", over_drag=True
         ),
     ),
     looks_like="the body lags behind its shape, overshoots, and coasts into the pauses; quick cycles show it most",

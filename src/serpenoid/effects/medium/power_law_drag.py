@@ -30,5 +30,5 @@ EFFECT = PowerLawDrag(
     ),
     rank=30,
     knows=frozenset({"speed"}),
-    laws=frozenset({"viscous"}),
+    of_linear_drag=True,
 )

@@ -25,8 +25,8 @@ EFFECT = Slope(
     name="slope",
     place=None,
     parameters=(
-        Parameter("pull_x", "m/s", -1.0, 1.0, 0.0, 0.003, DOWNHILL.format("x"), dry_unit="1"),
-        Parameter("pull_y", "m/s", -1.0, 1.0, 0.0, 0.002, DOWNHILL.format("y"), dry_unit="1"),
+        Parameter("pull_x", "m/s", -1.0, 1.0, 0.0, 0.003, DOWNHILL.format("x"), over_drag=True),
+        Parameter("pull_y", "m/s", -1.0, 1.0, 0.0, 0.002, DOWNHILL.format("y"), over_drag=True),
     ),
     looks_like="all trials drift the same way on the floor, more so the slower they are, and in pauses too",
     what_to_do="put a level on the floor",

@@ -1,8 +1,10 @@
-"""Anisotropic Coulomb friction by plain minimisation: NumPy and SciPy, no shared code.
+"""Anisotropic drag of one degree d by plain minimisation: NumPy and SciPy, no shared code. Coulomb friction: d = 1.
 
-    E(g) = sum_k w_k sqrt(|dp|^2 + (eps^2 - 1)/2 (<dp, T>^2 + <dp, T'>^2))  ->  min over the second pose g
+    E(g) = sum_k w_k q_k^(d/2) / d   ->   min over the second pose g
+    q = |dp|^2 + (eps^(2/d) - 1)/2 (<dp, T>^2 + <dp, T'>^2)
 
-Not softened: a step's minimum is found by BFGS on the kinked energy with its gradient by hand, from several starts.
+Not softened: a step's minimum is found by BFGS on the (for d = 1 kinked) energy with its gradient by hand, from several
+starts.
 """
 
 from __future__ import annotations
@@ -17,22 +19,22 @@ from oracle.integrator import Run, cross
 STARTS = (1.0, 0.7, 1.3)
 
 
-def friction(g: Floats, p0: Floats, shape: Floats, w: Floats, eps: float) -> tuple[float, Floats]:
+def step_energy(g: Floats, p0: Floats, shape: Floats, w: Floats, eps: float, degree: int) -> tuple[float, Floats]:
     """Energy of a step that ends at pose g, and its gradient by g."""
     p1 = place(g, shape)
     t0, t1 = vertex_tangents(p0), vertex_tangents(p1)
     dp = p1 - p0
     a0, a1 = np.sum(dp * t0, axis=1), np.sum(dp * t1, axis=1)
-    q = np.sum(dp * dp, axis=1) + (eps**2 - 1) / 2 * (a0**2 + a1**2)
-    root = np.sqrt(np.maximum(q, 1e-300))
-    d0, d1 = dp + (eps**2 - 1) * a0[:, None] * t0, dp + (eps**2 - 1) * a1[:, None] * t1
-    share = (w / root)[:, None]
+    less = eps ** (2 / degree) - 1
+    q = np.maximum(np.sum(dp * dp, axis=1) + less / 2 * (a0**2 + a1**2), 1e-300)
+    d0, d1 = dp + less * a0[:, None] * t0, dp + less * a1[:, None] * t1
+    share = (w * q ** (degree / 2 - 1))[:, None]
     pull = np.sum(share * (d0 + d1) / 2, axis=0)
     turn = np.sum(share[:, 0] * (cross(p1, d0) + cross(p0, d1))) / 2  # about the world's origin
-    return float(w @ root), np.array([*pull, turn - (g[0] * pull[1] - g[1] * pull[0])])
+    return float(w @ q ** (degree / 2)) / degree, np.array([*pull, turn - (g[0] * pull[1] - g[1] * pull[0])])
 
 
-def simulate(table: ArrayLike, edges: ArrayLike, weights: ArrayLike, eps: float) -> Run:
+def simulate(table: ArrayLike, edges: ArrayLike, weights: ArrayLike, eps: float, degree: int) -> Run:
     """Lay the shapes of a closed joint table (T, m) one after another; vertex dissipation."""
     lengths = np.asarray(edges, float) / np.sum(edges)
     w = np.asarray(weights, float) / np.sum(weights)
@@ -44,7 +46,7 @@ def simulate(table: ArrayLike, edges: ArrayLike, weights: ArrayLike, eps: float)
         here = placed[-1] - pose[:2]
 
         def cost(x: Floats, here=here, shape=shape, heading=pose[2]):  # type: ignore[no-untyped-def]
-            return friction(np.array([x[0], x[1], heading + x[2]]), here, shape, w, eps)
+            return step_energy(np.array([x[0], x[1], heading + x[2]]), here, shape, w, eps, degree)
 
         found = [minimize(cost, f * move, jac=True, method="BFGS", options={"gtol": 1e-10}) for f in STARTS]
         best = min(found, key=lambda r: r.fun)
