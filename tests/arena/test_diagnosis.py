@@ -67,7 +67,7 @@ def test_the_law_of_the_floor_is_asked(then):
     # by the anisotropy ratio alone the arena's contacts are nearer to dry friction than to linear drag
     said = re.match(
         r"(?:alone, )?dry friction \(Coulomb\) misses windows by ([\d.]+) times chance and linear drag by ([\d.]+)",
-        then.motion.stage.law,
+        then.motion.stage.laws["coulomb"],
     )
     assert said
     assert float(said[1]) < float(said[2])

@@ -143,7 +143,7 @@ def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_f
         "effects": [load],
         "residual_pattern": ["motion: a"],
     }
-    law = {"law": {"name": "viscous", "rival": "dry friction misses less", "drag_at": ""}}
+    law = {"law": {"name": "viscous", "rivals": {"coulomb": "dry friction misses less"}, "drag_at": ""}}
     said = reference({"reference": earlier | law, "effects": []})
     assert said[0].startswith(
         "the earlier campaign (healthy) was partly explained: load at vertex 3, perhaps a stand-in"
@@ -160,7 +160,7 @@ def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_i
     }  # fmt: skip
     toe = {"name": "toe", "place": None, "stand_in": False, "parameters": {}}
     earlier = {"campaign": "calm", "verdict": "explained", "effects": [drift, toe], "residual_pattern": []}
-    law = {"name": "viscous", "rival": "", "drag_at": ""}
+    law = {"name": "viscous", "rivals": {}, "drag_at": ""}
     said = reference({"reference": earlier | {"law": law}, "effects": [drift]})
     assert said[1:] == [
         "frame_drift was there already: velocity_x 15.3 mm/s (95 %: 13.8 mm/s .. 16.1 mm/s); the value named now is "
@@ -171,7 +171,7 @@ def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_i
 def test_of_what_is_named_beside_a_guess_about_the_reference_the_guess_is_told() -> None:
     share = {"share": {"value": 0.57, "interval": [0.19, 0.82], "unit": "1"}}
     load = {"name": "load", "place": 5, "stand_in": False, "parameters": share}
-    law = {"name": "viscous", "rival": "", "drag_at": ""}
+    law = {"name": "viscous", "rivals": {}, "drag_at": ""}
     eps = {"after": 0.2}
     earlier = {"campaign": "calm", "verdict": "unexplained", "effects": [], "residual_pattern": [], "law": law}
     guess = {"effects": [{"name": "load", "place": 5, "parameters": {"share": 0.1}}], "anisotropy_ratio": 0.2}

@@ -180,7 +180,7 @@ def _diagnosis(path: Path) -> None:
               "noise_level_m": 0.001, "left_open_m": 0.002, "left_open_by_gait_m": {"a": 0.002},
               "length_unit": "m", "noise_from": "trials",
               "anisotropy_ratio": {"before": 0.2, "after": 0.21, "interval": [0.2, 0.22], "at_bound": False},
-              "drag_ratio": None, "law": {"name": "viscous", "rival": "dry friction misses less", "drag_at": ""},
+              "drag_ratio": None, "law": {"name": "viscous", "rivals": {"coulomb": "misses less"}, "drag_at": ""},
               "ladder": [step], "discrepancy_m": 0.003, "provenance": {"written": "today"},
               "reference": None, "alternatives": [effect | {"separation_over_noise": 2.0}], "below_detection": [],
               "untestable": {"slope": "one heading alone"}, "skipped": {}, "next_experiment": None,

@@ -256,7 +256,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "effects": [{"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.baseline.known],
             "anisotropy_ratio": d.baseline.model.medium.anisotropy_ratio,
         },
-        "law": {"name": law, "rival": d.motion.stage.law, "drag_at": d.motion.stage.drag_at},
+        "law": {"name": law, "rivals": d.motion.stage.laws, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},

@@ -12,7 +12,8 @@ second one. The law stays blind to speed and to the number of steps.
 
 from __future__ import annotations
 
-from serpenoid.media.base import Law, Quantity
+from serpenoid.media.base import Law, Quantity, Rival
+from serpenoid.media.viscous import LAW as VISCOUS
 
 
 def _potential(q: Quantity, softening: Quantity) -> Quantity:
@@ -31,4 +32,5 @@ LAW = Law(
     potential=_potential,
     multiplier=_multiplier,
     softened=True,
+    rival=Rival(VISCOUS, "quadratic drag", frozenset({"water"})),
 )

@@ -85,7 +85,8 @@ class Stage:
     discrepancy_m: what repeats share and no effect accounts for, RMS of a window [m]; 0 where chance is all.
     left: remaining misfit over the noise level (1 = chance alone); words: its pattern, empty where there is none.
     skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
-    candidates, and why. law, drag_at: how dry friction, how drag in the middles of edges does, where it does better.
+    candidates, and why. laws, drag_at: how other laws, by name, how drag in the middles of edges does, where it does
+    better.
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     """
@@ -99,7 +100,7 @@ class Stage:
     skipped: str = ""
     untestable: dict[str, str] = field(default_factory=dict)
     discrepancy_m: float = 0.0
-    law: str = ""
+    laws: dict[str, str] = field(default_factory=dict)
     drag_at: str = ""
     unlike: str = ""
     ratio: tuple[float, float] | None = None

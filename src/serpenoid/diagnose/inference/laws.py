@@ -23,13 +23,16 @@ RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun th
 SOFTENING = Medium.model_fields["softening"].default
 
 
-def rival_laws(found: Selection) -> str:
-    """How the law's rivals do beside it, in words; empty where there is no question, or all do worse."""
+def rival_laws(found: Selection) -> dict[str, str]:
+    """How the law's rivals do beside it, in words, by their names; without those that do worse; empty where there is no
+    question."""
     if not unclear(found.best):
-        return ""
+        return {}
     asked = [(law, on_rival(found.null.model, law)) for law in rivals(found.null.model.law)]
-    said = [_beside(found, law.rival, law.title, model) for law, model in asked if law.rival and model is not None]
-    return "; ".join(text for text in said if text)
+    said = {
+        law.name: _beside(found, law.rival, law.title, model) for law, model in asked if law.rival and model is not None
+    }
+    return {name: words for name, words in said.items() if words}
 
 
 def _beside(found: Selection, rival: Rival, title: str, model: Model) -> str:

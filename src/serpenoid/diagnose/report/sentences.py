@@ -6,7 +6,6 @@ from math import hypot
 
 from serpenoid.diagnose.report.words import STAND_IN, Record, law, parameter, shown, times, title, unseen
 from serpenoid.effects.catalogue import find
-from serpenoid.media import LAWS, rivals
 
 UNSAID = (
     "neither labels of the log nor commands that are the table's to within a servo's tick say when rows were due: rows "
@@ -85,10 +84,9 @@ def inadequacy(record: Record) -> list[str]:
 def rival_law(record: Record) -> list[str]:
     """How another law of the floor does, or another place of the drag, and how to follow it."""
     other, follow = record["law"], "to look for causes beside it, diagnose with a --model whose [medium] has"
-    found, names = [], [f'law = "{law.name}"' for law in rivals(LAWS[other["name"]])]
-    for said, key in ((other["rival"], " or ".join(names)), (other["drag_at"], 'dissipation = "edge"')):
-        found += [said, f"{follow} {key}"] if said else []
-    return found
+    rivals = other.get("rivals", {})  # none in older answers
+    told = [*((said, f'law = "{name}"') for name, said in rivals.items()), (other["drag_at"], 'dissipation = "edge"')]
+    return [text for said, key in told if said for text in (said, f"{follow} {key}")]
 
 
 def undetected(record: Record) -> list[str]:

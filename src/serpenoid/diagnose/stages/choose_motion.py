@@ -98,7 +98,7 @@ def choose_on_tracks(
         lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
-    law = rival_laws(chosen) if asked else ""
+    laws = rival_laws(chosen) if asked else {}
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     parts = differing(chosen, baseline.inadequate)
     if parts is None:
@@ -108,7 +108,7 @@ def choose_on_tracks(
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     named = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
     barred = not_looked_for(baseline, untestable)
-    stage = replace(found.stage, named=named, untestable=barred, law=law, drag_at=drag_at)
+    stage = replace(found.stage, named=named, untestable=barred, laws=laws, drag_at=drag_at)
     return replace(found, stage=stage, baseline=baseline)
 
 
