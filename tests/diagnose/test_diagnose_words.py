@@ -25,7 +25,7 @@ from serpenoid.diagnose.report.sentences import (
     unreliable,
 )
 from serpenoid.diagnose.report.summary import lines
-from serpenoid.diagnose.report.words import parameter, shown, times, title
+from serpenoid.diagnose.report.words import own_place, parameter, shown, times, title
 from serpenoid.diagnose.stages.choose_motion import finding, refusals
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
@@ -64,6 +64,22 @@ def test_places_are_joints_or_vertices() -> None:
     assert title({"name": "gain_loss", "place": 4}) == "gain_loss at joint 4"
     assert title({"name": "load", "place": 0}) == "load at vertex 0"
     assert title({"name": "toe", "place": None}) == "toe"
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "middles", "own"),
+    [
+        ("marker_offset", 6, True, "vertex 3 of the campaign's body"),
+        ("load", 7, True, "the middle of edge 3 of the campaign's body"),
+        ("load", 7, False, ""),
+        ("gain_loss", 6, True, ""),  # joints keep their numbers
+        ("toe", None, True, ""),
+    ],
+)
+def test_places_are_told_in_the_numbers_of_the_campaigns_own_body(
+    name: str, place: int | None, middles: bool, own: str
+) -> None:
+    assert own_place({"name": name, "place": place}, {"middles": middles}) == own
 
 
 def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:

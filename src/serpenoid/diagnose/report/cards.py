@@ -13,7 +13,7 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     unreliable,
 )
-from serpenoid.diagnose.report.words import Record, advice, law, parameter, shown, times, title, unseen
+from serpenoid.diagnose.report.words import Record, advice, law, own_place, parameter, shown, times, title, unseen
 from serpenoid.report.pages import Card
 
 GAINS = {
@@ -45,7 +45,7 @@ def _cause(record: Record) -> Card:
     effects = record["effects"]
     rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
     said = [
-        f"{title(e)} ({times(e['strength_over_noise'])}): {advice(record, e).looks_like}. "
+        f"{_placed(e, record)} ({times(e['strength_over_noise'])}): {advice(record, e).looks_like}. "
         + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
         for e in effects
     ]
@@ -58,6 +58,11 @@ def _cause(record: Record) -> Card:
     elif not effects:
         said.append(f"The anisotropy ratio was calibrated to {record['anisotropy_ratio']['after']:.4g}.")
     return Card("Cause and place", ", ".join(title(e) for e in effects) or "none named", said, rows)
+
+
+def _placed(effect: Record, record: Record) -> str:
+    own = own_place(effect, record)
+    return f"{title(effect)}, which is {own}" if own else title(effect)
 
 
 def _gain(record: Record) -> Card:

@@ -20,7 +20,17 @@ from serpenoid.diagnose.report.sentences import (
     unreliable,
     untestable,
 )
-from serpenoid.diagnose.report.words import STAND_IN, Record, alternative, parameter, shown, times, title, unseen
+from serpenoid.diagnose.report.words import (
+    STAND_IN,
+    Record,
+    alternative,
+    own_place,
+    parameter,
+    shown,
+    times,
+    title,
+    unseen,
+)
 
 
 def lines(record: Record) -> list[str]:
@@ -30,6 +40,7 @@ def lines(record: Record) -> list[str]:
     found += [f"law               {text}" for text in rival_law(record)]
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
+        found += [f"    {'where':16}  {where}"] if (where := own_place(e, record)) else []
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
     found += [f"  or {alternative(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in undetected(record)]

@@ -38,6 +38,15 @@ def title(effect: Record) -> str:
     return effect["name"] if place is None else f"{effect['name']} at {find(effect['name']).place} {place}"
 
 
+def own_place(effect: Record, record: Record) -> str:
+    """Where drag in the middles of edges makes vertices of them: a vertex in the numbers of the campaign's own body."""
+    place = effect.get("place")
+    if place is None or not record.get("middles") or find(effect["name"]).place != "vertex":
+        return ""
+    half = place // 2
+    return f"{f'the middle of edge {half}' if place % 2 else f'vertex {half}'} of the campaign's body"
+
+
 def alternative(effect: Record) -> str:
     """What could stand in the place of what is named."""
     instead = effect.get("instead_of")

@@ -40,6 +40,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     middles = d.model.body.vertices > file.body.vertices and not file.tracked_only
     body, places = (d.model.body, f"\n{PLACES}") if middles else (None, "")
     data["remarks"] += [PLACES] * middles
+    data["middles"] = middles
     data["remarks"][:0] = about_links(file.body, d.motion.stage.settled) if middles else []
     comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes) + places
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, body, comment, notes)
