@@ -216,7 +216,8 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
     held = any(r.schedule.held for r in recordings)
     told = {r.held_as_told for r in recordings} - {None} == {held}
     before = baseline.rows_held(recordings) is not None
-    who = "commands" if told else "reference" if before else "readings"
+    shown = "readings" if any(r.by_servos for r in recordings) else "markers"
+    who = "commands" if told else "reference" if before else shown
     source = who if recordings else None
     untold = any(r.lag_untold for r in recordings) and not told and not (before and baseline.rows_said)
     return {"rows_held": held, "rows_from": source, "lag_untold": untold}

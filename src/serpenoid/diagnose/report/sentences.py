@@ -208,6 +208,7 @@ def rows(record: Record) -> list[str]:
         "commands": "the log's commands say so",
         "reference": "as in the reference",
         "readings": "what servos read fits this best",
+        "markers": "what markers show of the joints fits this best",
     }
     how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
     unsaid = [UNSAID] if record.get("lag_untold") else []
