@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import serpenoid
 from serpenoid.cli.main import VERBS
 from serpenoid.objectives import demands, terms
 from serpenoid.objectives.obstacles import Obstacle
@@ -30,6 +31,13 @@ def test_links_lead_somewhere(document: Path) -> None:
 def test_the_readme_names_every_verb() -> None:
     table = (ROOT / "README.md").read_text(encoding="utf-8").split("## Verbs")[1].split("\n## ")[0]
     assert set(VERBS) <= set(re.findall(r"`(\w+)", table))
+
+
+def test_the_reference_has_every_public_name() -> None:
+    shown = re.findall(r"^::: ([\w.]+)$", (ROOT / "docs" / "reference.md").read_text(encoding="utf-8"), re.MULTILINE)
+    own = [getattr(serpenoid, name) for name in serpenoid.__all__]
+    missing = [x.__name__ for x in own if x.__module__ not in shown and f"{x.__module__}.{x.__name__}" not in shown]
+    assert not missing
 
 
 def test_the_readme_gives_a_reason_for_every_dependency() -> None:
