@@ -78,11 +78,8 @@ def test_edges_say_the_length_and_a_second_word_on_it_is_refused(
 
 @pytest.mark.parametrize("kind", ["problem", "robot", "protocol", "campaign"])
 @pytest.mark.parametrize("name", ["my snake", "plain"])
-def test_commands_of_a_new_file_are_those_that_a_shell_takes(
-    kind: str, name: str, tmp_path: Path, monkeypatch, capsys
-) -> None:
+def test_commands_of_a_new_file_are_those_that_a_shell_takes(kind: str, name: str, tmp_path: Path, capsys) -> None:
     """Names with spaces, and without `.toml`, are one word, and the file's own."""
-    monkeypatch.chdir(tmp_path)
     assert main(["new", kind, name, "--yes"]) == 0
     begin = capsys.readouterr().out.splitlines()[-1].removeprefix("Begin: ")
     assert name in shlex.split(begin)

@@ -34,10 +34,7 @@ def test_commands_of_a_tutorial_are_understood(page: Path) -> None:
         assert all((ROOT / name).exists() for name in named), words
 
 
-def test_the_python_tutorial_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_python_tutorial_runs(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert main(["examples"]) == 0
     text = (ROOT / "docs" / "start" / "python.md").read_text(encoding="utf-8")
     names: dict[str, object] = {}
@@ -49,10 +46,9 @@ def test_the_python_tutorial_runs(
 
 
 def test_the_robot_tutorial_plays_and_measures_on_emulated_servos(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     """Every command but the last, `diagnose`; the film is the answer's own motion, a row of the table every 60 ms."""
-    monkeypatch.chdir(tmp_path)
     servos: list[subprocess.Popen[str]] = []
     page = commands(ROOT / "docs" / "start" / "robot.md")
     try:
@@ -85,10 +81,7 @@ def film(path: Path) -> None:
     np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.6f")
 
 
-def test_the_animal_tutorial_measures_its_example(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_animal_tutorial_measures_its_example(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert main(["examples"]) == 0
     measure = next(words for words in commands(ROOT / "docs" / "start" / "animal.md") if words[0] == "measure")
     assert main([*measure, "--no-figures", "--out", "measured"]) == 0

@@ -106,11 +106,8 @@ def test_a_folder_with_other_things_is_no_answer(tmp_path: Path) -> None:
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
-def test_a_table_that_is_no_answer_is_not_written_over(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_table_that_is_no_answer_is_not_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "joint_table.csv").write_text("mine")
-    monkeypatch.chdir(tmp_path)
     for more in ([], ["--force"]):
         assert simulated(Path("."), *more) == 2
         assert "--out .: is no results folder, and holds another joint_table.csv" in capsys.readouterr().err
@@ -158,10 +155,7 @@ def test_force_moves_neither_recordings_nor_what_the_command_reads(
     assert not list(tmp_path.glob("*/earlier-*"))
 
 
-def test_a_folder_that_is_called_as_a_word_of_the_command_is_no_input(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_folder_that_is_called_as_a_word_of_the_command_is_no_input(tmp_path: Path) -> None:
     assert simulated(Path("simulate")) == 0
     assert simulated(Path("simulate"), "--set", "gait.a=3", "--force") == 0
     assert (tmp_path / "simulate" / "earlier-1" / "solution.json").exists()

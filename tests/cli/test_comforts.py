@@ -104,9 +104,8 @@ def test_a_file_that_is_no_log_is_not_written_on(tmp_path: Path, capsys: pytest.
 
 
 def test_a_log_may_be_in_the_folder_that_results_have_by_themselves(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     words = ["simulate", REFERENCE, "--no-figures"]
     assert main(words) == 0
     folder = next(Path("results/reference").iterdir())
@@ -129,8 +128,7 @@ def test_a_log_may_be_in_the_folder_that_a_trial_is_recorded_in(tmp_path: Path) 
     assert "exit code 0" in (trial / "run.log").read_text(encoding="utf-8")
 
 
-def test_a_log_may_be_in_the_folder_of_any_of_several_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_log_may_be_in_the_folder_of_any_of_several_sweeps(tmp_path: Path) -> None:
     files = [REFERENCE, REFERENCE.replace("reference", "gait-a")]
     words = ["sweep", *files, "--set", "task.steps=12", "--c", "1", "--starts", "1", "--no-figures", "--no-polish"]
     main(words)  # twelve steps may be too coarse

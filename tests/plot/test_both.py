@@ -44,7 +44,6 @@ def test_pixels_are_written_as_they_are_drawn_without_a_channel_that_is_all_whit
 
 
 def test_a_figure_drawn_for_the_fonts_alone_leaves_no_file_and_what_reads_formulas(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(MathTextParser, "_parser", None)
     both.rehearse()
     assert MathTextParser._parser is not None

@@ -14,7 +14,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.simulation import simulate_batch, simulate_joint_angles, simulate_vertices
+from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.sensitivity import step_sensitivities
 from specimens import random_table, reference, serpenoid_table
 
@@ -41,30 +41,6 @@ def test_motion_is_that_of_plain_minimisation_and_softening_errs_by_its_square()
     assert motions[3].dissipation == pytest.approx(run.energies.sum(), rel=1e-5)
 
 
-def test_a_gait_played_slower_or_on_two_clocks_goes_the_same_way() -> None:
-    table = serpenoid_table(reference(), 20)
-    quick, slow = (simulate_joint_angles(friction(cycle_duration_s=t), table) for t in (0.5, 50.0))
-    np.testing.assert_allclose(quick.poses, slow.poses, atol=EXACT)
-    assert quick.dissipation == pytest.approx(slow.dissipation, rel=1e-9)
-
-
-def test_the_table_played_backwards_takes_the_body_back() -> None:
-    table = random_table(reference(), np.random.default_rng(2), 16)
-    there_and_back = np.concatenate([table, table[-2::-1]])
-    motion = simulate_joint_angles(friction(), there_and_back, closed=False)
-    assert motion.status.ok
-    assert np.abs(motion.poses).max() > 0.01
-    assert np.abs(motion.net_motion).max() < EXACT
-
-
-def test_mirrored_shapes_mirror_the_motion_and_pauses_move_nothing() -> None:
-    table = serpenoid_table(reference(), 20)
-    a, b = simulate_joint_angles(friction(), table), simulate_joint_angles(friction(), -table)
-    np.testing.assert_allclose(a.poses * [1, -1, -1], b.poses, atol=EXACT)
-    paused = simulate_joint_angles(friction(), np.repeat(table, 2, axis=0))
-    np.testing.assert_allclose(paused.poses[::2], a.poses, atol=EXACT)
-
-
 def test_order_two_in_time_for_a_gait_that_slides_throughout() -> None:
     gait = np.array([1.0, 0.0, 0.0, 0.0, 6.0, 1.0])
     found = [simulate_joint_angles(friction(), joint_table(friction(), gait, n)) for n in (40, 80, 160, 320)]
@@ -73,17 +49,6 @@ def test_order_two_in_time_for_a_gait_that_slides_throughout() -> None:
     assert steps[1] / steps[2] == pytest.approx(4, rel=0.1)
     work = [motion.dissipation for motion in found]
     assert abs(work[3] - work[2]) < abs(work[2] - work[1]) / 2 < 5e-3 * work[3]  # it converges without a factor T
-
-
-def test_batches_sweep_the_same_motion_and_vertices_too() -> None:
-    tables = np.stack([serpenoid_table(reference(), 20, a=a) for a in (2.0, 6.0)])
-    batch = simulate_batch(friction(), tables)
-    for i, table in enumerate(tables):
-        single = simulate_joint_angles(friction(), table)
-        np.testing.assert_allclose(batch.poses[i], single.poses, atol=EXACT)
-        assert batch.dissipation[i] == pytest.approx(single.dissipation, rel=1e-9)
-    again = simulate_vertices(friction(), single.vertices)
-    np.testing.assert_allclose(again.poses, single.poses, atol=EXACT)
 
 
 def test_the_cheapest_slope_of_a_long_wave_falls_with_the_transverse_coefficient_to_the_minus_one_quarter() -> None:

@@ -15,9 +15,9 @@ from serpenoid.mechanics.tables import joint_table
 from serpenoid.media import LAWS
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.simulation import simulate_batch, simulate_joint_angles
+from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.sensitivity import step_sensitivities
-from specimens import random_table, reference, serpenoid_table
+from specimens import random_table, reference
 
 EPS = 0.4
 EXACT = 1e-9  # residual 1e-12 over a stiffness in proportion to the slip
@@ -40,24 +40,6 @@ def test_motion_is_that_of_plain_minimisation_and_softening_errs_by_its_square()
     assert motions[3].energy_raw == pytest.approx(run.energies.sum(), rel=1e-5)
 
 
-def test_a_gait_played_slower_or_on_two_clocks_goes_the_same_way() -> None:
-    table = serpenoid_table(reference(), 20)
-    quick, slow = (simulate_joint_angles(swimmer(cycle_duration_s=t), table) for t in (0.5, 50.0))
-    np.testing.assert_allclose(quick.poses, slow.poses, atol=EXACT)
-    assert quick.dissipation == pytest.approx(slow.dissipation, rel=1e-9)
-
-
-def test_the_table_played_backwards_takes_the_body_back_and_pauses_move_nothing() -> None:
-    table = random_table(reference(), np.random.default_rng(2), 16)
-    motion = simulate_joint_angles(swimmer(), np.concatenate([table, table[-2::-1]]), closed=False)
-    assert motion.status.ok
-    assert np.abs(motion.poses).max() > 0.01
-    assert np.abs(motion.net_motion).max() < EXACT
-    whole = simulate_joint_angles(swimmer(), table)
-    paused = simulate_joint_angles(swimmer(), np.repeat(table, 2, axis=0))
-    np.testing.assert_allclose(paused.poses[::2], whole.poses, atol=EXACT)
-
-
 def test_order_two_in_time_and_work_that_converges_with_the_square_of_the_number_of_steps() -> None:
     gait = np.array([1.0, 0.0, 0.0, 0.0, 6.0, 1.0])
     found = [simulate_joint_angles(swimmer(), joint_table(swimmer(), gait, n)) for n in (40, 80, 160)]
@@ -66,15 +48,6 @@ def test_order_two_in_time_and_work_that_converges_with_the_square_of_the_number
     work = [motion.steps_per_cycle**2 * motion.energy_raw for motion in found]
     assert abs(work[2] - work[1]) < abs(work[1] - work[0]) / 3 < 5e-3 * work[2]
     assert found[2].dissipation == pytest.approx(work[2], rel=1e-12)
-
-
-def test_batches_sweep_the_same_motion() -> None:
-    tables = np.stack([serpenoid_table(reference(), 20, a=a) for a in (2.0, 6.0)])
-    batch = simulate_batch(swimmer(), tables)
-    for i, table in enumerate(tables):
-        single = simulate_joint_angles(swimmer(), table)
-        np.testing.assert_allclose(batch.poses[i], single.poses, atol=EXACT)
-        assert batch.dissipation[i] == pytest.approx(single.dissipation, rel=1e-9)
 
 
 def test_a_straight_body_that_is_pulled_reaches_its_speed_as_the_hyperbolic_tangent_says() -> None:

@@ -15,11 +15,10 @@ from serpenoid.joint_limits import KEPT, largest_angle, turns_per_cycle
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
 from serpenoid.robot.stated import Stated
-from serpenoid.robot.ticks import to_ticks
+from serpenoid.robot.ticks import coarsest_tick, to_ticks
 from serpenoid.wording import counted
 
 BUS_SHARE = 0.9  # of a row's time that its packets may take
-A_TICK = tau / 4096  # rad, of every servo here
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ def _beyond(value: float, limit: float) -> str:
 def check_repetition(angles: NDArray[np.float64], stated: Stated, cycles: int) -> list[Refusal]:
     """A transient (T + 1, m) leads from shape to shape: another cycle would jump, unless it ends where it began."""
     jump = np.abs(angles[0] - angles[-1])
-    if not stated.transient or cycles == 1 or jump.max() <= A_TICK / 2:
+    if not stated.transient or cycles == 1 or jump.max() <= coarsest_tick() / 2:
         return []
     joint = int(jump.argmax())
     value = f"it is {degrees(jump[joint]):.2f} degrees from the first row"

@@ -9,6 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from serpenoid.robot.description import Robot
+from serpenoid.robot.models import models
+
+
+def coarsest_tick() -> float:
+    """Of any model [rad]: by less no servo tells two angles apart for sure."""
+    return max(servo.radians_per_tick for servo in models().values())
 
 
 def radians_per_tick(robot: Robot) -> NDArray[np.float64]:

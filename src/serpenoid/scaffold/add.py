@@ -15,7 +15,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.schema import plain_name, read_toml, validate
 from serpenoid.files.writing import write_text
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file, read_motion
-from serpenoid.robot.checks import A_TICK
+from serpenoid.robot.ticks import coarsest_tick
 from serpenoid.scaffold.campaign import BEGIN, END
 from serpenoid.table_file import read_table
 
@@ -123,7 +123,7 @@ def _same_gait(known: CampaignFile, folder: Path, new: NewTrial) -> str | None:
     for trial in known.trial:
         if trial.gait is not None and trial.joint_table is not None and trial.name != "example":
             theirs = read_table(folder / trial.joint_table)
-            if theirs.shape == mine.shape and np.abs(theirs - mine).max() <= A_TICK:
+            if theirs.shape == mine.shape and np.abs(theirs - mine).max() <= coarsest_tick():
                 return trial.gait
     return None
 

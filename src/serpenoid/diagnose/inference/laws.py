@@ -14,7 +14,7 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.media import Law, Rival, rivals
+from serpenoid.media import Law, rivals
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
@@ -28,18 +28,16 @@ def rival_laws(found: Selection) -> dict[str, str]:
     question."""
     if not unclear(found.best):
         return {}
-    asked = [(law, on_rival(found.null.model, law)) for law in rivals(found.null.model.law)]
-    said = {
-        law.name: _beside(found, law.rival, law.title, model) for law, model in asked if law.rival and model is not None
-    }
+    asked = [on_rival(found.null.model, law) for law in rivals(found.null.model.law)]
+    said = {model.law.name: _beside(found, model) for model in asked if model is not None}
     return {name: words for name, words in said.items() if words}
 
 
-def _beside(found: Selection, rival: Rival, title: str, model: Model) -> str:
+def _beside(found: Selection, model: Model) -> str:
     """How a rival does by eps alone, and with what is named: RMS of what is left of the windows that all predict, by
     the same noise; empty where it does worse."""
-    alone = _alone(found, model)
-    if alone is None:
+    title, rival, alone = model.law.title, model.law.rival, _alone(found, model)
+    if rival is None or alone is None:
         return ""
     fits = (found.null, found.best, alone, _named(found, model, alone))
     own, own_named, its, its_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])

@@ -197,10 +197,9 @@ def finding(
     elsewhere = {a.effect.key for a in alone}
     named = [replace(n, stand_in=True) if n.effect.key in elsewhere else n for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
+    # from which share on names mend windows of a law that is wrong, and not the path
     most = 1.0 if motion.ratio is None else LAW_ERROR
-    if (
-        wrong and left_of(before, after, noise_level) >= most
-    ):  # it mends windows of a law that is wrong, and not the path
+    if wrong and left_of(before, after, noise_level) >= most:
         named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)

@@ -15,7 +15,7 @@ MODEL = x_series.servo(
     recommended_V=12.0,
     no_load_points=((11.1, 58.0), (12.0, 63.0), (14.8, 78.0)),
     effort=x_series.current(0.00336, 1941, 4.1),
-    own=x_series.voltage_limits(95, 160) | {"acceleration_limit": x_series.writable(40, 4, 32767, 0, 32767)},
+    own=x_series.mx_series(),
     initial={"velocity_limit": 435, "position_p_gain": 850},
-    without=("startup_configuration", "backup_ready"),
+    without=x_series.MX_LACKS,
 )

@@ -21,6 +21,8 @@ Registers = dict[str, Register]
 BAUD_RATES = {0: 9600, 1: 57600, 2: 115200, 3: 1000000, 4: 2000000, 5: 3000000, 6: 4000000, 7: 4500000}
 BAUD_RATES_330 = {code: rate for code, rate in BAUD_RATES.items() if code < 7}
 
+MX_LACKS = "startup_configuration", "backup_ready"
+
 HARDWARE_ERRORS = {
     0: ("input voltage out of its limits", "charge or replace the battery"),
     2: ("overheating", "let it cool; slow the gait down or lighten the load"),
@@ -111,6 +113,11 @@ def series_330(velocity_limit: int, pwm_slope: int = 140) -> Registers:
         "pwm_slope": writable(62, 1, pwm_slope, 1, 255),
         "goal_velocity": writable(104, 4, 0, -2047, 2047),
     }
+
+
+def mx_series() -> Registers:
+    """What the MX series with firmware of Protocol 2.0 has beside the others; it has none of `MX_LACKS`."""
+    return voltage_limits(95, 160) | {"acceleration_limit": writable(40, 4, 32767, 0, 32767)}
 
 
 def load() -> tuple[Effort, Registers]:
