@@ -140,8 +140,12 @@ def test_neighbours_that_are_never_seen_together_are_named(tmp_path):
         load_campaign(written(tmp_path, {"one": (time, points)}))
 
 
-def test_a_recording_in_utf_16_is_told_so(tmp_path):
+def test_a_recording_in_utf_16_is_the_same_and_one_that_does_not_say_so_is_told(tmp_path):
     folder = written(tmp_path, {"one": crawling()})
-    (folder / "one.csv").write_text((folder / "one.csv").read_text(), encoding="utf-16")
-    with pytest.raises(InputError, match="one.csv: .*UTF-16. Save it as UTF-8"):
+    text = (folder / "one.csv").read_text()
+    first = load_campaign(folder)
+    (folder / "one.csv").write_text(text, encoding="utf-16")
+    assert np.array_equal(load_campaign(folder).trials[0].motion.markers, first.trials[0].motion.markers)
+    (folder / "one.csv").write_text(text, encoding="utf-16-le")  # no byte-order mark
+    with pytest.raises(InputError, match="one.csv: not a text file"):
         load_campaign(folder)

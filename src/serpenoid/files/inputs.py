@@ -16,6 +16,7 @@ import os
 import re
 import stat
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -32,6 +33,9 @@ NO_TEXT = {
     b"\x89HDF": "an HDF5 file. Is `format` that of another program, or the file to be exported as CSV?",
 }  # what files begin with that are often taken for text
 DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?\s*", re.ASCII)
+SEPARATORS = ",;\t|"
+QUOTED = re.compile(r'"[^"]*"')
+DIRECTIVE = re.compile(r'"?sep=(.)"?', re.IGNORECASE)  # the first line that some spreadsheets write and take
 NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*", re.ASCII)
 
 
@@ -62,23 +66,22 @@ def read_bytes(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
 
 
 def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
-    """UTF-8 text, with or without a byte-order mark, or such text packed by gzip."""
+    """UTF-8 text, with or without a byte-order mark, UTF-16 with one, or such text packed by gzip."""
     data = read_bytes(path, most)
     if data.startswith(GZIP):
         data = _unpacked(data, path, most)
     for begin, what in NO_TEXT.items():
         if data.startswith(begin):
             raise InputError(f"{path}: not a text file but {what}{'' if what.endswith('?') else '.'}")
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        raise InputError(f"{path}: not a text file in UTF-8 but in UTF-16. Save it as UTF-8.")
+    wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        text = data.decode("utf-8-sig")
+        text = data.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError as error:
         cure = "" if b"\0" in data else ' Save it as UTF-8 (spreadsheets call that "CSV UTF-8").'
         raise InputError(f"{path}: not a text file in UTF-8 ({error.reason} at byte {error.start}).{cure}") from None
     if "\0" in text:
         raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).")
-    return text
+    return text.replace("\r\r\n", "\n")  # of a program that ends lines itself, in a file that ends them once more
 
 
 def first_line(path: Path) -> str:
@@ -102,19 +105,32 @@ def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
 
 
 def csv_rows(text: str, path: str | Path) -> list[list[str]]:
-    """All rows of a CSV's text. Where no comma is in the header, semicolons, tabs or bars separate, and numbers may
-    have decimal commas, as spreadsheets of many languages write them."""
+    """All rows of a CSV's text.
+
+    A first line `sep=;`, which is no row, says what separates cells, else the mark does that the first line with any
+    has most of. Where that is no comma, numbers may have decimal commas, as spreadsheets of many languages write them,
+    unless any below the first row has a point.
+    """
     csv.field_size_limit(CELL_CHARACTERS)
     lines = text.splitlines()
-    header = next((line for line in lines if line.strip()), "")
-    separator = next((mark for mark in ",;\t|" if mark in header), ",")
+    separator = _separator(lines)
+    if lines and DIRECTIVE.fullmatch(lines[0]):
+        lines = lines[1:]
     try:
         rows = list(csv.reader(lines, delimiter=separator))
     except csv.Error as error:
         raise InputError(f"{path}: not a CSV file: {error}.") from None
-    if separator == ",":
+    if separator == "," or any("." in cell and NUMBER.fullmatch(cell) for row in rows[1:] for cell in row):
         return rows
     return [[cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in row] for row in rows]
+
+
+def _separator(lines: Sequence[str]) -> str:
+    if lines and (said := DIRECTIVE.fullmatch(lines[0])):
+        return said[1]
+    bare = (QUOTED.sub("", line) for line in lines)
+    header = next((line for line in bare if any(mark in line for mark in SEPARATORS)), "")
+    return max(SEPARATORS, key=header.count)
 
 
 def number(cell: str) -> float | None:

@@ -17,11 +17,19 @@ from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 Floats = NDArray[np.float64]
 Rows = list[list[str]]
 PLAIN = re.compile(r"[0-9eE+., \t-]*", re.ASCII)  # cells that float() takes as everybody does
-DATED = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}.*", re.ASCII | re.DOTALL)  # ISO 8601
+DATED = re.compile(r"([0-9]{4}-[0-9]{2}-[0-9]{2}|[0-9]{1,2}:[0-9]{2}).*", re.ASCII | re.DOTALL)  # ISO 8601
 NO_DATES = (
-    " Dates are not read: write seconds (or `time_unit`) since any moment, with their fractions, or count frames "
-    "(`frames_per_second`)."
+    " Dates and times of day are not read: write seconds (or `time_unit`) since any moment, with their fractions, or "
+    "count frames (`frames_per_second`)."
 )
+MARKED = re.compile(r"[+-]?[0-9]{1,3}([,' \u00a0\u202f.][0-9]+)+", re.ASCII)  # 1,234.5 and 0,5
+NO_MARKS = " Write a point before decimals, and nothing between thousands."
+CURES = ((DATED, NO_DATES), (MARKED, NO_MARKS))
+UNITS = {"s", "ms", "us", "ns", "m", "cm", "mm", "um", "px", "rad", "deg", "degrees"}
+NO_UNITS = " Is that a row of units? Leave it out, and tell units in campaign.toml (docs/your-csv.md)."
+MISSING = {"", "nan", "na", "n/a", "#n/a", "#nv", "null", "none", "-", "--"} | {  # of many programs; the rest: of C
+    "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind"
+}  # fmt: skip
 LARGEST = 1e19  # a larger number is no measurement: nanoseconds since 1970 are 2e18
 
 
@@ -36,6 +44,7 @@ def read_rows(path: Path, live: bool = False) -> Rows:
     rows = csv_rows(_without_remarks(text), path)
     while rows and not any(cell.strip() for cell in rows[-1]):
         rows.pop()
+    rows = _without_empty_columns(rows)
     if not rows:
         raise InputError(f"{path}: holds no complete row.")
     if not rows[0]:
@@ -47,6 +56,14 @@ def read_rows(path: Path, live: bool = False) -> Rows:
             "commas, semicolons or tabs between cells."
         )
     return rows
+
+
+def _without_empty_columns(rows: Rows) -> Rows:
+    """Rows without what separators at their ends make: columns in which no cell says anything."""
+    width = max((len(row) for row in rows), default=0)
+    while width and not any(len(row) >= width and row[width - 1].strip() for row in rows):
+        width -= 1
+    return [row[:width] for row in rows]
 
 
 def _without_remarks(text: str) -> str:
@@ -90,14 +107,20 @@ def listed(words: Iterable[str]) -> str:
     return " and ".join([", ".join(different[:-1])] * (len(different) > 1) + different[-1:])
 
 
+def missing(cell: str) -> bool:
+    """Whether a cell, without blanks about it, says that nothing was measured."""
+    return cell.lower() in MISSING
+
+
 def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> float:
-    """One cell; empty is NaN; infinities and words are refused."""
+    """One cell; empty, and what programs write for nothing, is NaN; infinities and other words are refused."""
     cell = rows[row][column].strip()
-    if not cell or cell.lower() == "nan":
+    if missing(cell):
         return math.nan
     value = inputs.number(cell)
     if value is None or abs(value) > LARGEST:
-        cure = NO_DATES if DATED.fullmatch(cell) else ""
+        cure = NO_UNITS if cell.strip("[]()") in UNITS else ""
+        cure = next((words for form, words in CURES if form.fullmatch(cell)), cure)
         cure = f" Larger than {LARGEST:g} is no measurement." if value is not None else cure
         raise InputError(f"{place(path, row, column, name)}: must be a number or empty, got {cell[:40]!r}.{cure}")
     return value
@@ -156,6 +179,8 @@ def increasing_times(times: Floats, rows: int | NDArray[np.int64], column: int, 
             cure = "Is a row there twice, or has its time too few digits? Leave it out, or write more digits."
         elif len(times) > 2 and len(back) == len(times) - 1:
             cure = "All rows run backwards: sort them by their time."
+        elif len(back) > 1:
+            cure = "Rows in disorder? Sort them by their time. Several recordings in one file? Give each trial its own."
         raise InputError(
             f"{place(path, row, column, name)}: times must increase, got {times[back[0] + 1]:g} after "
             f"{times[back[0]]:g}. {cure}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,6 +16,8 @@ Names = Annotated[Line | tuple[Line, ...], Field(union_mode="left_to_right")]
 TimeUnit = Literal["s", "ms", "us", "ns"]
 AngleUnit = Literal["rad", "deg", "ticks"]
 SECONDS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+IN_BRACKETS = re.compile(r"[\[(]\s*([^\W\d]{1,3}|\N{DEGREE SIGN})\s*[\])]")
+SPELT = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{DEGREE SIGN}": "deg"})
 NUMBERED = "a list of names, or one with `*` where their numbers stand"
 
 
@@ -79,6 +81,17 @@ def find_column(header: Sequence[str], name: str, role: str, path: Path) -> int:
     if header.count(name) > 1:
         raise InputError(f"{path}: row 1: column `{name}` (for `{role}`) is there twice.")
     return header.index(name)
+
+
+def refuse_other_unit(names: Sequence[str], unit: str, known: Collection[str], key: str, path: Path) -> None:
+    """Refuse columns whose own names say another of the `known` units, in brackets, than the one they are read in."""
+    for name in names:
+        for said in (word.translate(SPELT) for word in IN_BRACKETS.findall(name)):
+            if said in known and said != unit:
+                raise InputError(
+                    f'{path}: row 1: column `{name}` says {said}, and is read in {unit}: `{key} = "{said}"` in '
+                    "campaign.toml, or correct the header."
+                )
 
 
 def shown(header: Sequence[str]) -> str:

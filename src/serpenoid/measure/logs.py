@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
-from serpenoid.measure.columns import SECONDS, ServoColumns, ServoKeys, find_column, numbered, shown
+from serpenoid.measure.columns import SECONDS, ServoColumns, ServoKeys, find_column, numbered, refuse_other_unit, shown
 
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
@@ -92,6 +92,8 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
                 f"{path}: row 1: {len(position)} columns `{position[0]}`, ... and {len(names)} `{names[0]}`, ...: "
                 f"one `{role}` is needed for every joint."
             )
+    refuse_other_unit([own.time], keys.time_unit, SECONDS, "time_unit", path)
+    refuse_other_unit([*position, *groups["command"]], keys.angle_unit, ANGLES, "angle_unit", path)
     single = [name for name in (own.cycle, own.step) if name in header]
     called = list(dict.fromkeys([own.time, *single, *(name for names in groups.values() for name in names)]))
     data = block(rows, 1, [find_column(header, name, name, path) for name in called], called, path)

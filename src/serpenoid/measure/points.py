@@ -21,11 +21,12 @@ from serpenoid.measure.cells import (
     Rows,
     block,
     increasing_times,
+    missing,
     place,
     read_rows,
     whole_points,
 )
-from serpenoid.measure.columns import SECONDS, find_column
+from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.point_order import along_body
 from serpenoid.measure.tracks import METRES, Tracks, floor_plane, upright
@@ -53,6 +54,8 @@ def read_long(
     if clock == "frame" and not frames_per_second:
         raise InputError(f"{path}: has no time column: give `frames_per_second` in [motion].")
     roles = [clock, "point", "x", "y"]
+    refuse_other_unit([columns[clock]], time_unit, SECONDS if clock == "time" else (), "time_unit", path)
+    refuse_other_unit([columns["x"], columns["y"]], length_unit, METRES, "length_unit", path)
     where = [found[role] for role in roles]
     called = _numbered(rows, found["point"])
     data = block(rows, 1, where, [columns[role] for role in roles], path)
@@ -84,7 +87,7 @@ def read_long(
 def _numbered(rows: Rows, column: int) -> list[str]:
     """Names of points, whose cells become their numbers (0, ...); none where any is a number already."""
     cells = [row[column].strip() for row in rows[1:] if len(row) > column]
-    names = list(dict.fromkeys(cell for cell in cells if cell and cell.lower() != "nan"))
+    names = list(dict.fromkeys(cell for cell in cells if not missing(cell)))
     if any(number(name) is not None for name in names):
         return []
     place_of = {name: str(k) for k, name in enumerate(names)}

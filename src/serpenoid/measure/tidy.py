@@ -8,7 +8,7 @@ from pathlib import Path
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
-from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, shown
+from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, refuse_other_unit, shown
 from serpenoid.measure.tracks import METRES, Tracks, in_places, upright
 
 OWN_NAMES = (
@@ -39,6 +39,8 @@ def read_tidy(
         raise InputError(f"{path}: counts frames: give `frames_per_second` in [motion].")
     called = [header[c] for c in places]
     data = block(rows, 1, places, called, path)
+    refuse_other_unit(called[:1], time_unit, () if counts else SECONDS, "time_unit", path)
+    refuse_other_unit(called[1:], length_unit, METRES, "length_unit", path)
     unit = 1 / float(frames_per_second or 1) if counts else SECONDS[time_unit]
     times = increasing_times(data[:, 0], 1, places[0], path, called[0]) * unit
     floor = whole_points(data[:, 1:].reshape(len(data), -1, 2), 1, places[1::2], called[1::2], path)
@@ -61,7 +63,10 @@ def _tidy_places(header: list[str], path: Path) -> list[int]:
         if got != want:
             raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}. {_own(header)}")
     if count < 1 or len(header) != len(expected):
-        raise InputError(f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns.")
+        raise InputError(
+            f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns. Where others stand "
+            'beside: `columns = { time = "t_s", x = "x_*", y = "y_*" }` in [motion] names those that are read.'
+        )
     return list(range(len(header)))
 
 
