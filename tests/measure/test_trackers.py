@@ -18,7 +18,7 @@ from serpenoid.measure.animal import bends_run, edges_per_wave, leading, remarks
 from serpenoid.measure.beat import beat
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.points import read_long
+from serpenoid.measure.points import read_long, read_sleap
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
@@ -71,6 +71,14 @@ def sleap_hdf5(path: Path, time: np.ndarray, points: np.ndarray) -> None:
     with h5py.File(path, "w") as file:
         file["tracks"] = (points * DOWN).transpose(2, 1, 0)[None]
         file["node_names"] = np.array(NAMES, dtype="S")
+        file["point_scores"] = np.full((1, len(NAMES), len(time)), 0.99)
+
+
+def sleap_csv(path: Path, time: np.ndarray, points: np.ndarray) -> None:
+    cells = np.concatenate([points * DOWN, np.full((*points.shape[:2], 1), 0.99)], axis=2).reshape(len(time), -1)
+    rows = [["track", str(f), *map(repr, row.tolist())] for f, row in enumerate(cells)]
+    head = ["track", "frame_idx", *(f"{name}.{part}" for name in NAMES for part in ("x", "y", "score"))]
+    path.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
 
 
 def tierpsy(path: Path, time: np.ndarray, points: np.ndarray) -> None:
@@ -229,7 +237,7 @@ def test_points_the_tracker_is_unsure_of_are_hidden(tmp_path):
     deeplabcut_csv(tmp_path / "a.csv", time, points)
     text = (tmp_path / "a.csv").read_text().replace("0.99", "0.5")
     (tmp_path / "a.csv").write_text(text)
-    with pytest.raises(InputError, match="no marker is seen"):
+    with pytest.raises(InputError, match="no point has a score of 0.6 or more, the highest is 0.5"):
         read_deeplabcut(tmp_path / "a.csv", Timing(RATE))
     assert read_deeplabcut(tmp_path / "a.csv", Timing(RATE, None, 0.4)).seen.all()
 
@@ -332,3 +340,28 @@ def test_the_gait_of_a_worm_is_its_frequency_amplitudes_and_waves(tmp_path, wave
     bent = 2 * 0.5 * np.sin(np.pi * waves / 5)  # of the difference of two neighbouring edges' sines
     np.testing.assert_allclose(found.amplitude_rad, bent, rtol=0.03)
     assert trial_record(trial)["gait"]["frequency_hz"] == pytest.approx(1 / found.period_s)
+
+
+@pytest.mark.parametrize(("write", "name"), [(deeplabcut_csv, "m.csv"), (sleap_hdf5, "m.h5"), (sleap_csv, "m.csv")])
+def test_a_score_that_no_point_reaches_is_told_with_the_highest_there_is(tmp_path, write, name):
+    time, points = swimmer()
+    write(tmp_path / name, time, points)
+    reader = readers.READERS["deeplabcut" if write is deeplabcut_csv else "sleap"].read
+    keys = MotionKeys(frames_per_second=RATE, minimum_score=0.99)
+    assert reader(tmp_path / name, keys).seen.all()
+    keys = MotionKeys(frames_per_second=RATE, minimum_score=0.995)
+    with pytest.raises(
+        InputError, match=r"no point has a score of 0.995 or more, the highest is 0.99: .*`minimum_score`"
+    ):
+        reader(tmp_path / name, keys)
+
+
+def test_a_point_without_a_score_is_no_doubtful_one(tmp_path):
+    """As a person sets it in SLEAP."""
+    time, points = swimmer()
+    sleap_csv(tmp_path / "m.csv", time, points)
+    text = (tmp_path / "m.csv").read_text().splitlines()
+    row = text[3].split(",")
+    row[4] = ""
+    (tmp_path / "m.csv").write_text("\n".join([*text[:3], ",".join(row), *text[4:]]) + "\n")
+    assert read_sleap(tmp_path / "m.csv", RATE, minimum_score=0.6).seen.all()

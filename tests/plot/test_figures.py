@@ -19,6 +19,7 @@ from serpenoid.plot.animate import animation
 from serpenoid.plot.beside import apart
 from serpenoid.plot.both import save
 from serpenoid.plot.calibration import displacement_for_eps
+from serpenoid.plot.comparison import heat_maps
 from serpenoid.plot.hero import hero
 from serpenoid.plot.motion import over_cycles
 from serpenoid.plot.space import repeated
@@ -96,6 +97,18 @@ def test_multistart_figures_show_failures_too(tmp_path):
     assert ax.get_title(loc="left") == "Cost reached from each start: 2 distinct optima"
     assert ax.get_legend_handles_labels()[1] == ["failed (1)"]
     check(tmp_path, figures.multistart_figures(tmp_path, result))
+
+
+@pytest.mark.parametrize("pairs", [1, 3])
+def test_quotients_of_ratios_fill_their_picture(tmp_path, pairs):
+    one = SimpleNamespace(
+        quotients=np.full((3, 3), 1.1), pair="Exp / Sim", mean=1.1, std=0.0, bias=1.1, bias_interval=(1.0, 1.2),
+        s=0.1, s_interval=(0.0, 0.2), rank_text="1", wrong_pairs=[], pair_count=3,
+    )  # fmt: skip
+    check(tmp_path, save(heat_maps([one] * pairs, ["a", "b", "c"]), tmp_path, "ratios"))
+    pixels = np.asarray(Image.open(tmp_path / "ratios.png").convert("L"))
+    inked = np.flatnonzero((pixels < 250).any(axis=1))
+    assert max(inked[0], len(pixels) - 1 - inked[-1]) < 0.05 * len(pixels)
 
 
 def test_names_of_curves_that_end_together_do_not_overlap():

@@ -204,7 +204,7 @@ def test_signal_ends_with_torque_off_and_exit_code_130(tmp_path, number):
         wait_for_rows(tmp_path / "log" / "servo.csv")
         code, err = interrupt(process, number)
         assert code == 130
-        assert f"stopped by the user ({signal.Signals(number).name})" in err
+        assert f"stopped: by the user ({signal.Signals(number).name})" in err
         assert "torque is off on every servo" in err
         assert "Traceback" not in err
         assert not any(rig.torques)

@@ -29,7 +29,8 @@ from serpenoid.measure.cells import (
 from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.point_order import along_body
-from serpenoid.measure.tracks import METRES, Tracks, floor_plane, upright
+from serpenoid.measure.scores import sure
+from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, upright
 
 MOST_CELLS = 200_000_000
 C3D_TIMEOUT_S = 120
@@ -125,8 +126,7 @@ def read_sleap(
     points = data[:, 1:].reshape(len(data), len(names), 3)
     times = increasing_times(data[own, 0], own + 1, where[0], path, "frame_idx") / frames_per_second
     whole_points(points[..., :2], 1, where[1::3], names, path)
-    points = points[own]
-    floor = np.where(points[..., 2:] >= minimum_score, points[..., :2], np.nan) * np.array([1.0, -1.0])
+    floor = sure(points[own, :, :2], points[own, :, 2], minimum_score, path) * DOWN
     return _tracks(times, names, floor, length_unit, path)
 
 

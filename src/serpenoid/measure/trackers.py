@@ -20,6 +20,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.individuals import chosen
+from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, upright
 
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
@@ -54,7 +55,7 @@ def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
     floor = np.stack([data[:, [slot[n, "x"], slot[n, "y"]]] for n in names], axis=1)
     if all((n, "likelihood") in slot for n in names):
         score = np.stack([data[:, slot[n, "likelihood"]] for n in names], axis=1)
-        floor[~(score >= (LIKELY if timing.minimum_score is None else timing.minimum_score))] = np.nan
+        floor = sure(floor, score, LIKELY if timing.minimum_score is None else timing.minimum_score, path)
     return _image(path, frames, names, floor, timing)
 
 
@@ -112,7 +113,7 @@ def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
     own = tracked.index(chosen(tracked, timing.individual, path)) if len(tracks) else 0
     floor = tracks[own].transpose(2, 1, 0).copy()
     if scores is not None and timing.minimum_score is not None:
-        floor[timing.minimum_score > scores[own].T] = np.nan
+        floor = sure(floor, scores[own].T, timing.minimum_score, path)
     return _image(path, np.arange(len(floor), dtype=float), names, floor, timing)
 
 

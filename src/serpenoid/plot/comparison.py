@@ -19,6 +19,7 @@ CLASSES = (("Exp", GREEN), ("Sim", ORANGE), ("Resim", BLUE))
 # wide below, narrow above: where two agree, both are seen
 LINES: dict[str, dict[str, Any]] = {"Exp": {"lw": 3.4}, "Sim": {"lw": 1.6}, "Resim": {"lw": 1.4, "ls": (0, (3, 2))}}
 BODIES = {"Exp": 5.0, "Sim": 2.6, "Resim": 1.2}
+MARGIN = 0.1  # of a figure [inches]
 LETTERED = 14  # gaits or vertices: more numbers beside each other cannot be read
 
 
@@ -119,6 +120,8 @@ def heat_maps(statistics: list[RatioStatistics], gaits: list[str]) -> Figure:
         bar.minorticks_off()
         bar.outline.set_visible(False)
         bar.set_label("quotient Ξ of the performance ratios, row over column", fontsize=SMALL)
+    fig.draw_without_rendering()  # squares as wide as their columns leave room above and below
+    fig.set_figheight(min(fig.get_figheight(), fig.get_tightbbox().height + 2 * MARGIN))
     return fig
 
 

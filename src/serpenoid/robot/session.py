@@ -87,7 +87,7 @@ def _play(
         except RobotFault as fault:
             outcome.status, outcome.reason = "failed", _named(fault, plan)
         except StopRequested as request:
-            outcome.status, outcome.reason = "stopped", f"stopped by the user {request}".rstrip()
+            outcome.status, outcome.reason = "stopped", f"by the user {request}".rstrip()
         finally:
             stop.disarm()
             outcome.torque_off, outcome.torque = switch_off(bus, port, plan, progress, player.switched_on)
