@@ -22,7 +22,7 @@ from serpenoid.measure.consistency.copies import copied_films, copied_logs
 from serpenoid.measure.consistency.exchanged import exchanges, told
 from serpenoid.measure.consistency.fallen import fallen
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
-from serpenoid.measure.consistency.frozen import frozen, frozen_said
+from serpenoid.measure.consistency.frozen import frozen, frozen_said, hung, hung_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.leaps import leap
@@ -87,6 +87,9 @@ def believe(
             remarks[files.entry.name].append(words)
         if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
             remarks[files.entry.name].append(still)
+        if files.labelled is not None and files.tracks is not None:
+            stops = hung_said(hung(files.labelled.vertices), files.tracks.time_s)
+            remarks[files.entry.name] += [stops] if stops else []
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
         for trial, words in films.said.items():
             remarks[trial].append(words)

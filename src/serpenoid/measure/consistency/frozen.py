@@ -3,6 +3,9 @@
 A point stands from one frame to the next if no digit of it changes. It is told where it stands for LEAST_ROWS frames or
 more, and the middle one of the others (median) moves meanwhile by more than FAR steps of its file's rounding.
 
+A film hangs where all points that are seen stand, and the middle one then leaps: by more than LEAP times the longest
+usual step between frames. A body that rests begins to move as it moves elsewhere.
+
 Legend: F frames, N points.
 """
 
@@ -13,11 +16,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.signals import LEAST_ROWS
 from serpenoid.measure.quality import stretches
 
 FAR = 10.0  # steps of rounding: who turns about a point that rounds alike moves by less
+LEAP = 3.0
+USUAL = 0.98  # share of steps: the others are a tracker's leaps
 NAMED = 3  # points at most
 
 
@@ -48,6 +53,31 @@ def frozen_said(counts: NDArray[np.int64], names: Sequence[str]) -> str | None:
     return (
         f"to the last digit these markers stand still while the others move: {shown}{more}. Frozen by the tracker, or "
         "zeros for what was not seen? Leave such cells empty in the file"
+    )
+
+
+def hung(points: Floats) -> list[tuple[int, int]]:
+    """First and last frame of every stretch in which a film of points (F, N, 2), NaN hidden, hangs."""
+    changes = np.linalg.norm(np.diff(points, axis=0), axis=2)
+    both = np.isfinite(changes)
+    steps = np.array(
+        [np.median(row[seen]) if seen.sum() > 1 else np.nan for row, seen in zip(changes, both, strict=True)]
+    )
+    same = ((changes == 0) | ~both).all(axis=1) & np.isfinite(steps)
+    moving = steps[np.isfinite(steps) & ~same]
+    longest = LEAP * float(np.quantile(moving, USUAL)) if moving.size else np.inf
+    return [(first, last) for first, last in stretches(same) if last < len(steps) and steps[last] > longest]
+
+
+def hung_said(found: Sequence[tuple[int, int]], time_s: Floats) -> str | None:
+    """When a film hangs, and what to do; None: never."""
+    if not found:
+        return None
+    when = ", ".join(f"{clock(time_s[first])} to {clock(time_s[last])} s" for first, last in found[:NAMED])
+    more = f" and {len(found) - NAMED} more times" if len(found) > NAMED else ""
+    return (
+        f"from {when}{more} no point moves in any digit, and then all leap: did the camera hang? Leave all of these "
+        "frames but the first out of the file, or their cells empty"
     )
 
 
