@@ -164,7 +164,7 @@ def test_a_new_campaign_is_measured_with_its_made_up_trial(tmp_path: Path, capsy
         (["robot", "--ids", "1,2"], "--ids: 6 joints need 6 IDs, got 2"),
         (["robot", "--baud-rate", "12345"], "--baud-rate: needs one of 9600, 57600"),
         (["robot", "--problem", "/no/such.toml"], "--problem: needs a file that is there"),
-        (["campaign", "--format", "vicon"], "--format: needs one of motive, c3d"),
+        (["campaign", "--format", "kinovea"], "--format: needs one of motive, vicon"),
     ],
 )
 def test_an_answer_that_cannot_be_is_refused_and_nothing_is_written(

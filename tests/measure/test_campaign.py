@@ -153,7 +153,7 @@ def _copy(folder: Path, target: Path, *edits: tuple[str, str]) -> Path:
         (('name = "wide-2"', 'name = "wide-1"'), "trial names must be unique, but `wide-1` is there twice"),
         (('"Snake:vertex_0", ', ""), "`markers` needs 12 names, got 11"),
         (("[0.0418, 0.0836", "[41.8, 0.0836"), r"0\.001 times as far apart.*`metres_per_pixel`"),
-        (('format = "motive"', 'format = "motiv"'), "format: .*'motive', 'c3d'.*got 'motiv'"),
+        (('format = "motive"', 'format = "motiv"'), "format: .*'motive', 'vicon'.*got 'motiv'"),
         (("format = 1", "format = 2"), "format: .*got 2"),
     ],
 )

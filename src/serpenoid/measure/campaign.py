@@ -36,7 +36,7 @@ class MotionKeys(Record):
     mirrored: bool | None = Field(
         default=None, description="true: left and right are exchanged (seen from below, or rows counted the other way)"
     )
-    up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive: y)")
+    up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="the axis that points up (motive, trc: y)")
     markers: tuple[Line, ...] | None = Field(default=None, description="marker name of vertex 0 (tail) .. N-1 (head)")
     vertices: tuple[int, ...] | None = Field(
         default=None, description="vertices with a marker, in increasing order; default all 0 .. N-1"

@@ -34,21 +34,19 @@ LARGEST = 1e19  # a larger number is no measurement: nanoseconds since 1970 are 
 
 
 def read_rows(path: Path, live: bool = False) -> Rows:
-    """All rows of a CSV but those that begin with `#`; where the last of these names as many columns as the first row
-    has numbers, it is the header. `live`: the file may end in the middle of a row (power loss): it is dropped."""
+    """All rows of a CSV but empty ones before and after, and those that begin with `#`; where the last of these names
+    as many columns as the first row has numbers, it is the header. `live`: the file may end in the middle of a row
+    (power loss): it is dropped."""
     text = read_text(path, RECORDING_BYTES)
     if not text.strip():
         raise InputError(f"{path}: is empty. Was the recording stopped before anything was written?")
     if live and not text.endswith("\n"):
         text = text[: text.rfind("\n") + 1]
     rows = csv_rows(_without_remarks(text), path)
-    while rows and not any(cell.strip() for cell in rows[-1]):
-        rows.pop()
-    rows = _without_empty_columns(rows)
+    filled = [i for i, row in enumerate(rows) if any(cell.strip() for cell in row)]
+    rows = without_empty_columns(rows[filled[0] : filled[-1] + 1] if filled else [])
     if not rows:
         raise InputError(f"{path}: holds no complete row.")
-    if not rows[0]:
-        raise InputError(f"{path}: row 1: is empty, where the header belongs.")
     words = [len(row[0].split()) for row in rows[:2] if len(row) == 1]
     if len(words) == 2 and words[0] == words[1] > 1:
         raise InputError(
@@ -58,7 +56,7 @@ def read_rows(path: Path, live: bool = False) -> Rows:
     return rows
 
 
-def _without_empty_columns(rows: Rows) -> Rows:
+def without_empty_columns(rows: Rows) -> Rows:
     """Rows without what separators at their ends make: columns in which no cell says anything."""
     width = max((len(row) for row in rows), default=0)
     while width and not any(len(row) >= width and row[width - 1].strip() for row in rows):
@@ -126,9 +124,12 @@ def number(rows: Rows, row: int, column: int, path: Path, name: str = "") -> flo
     return value
 
 
-def block(rows: Rows, first: int, columns: Sequence[int], names: Sequence[str], path: Path) -> Floats:
-    """Rows `first`.. as numbers, shape (rows, columns); short or long rows are refused."""
-    width = len(rows[first - 1])
+def block(
+    rows: Rows, first: int, columns: Sequence[int], names: Sequence[str], path: Path, width: int | None = None
+) -> Floats:
+    """Rows `first`.. as numbers, shape (rows, columns); short or long rows are refused. width: of each, default that of
+    the row above."""
+    width = len(rows[first - 1]) if width is None else width
     for row in range(first, len(rows)):
         if len(rows[row]) != width:
             twice = "Twice as many: are commas in its numbers? Write points there, or semicolons between cells."

@@ -6,18 +6,17 @@ Layout: a key/value line; label rows (`Type`, `Name`, `ID`, from 1.25 `Parent`);
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import Rows, block, increasing_times, place, read_rows, whole_points
-from serpenoid.measure.tracks import Tracks, floor_plane
+from serpenoid.measure.cells import Rows, place, read_rows
+from serpenoid.measure.mocap import Triples, in_space
+from serpenoid.measure.tracks import Tracks
 
 UNITS = {"Meters": 1.0, "Centimeters": 0.01, "Millimeters": 0.001}
 KNOWN_VERSIONS = ("1.21", "1.22", "1.23", "1.24", "1.25")
 TYPES = {"Rigid Body", "Rigid Body Marker", "Marker", "Bone", "Bone Marker", "Force Plate", "Device"}
-UNLABELLED = re.compile(r"(^|:)Unlabel+ed[ :_-]?\d*$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -38,18 +37,9 @@ def read_motive(path: str | Path, up_axis: str = "y") -> Tracks:
     header = _header(rows, path)
     scale = _scale(header, path)
     markers = _marker_columns(rows, header, path)
-    first = header.axes + 1
-    columns = [1] + [c for triple in markers.values() for c in triple]
-    names = ["Time"] + [name for name in markers for _ in range(3)]
-    data = block(rows, first, columns, names, path)
-    _check_frame_count(header, len(data), path)
-    times = increasing_times(data[:, 0], first, 1, path, "Time")
-    begins = [triple[0] for triple in markers.values()]
-    positions = data[:, 1:].reshape(len(data), len(markers), 3) * scale
-    positions = whole_points(positions, first, begins, list(markers), path)
-    unlabelled = tuple(bool(UNLABELLED.search(name)) for name in markers)
-    floor = floor_plane(positions, up_axis)
-    return Tracks(times, tuple(markers), floor, str(path), unlabelled, space=positions)
+    tracks = in_space(path, rows, header.axes + 1, markers, scale, up_axis, (1, "Time"))
+    _check_frame_count(header, len(tracks.time_s), path)
+    return tracks
 
 
 def _header(rows: Rows, path: Path) -> _Header:
@@ -80,7 +70,7 @@ def _scale(header: _Header, path: Path) -> float:
     return UNITS[unit]
 
 
-def _marker_columns(rows: Rows, header: _Header, path: Path) -> dict[str, tuple[int, int, int]]:
+def _marker_columns(rows: Rows, header: _Header, path: Path) -> Triples:
     """Measured marker -> its X, Y, Z columns."""
     width = len(rows[header.axes])
     for row in (header.types, header.names, header.quantities):

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 from serpenoid.errors import InputError
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap
+from serpenoid.measure.qualisys import read_qualisys
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
@@ -24,7 +25,9 @@ from serpenoid.measure.trackers import (
     read_tierpsy,
 )
 from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.trc import read_trc
 from serpenoid.measure.trex import read_trex
+from serpenoid.measure.vicon import read_vicon
 from serpenoid.measure.wcon import read_wcon
 
 if TYPE_CHECKING:
@@ -32,7 +35,21 @@ if TYPE_CHECKING:
 
     Reader = Callable[[Path, MotionKeys], Tracks]
 
-MotionFormat = Literal["motive", "c3d", "deeplabcut", "sleap", "tierpsy", "trex", "wcon", "array", "tidy", "long"]
+MotionFormat = Literal[
+    "motive",
+    "vicon",
+    "qualisys",
+    "trc",
+    "c3d",
+    "deeplabcut",
+    "sleap",
+    "tierpsy",
+    "trex",
+    "wcon",
+    "array",
+    "tidy",
+    "long",
+]
 NAMES: tuple[str, ...] = get_args(MotionFormat)
 FORMATS = " | ".join(NAMES)
 LONG = (
@@ -88,17 +105,21 @@ class Format:
     lines: tuple[str, ...] = ()
 
 
-def _motive(path: Path, keys: MotionKeys) -> Tracks:
-    return read_motive(path, keys.up_axis or up_axis("motive"))
+def _in_space(read: Callable[[Path, str], Tracks], up: str) -> Format:
+    """Of markers with names in space, which says its units and times."""
 
+    def reader(path: Path, keys: MotionKeys) -> Tracks:
+        return read(path, keys.up_axis or up)
 
-def _c3d(path: Path, keys: MotionKeys) -> Tracks:
-    return read_c3d(path, keys.up_axis or up_axis("c3d"))
+    return Format(reader, up, named=True, lines=(f'up_axis = "{up}"                # what points up, usually',))
 
 
 READERS: dict[str, Format] = {
-    "motive": Format(_motive, "y", named=True, lines=('up_axis = "y"                # motive: usually "y"',)),
-    "c3d": Format(_c3d, "z", named=True, lines=('up_axis = "z"',)),
+    "motive": _in_space(read_motive, "y"),
+    "vicon": _in_space(read_vicon, "z"),
+    "qualisys": _in_space(read_qualisys, "z"),
+    "trc": _in_space(read_trc, "y"),
+    "c3d": _in_space(read_c3d, "z"),
     "deeplabcut": Format(_timed(read_deeplabcut), animals=True, named=True, unit="px"),
     "sleap": Format(_sleap, animals=True, named=True, unit="px"),
     "tierpsy": Format(_timed(read_tierpsy), animals=True),

@@ -16,7 +16,10 @@ OWN_NAMES = (
     "points stand, tail first (docs/your-csv.md)."
 )
 
-FIRST_CELLS = {"scorer": "deeplabcut", "track": "sleap", "Format Version": "motive"}
+FIRST_CELLS = {
+    "scorer": "deeplabcut", "track": "sleap", "Format Version": "motive", "Trajectories": "vicon", "Devices": "vicon",
+    "NO_OF_FRAMES": "qualisys", "PathFileType": "trc",
+}  # fmt: skip
 
 
 def read_tidy(

@@ -1,0 +1,51 @@
+"""Qualisys QTM exports of trajectories in 3D as TSV, in millimetres.
+
+Layout: key/value rows, the last `MARKER_NAMES` (or, after it, `TRAJECTORY_TYPES`); perhaps a row of column names; a row
+per frame, which begins with frame and time where these were exported, too.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from serpenoid.errors import InputError
+from serpenoid.files.inputs import number
+from serpenoid.measure.cells import missing, read_rows
+from serpenoid.measure.mocap import fact, in_space, in_succession, refuse_fewer
+from serpenoid.measure.tracks import METRES, Tracks
+
+FIRST = "NO_OF_FRAMES"
+
+
+def read_qualisys(path: str | Path, up_axis: str = "z") -> Tracks:
+    """Read the markers. Raises InputError with row and column for whatever is not as QTM writes it."""
+    path = Path(path)
+    rows = read_rows(path)
+    if rows[0][0].strip() != FIRST:
+        raise InputError(
+            f"{path}: row 1, column A: a QTM export begins with `{FIRST}`, got {rows[0][0]!r}. Export it as TSV with "
+            'its header; is `format = "qualisys"` right?'
+        )
+    first = next((i for i, row in enumerate(rows) if row and _begins(row[0].strip())), len(rows))
+    facts = {row[0].strip(): row[1].strip() for row in rows[:first] if len(row) > 1}
+    if facts.get("DATA_INCLUDED", "3D") != "3D" or "MARKER_NAMES" not in facts:
+        raise InputError(f"{path}: holds no trajectories of markers in 3D: export these (`DATA_INCLUDED` 3D).")
+    named = next(row for row in rows[:first] if row and row[0].strip() == "MARKER_NAMES")
+    names = [cell.strip() for cell in named[1:] if cell.strip()]
+    wide = max((len(row) for row in rows[first:]), default=0)
+    if wide - 3 * len(names) not in (0, 2):
+        raise InputError(
+            f"{path}: row {first + 1}: has {wide} cells, where {len(names)} markers have {3 * len(names)}, or two more "
+            "with frame and time."
+        )
+    begin = wide - 3 * len(names)
+    rate = fact(facts, "FREQUENCY", path) if not begin else 1.0
+    markers = in_succession(names, begin, path)
+    tracks = in_space(path, rows, first, markers, METRES["mm"], up_axis, (1, "Time") if begin else None, rate, wide)
+    refuse_fewer(fact(facts, FIRST, path), len(tracks.time_s), path)
+    return tracks
+
+
+def _begins(cell: str) -> bool:
+    """Whether a row of numbers begins with it, the first of which may be hidden."""
+    return missing(cell) or number(cell) is not None
