@@ -9,6 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from serpenoid.compare.records import trial_record
 from serpenoid.errors import InputError
@@ -365,3 +366,34 @@ def test_a_point_without_a_score_is_no_doubtful_one(tmp_path):
     row[4] = ""
     (tmp_path / "m.csv").write_text("\n".join([*text[:3], ",".join(row), *text[4:]]) + "\n")
     assert read_sleap(tmp_path / "m.csv", RATE, minimum_score=0.6).seen.all()
+
+
+@pytest.mark.parametrize("version", ["4", "5"])
+def test_what_matlab_saved_is_the_same_and_what_is_damaged_is_refused(tmp_path, version):
+    time, points = swimmer()
+    both = {"x": points[..., 0], "y": points[..., 1]} if version == "4" else {"points": points}
+    savemat(tmp_path / "m.mat", {"t_s": time, **both}, format=version)
+    found = read_array(tmp_path / "m.mat", Timing())
+    np.testing.assert_array_equal(found.floor, points)
+    np.testing.assert_array_equal(found.time_s, time)
+    whole = (tmp_path / "m.mat").read_bytes()
+    for broken in (whole[:200], whole[:-900], b"MATLAB" + bytes(500), b""):
+        (tmp_path / "m.mat").write_bytes(broken)
+        with pytest.raises(InputError, match="m.mat: (not a readable MATLAB file|needs `points`|has [0-9]+ times)"):
+            read_array(tmp_path / "m.mat", Timing())
+    (tmp_path / "m.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(500))
+    with pytest.raises(InputError, match="'-v7'"):
+        read_array(tmp_path / "m.mat", Timing())
+    with pytest.raises(InputError, match='but one of MATLAB.*`format = "array"`'):
+        read_tidy(tmp_path / "m.mat")
+
+
+def test_points_that_numpy_saved_alone_need_a_frame_rate(tmp_path):
+    time, points = swimmer()
+    np.save(tmp_path / "m.npy", points)
+    np.testing.assert_array_equal(read_array(tmp_path / "m.npy", Timing(RATE)).floor, points)
+    with pytest.raises(InputError, match="give `frames_per_second`"):
+        read_array(tmp_path / "m.npy", Timing())
+    np.savez(tmp_path / "m.npz", t_s=time, points=points.transpose(1, 0, 2))
+    with pytest.raises(InputError, match="has 100 times for 6 frames of 100 points"):
+        read_array(tmp_path / "m.npz", Timing())

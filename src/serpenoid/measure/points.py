@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-import io
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +22,7 @@ from serpenoid.measure.cells import (
     read_rows,
     whole_points,
 )
+from serpenoid.measure.child import read_in_child
 from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.point_order import along_body
@@ -33,7 +30,6 @@ from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, upright
 
 MOST_CELLS = 200_000_000
-C3D_TIMEOUT_S = 120
 SEVERAL = " Of several animals? Then `columns` needs `individual`, and the trial names one: `individual`."
 
 
@@ -136,7 +132,7 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     if importlib.util.find_spec("ezc3d") is None:
         raise InputError("reading C3D needs ezc3d: pip install ezc3d.")
     size = _check_c3d(read_bytes(path, RECORDING_BYTES), path)
-    found = _c3d_content(path, 2000 + 40 * size // 1_000_000)
+    found = read_in_child("C3D", path, size)
     points, labels, unit, rate = found["points"].T, found["labels"].tolist(), str(found["unit"]), float(found["rate"])
     if unit not in ("m", "cm", "mm"):
         raise InputError(f"{path}: POINT:UNITS must be m, cm or mm, got {unit[:20]!r}.")
@@ -152,20 +148,6 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     times = np.arange(len(points)) / rate
     tracks = _tracks(times, labels[: points.shape[1]], floor_plane(points, up_axis), unit, path)
     return replace(tracks, space=points * METRES[unit])
-
-
-def _c3d_content(path: Path, megabytes: int) -> dict[str, Any]:
-    command = [sys.executable, "-m", "serpenoid.measure.c3d_child", str(path), str(megabytes)]
-    try:
-        ended = subprocess.run(command, capture_output=True, check=False, timeout=C3D_TIMEOUT_S)
-    except subprocess.TimeoutExpired:
-        raise InputError(f"{path}: not a readable C3D file: nothing was found in {C3D_TIMEOUT_S} s.") from None
-    if ended.returncode:
-        said = ended.stderr.decode(errors="replace").strip().splitlines()
-        why = said[-1] if ended.returncode == 2 and said else "its reader broke down over it"
-        raise InputError(f"{path}: not a readable C3D file: {why}.")
-    with np.load(io.BytesIO(ended.stdout)) as data:
-        return dict(data)
 
 
 def _check_c3d(data: bytes, path: Path) -> int:

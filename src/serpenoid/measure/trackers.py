@@ -20,6 +20,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.individuals import chosen
+from serpenoid.measure.matlab import read_mat
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, upright
 
@@ -146,18 +147,19 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
 
 
 def read_array(path: str | Path, timing: Timing) -> Tracks:
-    """An .npz with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate."""
+    """An .npz or .mat with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate; an .npy
+    with points alone."""
     path = Path(path)
-    arrays = read_npz(path)
+    arrays = read_mat(path) if path.suffix.lower() == ".mat" else read_npz(path)
     if "points" not in arrays and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:
         arrays["points"] = np.stack([arrays["x"], arrays["y"]], axis=-1)
     points = arrays.get("points")
     if points is None or points.ndim != 3 or points.shape[2] != 2:
         raise InputError(f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays)}.")
     if "t_s" in arrays:
-        times = arrays["t_s"]
+        times = arrays["t_s"].ravel()
     elif timing.frames_per_second:
-        times = arrays.get("frame", np.arange(len(points), dtype=float)) / timing.frames_per_second
+        times = arrays.get("frame", np.arange(len(points), dtype=float)).ravel() / timing.frames_per_second
     else:
         raise InputError(f"{path}: has no `t_s`: give `frames_per_second` in [motion].")
     unit = timing.length_unit or "m"
@@ -165,14 +167,16 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
 
 
 def read_npz(path: Path) -> dict[str, Floats]:
-    """All arrays of an .npz, which must be numbers."""
+    """All arrays of an .npz, which must be numbers; the one of an .npy is `points`."""
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            return {name: np.asarray(file[name], float) for name in file.files}
+        with path.open("rb") as stream:
+            found = np.load(stream, allow_pickle=False)
+            arrays = {"points": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
+            return {name: np.asarray(array, float) for name, array in arrays.items()}
     except FileNotFoundError:
         raise InputError(f"{path}: no such file.") from None
     except (OSError, ValueError, TypeError, AttributeError, EOFError, KeyError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: not a readable .npz of numbers: {error}.") from None
+        raise InputError(f"{path}: not a readable file of NumPy's numbers: {error}.") from None
 
 
 def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
@@ -190,7 +194,9 @@ def as_tracks(path: Path, times: Floats, floor: Floats, unit: str, first: End | 
 
 
 def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit: str) -> Tracks:
-    if times.shape != (len(floor),) or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+    if times.shape != (len(floor),):
+        raise InputError(f"{path}: has {times.size} times for {len(floor)} frames of {floor.shape[1]} points.")
+    if not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise InputError(f"{path}: times must increase, one for every frame.")
     if np.isinf(floor).any():
         raise InputError(f"{path}: positions must be finite or empty.")

@@ -1,0 +1,95 @@
+"""Files whose readers, of other languages, can crash on damaged ones: read in a process of its own, given as NPZ.
+
+    python -m serpenoid.measure.child KIND FILE MEGABYTES
+
+What is wrong with the file goes to standard error, and the exit code is 2. Memory is limited to MEGABYTES.
+"""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from serpenoid.errors import InputError
+
+TIMEOUT_S = 120
+MAT_ARRAYS = ("t_s", "frame", "points", "x", "y")
+Arrays = dict[str, Any]
+
+
+def read_in_child(kind: str, path: Path, size: int) -> Arrays:
+    """What a file of so many bytes holds; InputError where its reader finds nothing, or breaks down."""
+    called = f"{path}: not a readable {kind} file"
+    command = [sys.executable, "-m", "serpenoid.measure.child", kind, str(path), str(2000 + 40 * size // 1_000_000)]
+    try:
+        ended = subprocess.run(command, capture_output=True, check=False, timeout=TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        raise InputError(f"{called}: nothing was found in {TIMEOUT_S} s.") from None
+    if ended.returncode:
+        said = ended.stderr.decode(errors="replace").strip().splitlines()
+        why = said[-1] if ended.returncode == 2 and said else "its reader broke down over it"
+        raise InputError(f"{called}: {why}.")
+    with np.load(io.BytesIO(ended.stdout)) as data:
+        return dict(data)
+
+
+def main(kind: str, path: str, megabytes: int) -> int:
+    """Write one file's arrays."""
+    read = {"C3D": _c3d, "MATLAB": _matlab}[kind]()
+    _limit_memory(megabytes * 1_000_000)
+    try:
+        arrays = read(path)
+    except Exception as error:  # noqa: BLE001 - whatever a library of another language throws
+        sys.stderr.write(f"{error}\n")
+        return 2
+    stream = io.BytesIO()
+    np.savez(stream, **arrays)
+    sys.stdout.buffer.write(stream.getvalue())
+    return 0
+
+
+def _c3d() -> Callable[[str], Arrays]:
+    """Points (3, M, F), residuals (M, F), labels, unit, rate."""
+    import ezc3d
+
+    def read(path: str) -> Arrays:
+        content = ezc3d.c3d(path)
+        group: dict[str, Any] = content["parameters"]["POINT"]
+        return {
+            "points": np.array(content["data"]["points"][:3], dtype=float),
+            "residuals": np.array(content["data"]["meta_points"]["residuals"])[0],
+            "labels": np.array([str(label) for label in group["LABELS"]["value"]], dtype="U"),
+            "unit": str((group["UNITS"]["value"] or ["mm"])[0]).strip().lower(),
+            "rate": float(group["RATE"]["value"][0]),
+        }
+
+    return read
+
+
+def _matlab() -> Callable[[str], Arrays]:
+    """The arrays of a .mat that are asked for."""
+    from scipy.io import loadmat
+
+    def read(path: str) -> Arrays:
+        found = loadmat(path, appendmat=False, variable_names=MAT_ARRAYS)
+        return {name: np.asarray(found[name], dtype=float) for name in MAT_ARRAYS if name in found}
+
+    return read
+
+
+def _limit_memory(size: int) -> None:
+    try:
+        import resource
+    except ImportError:  # there is no such thing on Windows
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (size, size))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2], int(sys.argv[3])))

@@ -1,0 +1,18 @@
+"""Arrays that MATLAB saved (`save m.mat t_s points`), formats 4 to 7; vectors are matrices of one row or column."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from serpenoid.errors import InputError
+from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
+from serpenoid.measure.cells import Floats
+from serpenoid.measure.child import read_in_child
+
+
+def read_mat(path: Path) -> dict[str, Floats]:
+    """The arrays of a .mat that are read, which must be numbers."""
+    data = read_bytes(path, RECORDING_BYTES)
+    if data.startswith(b"MATLAB 7.3"):
+        raise InputError(f"{path}: is saved in MATLAB's format 7.3. Save it by `save(..., '-v7')`.")
+    return read_in_child("MATLAB", path, len(data))
