@@ -122,7 +122,9 @@ def csv_rows(text: str, path: str | Path) -> list[list[str]]:
         rows = list(csv.reader(lines, delimiter=separator))
     except csv.Error as error:
         raise InputError(f"{path}: not a CSV file: {error}.") from None
-    if separator == "," or any("." in cell and NUMBER.fullmatch(cell) for row in rows[1:] for cell in row):
+    if separator == ",":
+        return rows
+    if "." in text and any("." in cell and NUMBER.fullmatch(cell) for row in rows[1:] for cell in row):
         return rows
     return [[cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in row] for row in rows]
 
