@@ -260,6 +260,9 @@ def test_servo_log_in_degrees_is_refused(tmp_path):
 def test_power_log_round_trip_and_negative_power(tmp_path):
     write_power_log(tmp_path / "p.csv", np.arange(3) / 10, np.array([1.0, 2.0, 3.0]))
     np.testing.assert_array_equal(read_power_log(tmp_path / "p.csv").power_W, [1, 2, 3])
+    noted = (tmp_path / "p.csv").read_text().replace("\n", ",ok\n").replace("ok", "note", 1)
+    (tmp_path / "noted.csv").write_text(noted)
+    np.testing.assert_array_equal(read_power_log(tmp_path / "noted.csv").power_W, [1, 2, 3])
     write_power_log(tmp_path / "p.csv", np.arange(3) / 10, np.array([1.0, -2.0, 3.0]))
     with pytest.raises(InputError, match=r"row 3, column D .*power must be"):
         read_power_log(tmp_path / "p.csv")

@@ -397,3 +397,11 @@ def test_points_that_numpy_saved_alone_need_a_frame_rate(tmp_path):
     np.savez(tmp_path / "m.npz", t_s=time, points=points.transpose(1, 0, 2))
     with pytest.raises(InputError, match="has 100 times for 6 frames of 100 points"):
         read_array(tmp_path / "m.npz", Timing())
+
+
+def test_points_of_deeplabcut_in_space_are_no_pixels(tmp_path):
+    time, points = swimmer()
+    deeplabcut_csv(tmp_path / "m.csv", time, points)
+    (tmp_path / "m.csv").write_text((tmp_path / "m.csv").read_text().replace("likelihood", "z"))
+    with pytest.raises(InputError, match=r"has points in space \(`z`\)"):
+        read_deeplabcut(tmp_path / "m.csv", Timing(RATE))

@@ -183,10 +183,11 @@ def read_power_log(path: str | Path) -> PowerLog:
     path = Path(path)
     rows = read_rows(path, live=True)
     header = [cell.strip() for cell in rows[0]]
-    data = block(rows, 1, range(len(header)), header, path)
-    column = dict(zip(header, data.T, strict=True))
-    if "t_s" not in column:
+    if "t_s" not in header:
         raise InputError(f"{path}: row 1: a power log has a column `t_s`; it has {', '.join(header)}.")
+    called = [name for name in ("t_s", "power_W", "voltage_V", "current_A") if name in header]
+    data = block(rows, 1, [find_column(header, name, name, path) for name in called], called, path)
+    column = dict(zip(called, data.T, strict=True))
     times = increasing_times(column["t_s"], 1, header.index("t_s"), path, "t_s")
     if "power_W" in column:
         power = column["power_W"]

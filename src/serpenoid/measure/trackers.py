@@ -53,6 +53,11 @@ def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
     missing = next((f"{n}, {part}" for n in names for part in ("x", "y") if (n, part) not in slot), None)
     if missing is not None:
         raise InputError(f"{path}: no column for {missing}: not a DeepLabCut table of points in the plane.")
+    if any(part == "z" for _, part in slot):
+        raise InputError(
+            f"{path}: has points in space (`z`), whose unit and upward axis it does not say. Write x and y on "
+            'the floor to a table of `format = "tidy"`.'
+        )
     floor = np.stack([data[:, [slot[n, "x"], slot[n, "y"]]] for n in names], axis=1)
     if all((n, "likelihood") in slot for n in names):
         score = np.stack([data[:, slot[n, "likelihood"]] for n in names], axis=1)
