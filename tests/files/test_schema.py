@@ -51,6 +51,9 @@ def test_a_record_is_read_and_cannot_be_changed(tmp_path: Path) -> None:
         ("[inner]\nnumber = -1\n", r"\[inner\] number: Input should be greater than 0, got -1\."),
         ("[inner]\nnumber = 'two'\n", r"\[inner\] number: .*valid number.*got 'two'\."),
         ("[inner\nnumber = 2\n", r"file\.toml: not valid TOML: .*line 1"),
+        ("[inner]\nnumber = 2,5\n", r"line 2, .*\. Write a point before decimals\."),
+        ("name = 'y'\n[inner]\nnumber = \u201c2\u201d\n", r"line 3, .*\. Write straight quotes"),
+        ('name = "C:\\Users\\y"\n', r"line 1, .*\. A backslash begins an escape in TOML: write paths with `/`\."),
     ],
 )
 def test_every_fault_is_located_and_named(tmp_path: Path, text: str, message: str) -> None:

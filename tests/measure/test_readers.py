@@ -285,7 +285,8 @@ def test_c3d_round_trip_and_a_file_that_is_none(tmp_path):
     [
         ("joint_1,joint_2\n0,0\n0,60\n0,0\n", r":3: joint_2 must be within .*degrees"),
         ("joint_1,joint_3\n0,0\n", "header must be joint_1,joint_2"),
-        ("joint_1\n0\n,\n0\n", ":3: needs 1 number, got 2"),
+        ("joint_1\n0\n,1\n0\n", ":3: needs 1 number, got 2"),
+        ("joint_1\n0\n,\n0\n", ":3: joint_1 is .., not a number"),
         ("joint_1\n0\n0\n", "at least 3 rows"),
     ],
 )

@@ -10,12 +10,14 @@ import pytest
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import csv_rows
+from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.columns import MotionColumns, ServoColumns, ServoKeys
 from serpenoid.measure.logs import read_servo_log
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_long
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.write import write_motive
+from serpenoid.table_file import read_table, write_table
 
 TIDY = "t_s,x_0,y_0,x_1,y_1\n0,0,-0.5,0.125,0\n0.1,,,,\n0.2,0.02,-1.5,0.25,1e-3\n"
 
@@ -85,6 +87,23 @@ def test_what_could_be_two_numbers_or_none_is_refused_with_its_cure(tmp_path, te
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(InputError, match=match):
         read_tidy(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("end", ["", ";;", ";;\r\n;;;", "\r\n"])
+def test_a_joint_table_that_was_saved_again_is_the_same(tmp_path, end):
+    angles = np.random.default_rng(0).uniform(-1, 1, (4, 2))
+    write_table(tmp_path / "a.csv", angles)
+    saved = resaved((tmp_path / "a.csv").read_text(), ";", padded=False)
+    (tmp_path / "b.csv").write_bytes((saved.replace("\r\n", end.split("\r\n")[0] + "\r\n") + end).encode())
+    np.testing.assert_array_equal(read_table(tmp_path / "b.csv"), read_table(tmp_path / "a.csv"))
+
+
+def test_a_path_that_a_backslash_broke_is_told_so(tmp_path):
+    (tmp_path / "campaign.toml").write_text(
+        'format = 1\nname = "a"\n[body]\nvertices = 5\n[[trial]]\nname = "a"\nmotion = "films\\test.csv"\n'
+    )
+    with pytest.raises(InputError, match=r"motion: is no path: A backslash begins an escape in TOML"):
+        load_campaign_file(tmp_path)
 
 
 def test_what_separates_is_what_the_header_has_most_of_outside_quotes():

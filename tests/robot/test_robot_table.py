@@ -103,7 +103,7 @@ def test_malformed_table_is_refused_with_its_line(tmp_path, text, complaint):
 
 
 def test_binary_file_and_missing_file_are_refused(tmp_path):
-    (tmp_path / "t.csv").write_bytes(b"\xff\xfe\x00\x01")
+    (tmp_path / "t.csv").write_bytes(b"\x80\xfe\x00\x01")
     with pytest.raises(InputError, match="not a text file"):
         read_table(tmp_path / "t.csv")
     with pytest.raises(InputError, match="Name a results folder"):

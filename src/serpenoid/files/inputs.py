@@ -107,7 +107,7 @@ def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
 
 
 def csv_rows(text: str, path: str | Path) -> list[list[str]]:
-    """All rows of a CSV's text.
+    """All rows of a CSV's text, without empty cells at its ends.
 
     A first line `sep=;`, which is no row, says what separates cells, else the mark does that the first line with any
     has most of. Where that is no comma, numbers may have decimal commas, as spreadsheets of many languages write them,
@@ -122,11 +122,21 @@ def csv_rows(text: str, path: str | Path) -> list[list[str]]:
         rows = list(csv.reader(lines, delimiter=separator))
     except csv.Error as error:
         raise InputError(f"{path}: not a CSV file: {error}.") from None
+    rows = without_empty_ends(rows)
     if separator == ",":
         return rows
     if "." in text and any("." in cell and NUMBER.fullmatch(cell) for row in rows[1:] for cell in row):
         return rows
     return [[cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in row] for row in rows]
+
+
+def without_empty_ends(rows: list[list[str]]) -> list[list[str]]:
+    """Rows without what is at the end of a sheet but says nothing: columns and rows of empty cells."""
+    end = next((i for i in range(len(rows), 0, -1) if any(map(str.strip, rows[i - 1]))), 0)
+    width = widest = max(map(len, rows), default=0)
+    while width and not any(len(row) >= width and row[width - 1].strip() for row in rows):
+        width -= 1
+    return rows[:end] if width == widest else [row[:width] for row in rows[:end]]
 
 
 def _separator(lines: Sequence[str]) -> str:

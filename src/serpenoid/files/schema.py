@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
@@ -29,6 +30,12 @@ def plain_name(name: str) -> str:
     return name
 
 
+def _path(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError(f"is no path: {BACKSLASH}")
+    return text
+
+
 def _printable(text: str) -> str:
     if not text.isprintable() or len(text) > LINE_LENGTH:
         raise ValueError(f"must be one line of at most {LINE_LENGTH} printable characters")
@@ -36,9 +43,16 @@ def _printable(text: str) -> str:
 
 
 LINE_LENGTH = 200
+BACKSLASH = "A backslash begins an escape in TOML: write paths with `/`."
+CURES = (
+    (re.compile(r"\\"), BACKSLASH),
+    (re.compile(r"=\s*[+-]?[0-9]+,[0-9]+\s*(#.*)?$"), "Write a point before decimals."),
+    (re.compile("[\u2018-\u201f]"), 'Write straight quotes (").'),
+)
 NAME_SIGNS, NAME_LENGTH = " _.,+=()-", 60
 Name = Annotated[str, AfterValidator(plain_name)]
 Line = Annotated[str, AfterValidator(_printable)]  # for people: titles, comments of files
+FilePath = Annotated[str, AfterValidator(_path)]
 Text = Annotated[str, StringConstraints(max_length=20_000)]
 
 
@@ -116,9 +130,16 @@ def read_toml(path: str | Path, wanted: str | None = None) -> dict[str, Any]:
     except ValueError as error:  # also a number of thousands of digits
         other = mistaken(path, wanted) if wanted else None
         said = str(error).partition("; use sys.")[0]  # what a programmer would do
-        raise InputError(other or f"{path}: not valid TOML: {said}.") from None
+        raise InputError(other or f"{path}: not valid TOML: {said}.{_cure(said, read_text(path))}") from None
     refuse_depth(data, path)
     return data
+
+
+def _cure(said: str, text: str) -> str:
+    """What to write instead, where the line that a parser complains of shows it."""
+    at = re.search(r"at line ([0-9]+)", said)
+    line = text.split("\n")[int(at[1]) - 1 :][:1] if at else []
+    return next((f" {cure}" for form, cure in CURES for _ in filter(form.search, line)), "")
 
 
 def validate(schema: type[R], data: dict[str, Any], source: str) -> R:

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.files.schema import Line, Name, Record, Text, load
+from serpenoid.files.schema import FilePath, Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
 from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
@@ -85,16 +85,16 @@ class TrialEntry(MotionKeys):
 
     name: Name = Field(description="unique; names the trial's figures")
     gait: Name | None = Field(default=None, description="trials with one label and cycle duration are repeats")
-    joint_table: str | None = Field(default=None, description="CSV, T rows of joint_1..joint_m [rad]")
+    joint_table: FilePath | None = Field(default=None, description="CSV, T rows of joint_1..joint_m [rad]")
     cycle_duration_s: Positive | None = Field(default=None, description="time for T steps")
     cycles: Annotated[int, Field(ge=1, le=100_000)] | None = Field(
         default=None, description="how often the table is played"
     )
     pause_s: NotNegative = Field(default=0.0, description="after every cycle, holding row 0")
     dissipation_coefficient: NotNegative | None = Field(default=None, description="c the gait was optimised with")
-    motion: str | None = Field(default=None, description="motion file")
-    servo_log: str | None = None
-    power_log: str | None = None
+    motion: FilePath | None = Field(default=None, description="motion file")
+    servo_log: FilePath | None = None
+    power_log: FilePath | None = None
     from_s: float | None = Field(default=None, description="use the motion file from here (its own clock)")
     to_s: float | None = Field(default=None, description="... to here")
     believe: bool = Field(default=False, description="go on where this trial's data contradict what is promised here")

@@ -43,9 +43,7 @@ def read_rows(path: Path, live: bool = False) -> Rows:
     if live and not text.endswith("\n"):
         text = text[: text.rfind("\n") + 1]
     rows = csv_rows(_without_remarks(text), path)
-    first = next((i for i, row in enumerate(rows) if any(map(str.strip, row))), len(rows))
-    last = next((i for i in range(len(rows) - 1, first, -1) if any(map(str.strip, rows[i]))), first)
-    rows = without_empty_columns(rows[first : last + 1])
+    rows = rows[next((i for i, row in enumerate(rows) if any(map(str.strip, row))), len(rows)) :]
     if not rows:
         raise InputError(f"{path}: holds no complete row.")
     words = [len(row[0].split()) for row in rows[:2] if len(row) == 1]
@@ -55,14 +53,6 @@ def read_rows(path: Path, live: bool = False) -> Rows:
             "commas, semicolons or tabs between cells."
         )
     return rows
-
-
-def without_empty_columns(rows: Rows) -> Rows:
-    """Rows without what separators at their ends make: columns in which no cell says anything."""
-    width = widest = max(map(len, rows), default=0)
-    while width and not any(len(row) >= width and row[width - 1].strip() for row in rows):
-        width -= 1
-    return rows if width == widest else [row[:width] for row in rows]
 
 
 def _without_remarks(text: str) -> str:

@@ -9,7 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import place, read_rows, without_empty_columns
+from serpenoid.files.inputs import without_empty_ends
+from serpenoid.measure.cells import place, read_rows
 from serpenoid.measure.mocap import Triples, fact, in_space, metres
 from serpenoid.measure.tracks import Tracks
 
@@ -28,7 +29,7 @@ def read_vicon(path: str | Path, up_axis: str = "z") -> Tracks:
         )
     after = range(title + 5, len(rows))
     end = next((i for i in after if not any(cell.strip() for cell in rows[i])), len(rows))
-    rows = rows[: title + 2] + without_empty_columns(rows[title + 2 : end])
+    rows = rows[: title + 2] + without_empty_ends(rows[title + 2 : end])
     names, axes, units = ([cell.strip() for cell in rows[title + k]] for k in (2, 3, 4))
     if axes[0] != "Frame" or len(units) != len(axes):
         raise InputError(f"{path}: row {title + 4}: `Frame`, `Sub Frame` and axes, then as many units, belong here.")
