@@ -132,6 +132,17 @@ def test_a_file_that_ends_anywhere_is_refused_or_read_as_far_as_it_goes(tmp_path
             assert frames == FRAMES or kind == "vicon"  # which promises no number
 
 
+@pytest.mark.parametrize("kind", ["vicon", "qualisys", "trc"])
+def test_a_file_without_one_of_its_lines_or_with_an_empty_one_is_no_traceback(tmp_path, kind):
+    read, text = FILES[kind]
+    lines = text.splitlines()
+    for k in range(len(lines)):
+        for left in ([], [""], [","], ["\t\t"]):
+            (tmp_path / "a.csv").write_text("\n".join([*lines[:k], *left, *lines[k + 1 :]]) + "\n")
+            with contextlib.suppress(InputError):
+                read(tmp_path / "a.csv")
+
+
 def test_fragments_without_a_name_are_known_as_such(tmp_path):
     (tmp_path / "a.csv").write_text(vicon().replace("Snake:joint", "*108").replace("Snake:tail", "Snake:*2"))
     assert read_vicon(tmp_path / "a.csv").unlabelled == (True, True, False)

@@ -31,7 +31,7 @@ def read_vicon(path: str | Path, up_axis: str = "z") -> Tracks:
     end = next((i for i in after if not any(cell.strip() for cell in rows[i])), len(rows))
     rows = rows[: title + 2] + without_empty_ends(rows[title + 2 : end])
     names, axes, units = ([cell.strip() for cell in rows[title + k]] for k in (2, 3, 4))
-    if axes[0] != "Frame" or len(units) != len(axes):
+    if axes[:1] != ["Frame"] or len(units) != len(axes):
         raise InputError(f"{path}: row {title + 4}: `Frame`, `Sub Frame` and axes, then as many units, belong here.")
     markers = _markers(names, axes, path, title + 2)
     said = sorted({units[column] for triple in markers.values() for column in triple})
