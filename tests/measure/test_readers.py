@@ -66,6 +66,12 @@ def test_motive_round_trip_in_every_version_and_unit(tmp_path, version, unit):
     np.testing.assert_array_equal(tracks.seen[2], [True, False, True])
 
 
+def test_a_take_of_motive_may_have_a_comma_in_its_name(tmp_path):
+    path, lines = _motive(tmp_path)
+    path.write_text("\n".join([lines[0].replace("rehearsal", "a, b"), *lines[1:]]) + "\n")
+    np.testing.assert_allclose(read_motive(path).floor, 1.0)
+
+
 def test_motive_timecode_column_is_no_coordinate(tmp_path):
     write_motive(tmp_path / "a.csv", np.arange(3) / 120, np.ones((3, 1, 2)), ["S:a"])
     lines = (tmp_path / "a.csv").read_text().splitlines()

@@ -50,7 +50,8 @@ def _header(rows: Rows, path: Path) -> _Header:
             f"got {(first or [''])[0]!r}. "
             'Is `format = "motive"` right for this file?'
         )
-    facts = {key.strip(): value.strip() for key, value in zip(first[::2], first[1::2], strict=False)}
+    words = [cell.strip() for cell in first]
+    facts = dict(zip(words, words[1:], strict=False))  # whatever commas a take's name has
     version = facts.get("Format Version", "")
     if version not in KNOWN_VERSIONS:
         raise InputError(f"{path}: row 1, column B: format version must be 1.21 to 1.25, got {version!r}.")
