@@ -14,17 +14,17 @@ from serpenoid.measure.cells import missing, read_rows
 from serpenoid.measure.mocap import fact, in_space, in_succession, refuse_fewer
 from serpenoid.measure.tracks import METRES, Tracks
 
-FIRST = "NO_OF_FRAMES"
+FIRST = ("NO_OF_FRAMES", "FILE_VERSION")  # the latter from its version 2 on
 
 
 def read_qualisys(path: str | Path, up_axis: str = "z") -> Tracks:
     """Read the markers. Raises InputError with row and column for whatever is not as QTM writes it."""
     path = Path(path)
     rows = read_rows(path)
-    if rows[0][0].strip() != FIRST:
+    if rows[0][0].strip() not in FIRST:
         raise InputError(
-            f"{path}: row 1, column A: a QTM export begins with `{FIRST}`, got {rows[0][0]!r}. Export it as TSV with "
-            'its header; is `format = "qualisys"` right?'
+            f"{path}: row 1, column A: a QTM export begins with `{FIRST[0]}` or `{FIRST[1]}`, got {rows[0][0]!r}. "
+            'Export it as TSV with its header; is `format = "qualisys"` right?'
         )
     first = next((i for i, row in enumerate(rows) if row and _begins(row[0].strip())), len(rows))
     facts = {row[0].strip(): row[1].strip() for row in rows[:first] if len(row) > 1}
@@ -42,7 +42,7 @@ def read_qualisys(path: str | Path, up_axis: str = "z") -> Tracks:
     rate = fact(facts, "FREQUENCY", path) if not begin else 1.0
     markers = in_succession(names, begin, path)
     tracks = in_space(path, rows, first, markers, METRES["mm"], up_axis, (1, "Time") if begin else None, rate, wide)
-    refuse_fewer(fact(facts, FIRST, path), len(tracks.time_s), path)
+    refuse_fewer(fact(facts, "NO_OF_FRAMES", path), len(tracks.time_s), path)
     return tracks
 
 

@@ -18,7 +18,7 @@ OWN_NAMES = (
 
 FIRST_CELLS = {
     "scorer": "deeplabcut", "track": "sleap", "Format Version": "motive", "Trajectories": "vicon", "Devices": "vicon",
-    "NO_OF_FRAMES": "qualisys", "PathFileType": "trc",
+    "NO_OF_FRAMES": "qualisys", "FILE_VERSION": "qualisys", "PathFileType": "trc",
 }  # fmt: skip
 
 

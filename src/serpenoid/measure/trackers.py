@@ -160,7 +160,9 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
         arrays["points"] = np.stack([arrays["x"], arrays["y"]], axis=-1)
     points = arrays.get("points")
     if points is None or points.ndim != 3 or points.shape[2] != 2:
-        raise InputError(f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays)}.")
+        raise InputError(
+            f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays) or 'neither'}."
+        )
     if "t_s" in arrays:
         times = arrays["t_s"].ravel()
     elif timing.frames_per_second:
