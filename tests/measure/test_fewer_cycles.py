@@ -9,7 +9,9 @@ import pytest
 
 from rehearsal import serpenoid_table, snake
 from serpenoid.compare.rehearse import Laboratory, write_campaign
+from serpenoid.measure.consistency.unplayed import as_filmed
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.trial import Trial
 
 PLAYED, CYCLE_S = 2, 3.0
@@ -32,12 +34,21 @@ def test_a_robot_at_rest_is_no_cycle(tmp_path, pause_s, labels):
     found = trial(tmp_path, 3, 8.0, pause_s, labels)
     starts = [found.motion.time_s[passage.first] for passage in found.passages]
     np.testing.assert_allclose(starts, [8.0, 8.0 + CYCLE_S + pause_s], atol=0.15)  # the lag goes into a start by shape
-    (said,) = (note for note in found.notes if "nothing bends" in note)
-    assert said.startswith("in cycle ")
-    assert said.endswith("Is `cycles = 3` right?")
+    assert any("the film shows 2 cycles" in note and "`cycles = 3`" in note for note in found.notes)
 
 
 def test_of_cycles_that_were_played_none_rests(tmp_path):
     found = trial(tmp_path, 2, 1.0, 8.0, True)  # pauses that last longer than cycles
     assert [passage.cycle for passage in found.passages] == [0, 1]
-    assert not any("nothing bends" in note for note in found.notes)
+    assert not any("the film shows" in note for note in found.notes)
+
+
+def test_a_film_that_begins_or_ends_amid_motion_says_nothing_of_the_cycles():
+    schedule = Schedule(serpenoid_table(40), CYCLE_S, 3, 1.0)
+    time = np.arange(-4.0, 16.0, 1 / 40)
+    assert as_filmed(schedule, time, schedule.commanded(time)).cycles == 3
+    two = Schedule(serpenoid_table(40), CYCLE_S, PLAYED, 1.0)
+    angles = two.commanded(time)
+    assert as_filmed(schedule, time, angles).cycles == PLAYED
+    for cut in (time > 1.0, time < 6.0, time < 7.5):  # the last ends within what a pause may be
+        assert as_filmed(schedule, time[cut], angles[cut]).cycles == 3

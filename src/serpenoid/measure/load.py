@@ -15,6 +15,7 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.consistency.still import nothing_moved
+from serpenoid.measure.consistency.unplayed import as_filmed, unplayed
 from serpenoid.measure.link_lengths import hidden_lengths
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, log_covers, schedule_start
@@ -131,6 +132,9 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         )
     if metres is not None and body.odd_length is not None:
         notes = [*notes, body.odd_length]
+    if schedule is not None and motion is not None:
+        promised, schedule = schedule.cycles, as_filmed(schedule, motion.time_s, motion.joint_angles)
+        notes += [unplayed(promised, schedule.cycles)] if schedule.cycles < promised else []
     if schedule is not None:
         schedule, source, complaints = schedule_start(schedule, files.servo_log, servo, motion)
         notes += complaints

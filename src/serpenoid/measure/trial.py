@@ -35,7 +35,6 @@ from serpenoid.measure.strays import without_strays
 from serpenoid.measure.stretches import Stretches, stretches, unstretched
 
 REPEATED = 2  # times that stretches are taken off: along the chain as it is with them, and as it is without
-AT_REST = 0.1  # of what is commanded: a joint that moves less is refused as too weak, unless it is believed
 SHORTEST_RUN = 8  # frames: less is no motion
 
 
@@ -266,7 +265,7 @@ def cut_passages(
 ) -> tuple[tuple[Passage, ...], list[str]]:
     """Frames of each cycle; without a schedule the whole recording is one passage, whatever gaps it has.
 
-    log: where its labels say that play ended within a cycle, that one is left out; so are cycles that were not played.
+    log: where its labels say that play ended within a cycle, that one is left out.
     """
     if schedule is None:
         return (Passage(0, motion.runs[0].start, motion.runs[-1].stop - 1),), []
@@ -291,25 +290,7 @@ def cut_passages(
                 f"cycle {cycle + 1} has a long gap: its displacement is used, its steps across the gap are not"
             )
         passages.append(Passage(cycle, int(inside[0]), int(inside[-1])))
-    rest = [passage for passage in passages if _rests(motion, schedule, passage)]
-    if len(rest) < len(passages):
-        passages = [passage for passage in passages if passage not in rest]
-        notes += [
-            f"in {_cycles(run)} nothing bends, where the table does: left out. Is `cycles = {schedule.cycles}` right?"
-            for run in _successive([passage.cycle for passage in rest])
-        ]
     return tuple(passages), [*(_left_out(run) for run in _successive(outside)), *notes]
-
-
-def _rests(motion: Motion, schedule: Schedule, passage: Passage) -> bool:
-    """Whether joints are at one place for half of a cycle or more, of which the table has them at many: by the range of
-    the middle half of their angles, so that how servos come to rest is none."""
-    frames = passage.first + np.flatnonzero(motion.known[passage.frames])
-    ranges = [
-        np.diff(np.quantile(angles, [0.25, 0.75], axis=0), axis=0).sum()
-        for angles in (motion.joint_angles[frames], schedule.commanded(motion.time_s[frames]))
-    ]
-    return bool(ranges[0] < AT_REST * ranges[1])
 
 
 def _successive(cycles: list[int]) -> list[list[int]]:
@@ -320,12 +301,9 @@ def _successive(cycles: list[int]) -> list[list[int]]:
 
 def _left_out(cycles: list[int]) -> str:
     """A note on successive cycles."""
-    return f"{_cycles(cycles)} {'is' if len(cycles) == 1 else 'are'} not wholly in the recording: left out"
-
-
-def _cycles(run: list[int]) -> str:
-    """Successive cycles as they are counted from 1."""
-    return f"cycle {run[0] + 1}" if len(run) == 1 else f"cycles {run[0] + 1} to {run[-1] + 1}"
+    if len(cycles) == 1:
+        return f"cycle {cycles[0] + 1} is not wholly in the recording: left out"
+    return f"cycles {cycles[0] + 1} to {cycles[-1] + 1} are not wholly in the recording: left out"
 
 
 def _runs(gaps: tuple[Gap, ...], jumps: tuple[Jump, ...], holes: np.ndarray, frames: int) -> tuple[slice, ...]:

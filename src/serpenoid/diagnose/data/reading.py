@@ -21,6 +21,8 @@ from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
 from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
+from serpenoid.measure.consistency.unplayed import as_filmed
+from serpenoid.measure.links import marker_angles
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
 from serpenoid.measure.trial_files import Files, Progress, kept_of_files, neighbour_ratio, of_every_trial
@@ -83,7 +85,8 @@ def _missing(r: Recording) -> list[str]:
     if r.missing_cycles:
         said.append(f"of {promised} promised cycles, {r.missing_cycles} would begin after the recording: left out")
     if r.unplayed_cycles:
-        said.append(f"{promised} of {promised + r.unplayed_cycles} promised cycles were played, say the log's labels")
+        of = promised + r.unplayed_cycles
+        said.append(f"{promised} of {of} promised cycles were played, say the log's labels or the film")
     return said
 
 
@@ -128,7 +131,8 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if log is None or log.repeats_commands:
         return replace(_by_markers(file, entry, schedule, tracks.time_s, markers), strays=strays)
     clock = align(file.body, tracks.time_s, markers, log)
-    promised, schedule = schedule.cycles, as_played(log, schedule)
+    filmed = as_filmed(schedule, tracks.time_s, marker_angles(file.body, markers))
+    promised, schedule = schedule.cycles, as_played(log, filmed)
     labelled = start_on_log(log, schedule, clock.rate)
     told = told_by_commands(log, schedule, clock.rate, labelled[0] if labelled else None)
     if told:
