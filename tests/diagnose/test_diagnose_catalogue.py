@@ -131,12 +131,12 @@ def test_motion_of_held_out_gaits_is_best_predicted_with_the_hidden_effect(hidde
 
 def test_jumps_of_position_are_found_in_gaps(tmp_path: Path) -> None:
     motion, null = calibrated_motion(recorded(tmp_path, JUMPS))
-    found = find_jumps(motion, null.predictions, path_noise(motion, null.predictions))
+    found = find_jumps(motion, null.predictions, path_noise(motion, null.predictions).level_m)
     assert found is not None
     low, high = found.intervals["size"]
     assert low < JUMPS.parameters["size"] < high
     missed = JUMPS.parameters["size"]  # a law that errs as much in every window does so in gaps as well
-    assert find_jumps(motion, null.predictions, path_noise(motion, null.predictions), missed) is None
+    assert find_jumps(motion, null.predictions, path_noise(motion, null.predictions).level_m, missed) is None
 
 
 def test_a_fast_clock_is_found(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import farthest, path_draws, path_error, strength
+from serpenoid.diagnose.data.paths import path_error, path_noise, strength
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
@@ -141,7 +141,7 @@ def test_what_is_too_weak_to_be_named_stays_beside_what_is(slope_and_toe: Motion
     toe = next(i for i, e in enumerate(found.best.effects) if e.name == "toe")
     faint = trace(found.motion, found.best, found.bases[toe], found.best.effects[toe])
     without = found.bases[toe].predictions
-    off = path_error(found.motion, without) / farthest(found.motion, path_draws(found.motion, without))
+    off = path_error(found.motion, without) / path_noise(found.motion, without).farthest
     loud = 1.05 * max(faint, off)
     louder = replace(found, **vars(kept(found.motion, found.null, found.best, loud, [("toe", None)])))
     assert [e.name for e in louder.best.effects] == ["slope"]

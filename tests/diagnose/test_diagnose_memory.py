@@ -13,7 +13,7 @@ import pytest
 from serpenoid.diagnose.data.memory import _likelihood, covariance, roots
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import window_noise
-from serpenoid.diagnose.data.paths import path_error, path_noise
+from serpenoid.diagnose.data.paths import path_error, path_noise, repeated
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.group import accumulate
 
@@ -32,10 +32,13 @@ def pushed_windows(rng: np.random.Generator, count: int, time: float) -> np.ndar
     return np.asarray(windows / (FINE if time else np.sqrt(FINE)))
 
 
-def campaign(seed: int, time: float, cycles: int = 6, settings: int = 6, gust: float = 0.0) -> tuple[Motion, list[Any]]:
+def campaign(
+    seed: int, time: float, cycles: int = 6, settings: int = 6, gust: float = 0.0, floors: float = 0.0
+) -> tuple[Motion, list[Any]]:
     """Every setting twice; markers' noise of poses, and pushes whose memory is `time` [s].
 
-    gust: a push [m a window] of the first of each two trials, over three windows somewhere.
+    gust: a push [m a window] of the first of each two trials, over three windows somewhere; floors: by which share (SD)
+    the body moves farther in a trial, from its beginning to its end.
     """
     rng = np.random.default_rng(seed)
     count = PHASES * cycles
@@ -46,6 +49,7 @@ def campaign(seed: int, time: float, cycles: int = 6, settings: int = 6, gust: f
         if gust and len(tracks) % 2 == 0:
             begin = int(rng.integers(count - 3))
             moved[begin : begin + 3, :2] += gust * rng.normal(size=2)
+        moved += floors * rng.normal() * true if floors else 0.0
         path = accumulate(moved, np.zeros(3))
         seen = path + rng.normal(0, POSE, path.shape)
         c, s = np.cos(seen[:-1, 2]), np.sin(seen[:-1, 2])
@@ -67,6 +71,20 @@ def campaign(seed: int, time: float, cycles: int = 6, settings: int = 6, gust: f
     noise, _ = window_noise(tracks, left)
     predictions = [SimpleNamespace(displacement=true) for _ in tracks]
     return Motion(tuple(tracks), noise, tuple(range(len(tracks)))), predictions
+
+
+def unrepeated(motion: Motion) -> Motion:
+    """With the same noise of windows, as if every trial were of a setting of its own."""
+    tracks = []
+    for i, track in enumerate(motion.tracks):
+        recording = SimpleNamespace(**{**vars(track.recording), "setting": (str(i), 3.0)})
+        tracks.append(SimpleNamespace(**{**vars(track), "recording": recording}))
+    return replace(motion, tracks=tuple(tracks))
+
+
+def strays(motion: Motion, predictions: list[Any], after: float) -> bool:
+    noise = path_noise(motion, predictions)
+    return after > noise.farthest * noise.level_m
 
 
 @pytest.mark.parametrize("time", [0.1, 0.5, 2.0])
@@ -115,12 +133,38 @@ def test_pushes_that_last_for_some_windows_raise_no_doubt(time: float) -> None:
         motion, predictions = campaign(seed, time)
         after = path_error(motion, predictions)
         doubts += bool(pattern(motion, predictions, after))
-        ratios.append(after / path_noise(motion, predictions))
+        ratios.append(after / path_noise(motion, predictions).level_m)
         independent = replace(motion, noise=Noise(motion.noise.playing, motion.noise.pause))
-        alone += bool(pattern(independent, predictions, after))
+        alone += strays(unrepeated(independent), predictions, after)
     assert doubts <= 1  # 8 * ERROR, and three binomial standard deviations more
     assert np.median(ratios) == pytest.approx(1, abs=0.2)
     assert alone > 4 or time < 1
+
+
+def test_floors_that_differ_from_trial_to_trial_raise_no_doubt() -> None:
+    """A window shows a third of its noise of them; strung together, windows' noise is a third of what they make."""
+    doubts, ratios, alone = 0, [], 0
+    for seed in range(12):
+        motion, predictions = campaign(seed, 0.0, cycles=12, floors=0.05)
+        after = path_error(motion, predictions)
+        doubts += bool(pattern(motion, predictions, after))
+        ratios.append(after / path_noise(motion, predictions).level_m)
+        alone += strays(unrepeated(motion), predictions, after)
+    assert doubts <= 1
+    assert np.median(ratios) == pytest.approx(1, abs=0.2)
+    assert alone > 8
+
+
+def test_what_paths_of_an_earlier_campaign_differed_by_is_chance_of_this_one() -> None:
+    motion, predictions = campaign(1, 0.0, cycles=12, floors=0.05)
+    then, alone = repeated(motion, predictions), campaign(2, 0.0, cycles=12)[0]
+    assert then.square > 4
+    assert then.pairs == 6
+    level = path_noise(alone, predictions).level_m
+    assert level == pytest.approx(path_error(alone, predictions), rel=0.4)
+    beside = path_noise(replace(alone, earlier=then), predictions)
+    assert beside.level_m == pytest.approx(level * np.sqrt((then.square + repeated(alone, predictions).square) / 2))
+    assert beside.farthest < path_noise(motion, predictions).farthest  # twice as many pairs tell
 
 
 def test_a_gust_in_every_second_trial_is_no_chance_that_lasts() -> None:

@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.motion import Motion, Repeated
 from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.paths import repeated
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.repeats import by_setting
 from serpenoid.diagnose.data.tracks import make_tracks
@@ -93,8 +94,8 @@ class Reference(Baseline):
     """seen: the earlier observation model, squares: what it left (see `Stage`); explained: the earlier motion, by the
     baseline's model and then by rivals; servos: the earlier readings and what explains them. others: effects that were
     there before, beside the motion's. missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
-    named: what the earlier motion was found to show. usual, largest (3,) [m, m, rad]: RMS error of a window while
-    playing, largest difference between two repeats'.
+    named: what the earlier motion was found to show; again: what its repeats tell. usual, largest (3,) [m, m, rad]: RMS
+    error of a window while playing, largest difference between two repeats'.
     """
 
     seen: Observation
@@ -105,6 +106,12 @@ class Reference(Baseline):
     missed_m: float
     squares: tuple[float, ...] = ()
     named: tuple[Named, ...] = ()
+    again: Repeated = Repeated()
+
+    @property
+    def earlier(self) -> Repeated:
+        """Of its repeats."""
+        return self.again
 
     @property
     def unlike(self) -> Floats:
@@ -252,7 +259,7 @@ def reference_of(d: Diagnosis) -> Reference:
     explained = [_explanation(there, explanation) for explanation, there in about_each.items()]
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, wrong, d.stages[1].squares,
-        d.motion.stage.named, others=others, without=d.baseline.without,
+        d.motion.stage.named, repeated(motion, found.settled.predictions), others=others, without=d.baseline.without,
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,12 +41,25 @@ class Noise:
         return np.hypot(self.chance(track), track.doubt)
 
 
+class Repeated(NamedTuple):
+    """How many times as far apart as the noise of windows makes them paths are that were played again, squared, and by
+    how many pairs that is told."""
+
+    square: float = 1.0
+    pairs: int = 0
+
+    def beside(self, other: Repeated) -> Repeated:
+        """Told by both."""
+        pairs = self.pairs + other.pairs
+        return Repeated((self.pairs * self.square + other.pairs * other.square) / pairs, pairs) if pairs else self
+
+
 @dataclass(frozen=True)
 class Motion:
     """The tracks and their noise; labels: gait numbers, one per track; held: known effects, not up for fitting.
 
     unlike (3,): the largest difference between two repeats' windows that is no news [m, m, rad]. untestable: effects
-    that are no candidates. ratio: eps, where it is known.
+    that are no candidates. ratio: eps, where it is known. earlier: what repeats of an earlier campaign tell.
     """
 
     tracks: tuple[Track, ...]
@@ -55,6 +69,7 @@ class Motion:
     unlike: Floats | float = 0.0
     untestable: frozenset[str] = frozenset()
     ratio: float | None = None
+    earlier: Repeated = Repeated()
 
     @cached_property
     def white(self) -> tuple[White, ...]:

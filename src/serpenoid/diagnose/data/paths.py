@@ -1,60 +1,137 @@
 """What windows add up to: paths, how far they stray, and how far chance makes them stray (the noise level F).
 
-F: RMS over a trial's path of the distance that the noise of windows, strung together, adds up to; doubt about the
-baseline repeats in every cycle.
+F: RMS over a trial's path of the distance that the noise of windows, strung together, adds up to, or that repeats show;
+doubt about the baseline repeats in every cycle.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import largest_factor
+from serpenoid.diagnose.data.chance import CONFIDENCE, largest_factor
 from serpenoid.diagnose.data.geometry import GYRATION, turn
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import noise_uncertain
+from serpenoid.diagnose.data.motion import Motion, Repeated
+from serpenoid.diagnose.data.noise import noise_uncertain, residuals
+from serpenoid.diagnose.data.repeats import laid_alike
 from serpenoid.diagnose.data.windows import Prediction, Track
 from serpenoid.group import accumulate, relative
 
 DRAWS = 48
 
 
-def path_noise(motion: Motion, predictions: Sequence[Prediction]) -> float:
-    """F [m]: the path RMS that window noise adds up to."""
-    return total(path_draws(motion, predictions))
+@dataclass(frozen=True)
+class PathNoise:
+    """How far chance makes paths stray: RMS over all trials [m] in each draw (DRAWS,).
+
+    uncertain: standard deviation of the logarithm of what the draws' size is told by.
+    """
+
+    draws: Floats
+    uncertain: float
+
+    @property
+    def level_m(self) -> float:
+        """F [m]."""
+        return total(self.draws)
+
+    @property
+    def deviation(self) -> float:
+        """Of the logarithm of how far paths stray: as draws of it scatter, and as well as is told how large it is."""
+        return float(np.hypot(np.log(self.draws / self.level_m).std(), self.uncertain))
+
+    @property
+    def farthest(self) -> float:
+        """How many noise levels paths stray by chance at most, at the stated error."""
+        return largest_factor(self.deviation)
 
 
-def path_draws(motion: Motion, predictions: Sequence[Prediction]) -> Floats:
-    """Path RMS over all trials [m] as chance makes it, (DRAWS,)."""
+def path_noise(motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats] | None = None) -> PathNoise:
+    """What the noise of windows adds up to; or what paths of trials that were laid alike differ by, where windows of
+    these add up to less in 95 of 100 draws: a floor that differs from trial to trial shows little in a window, and adds
+    up. A path, as a pair of them, is one number then.
+
+    left: residuals (W, 3) of each track that are compared, if not all.
+    """
+    left = residuals(motion.tracks, predictions) if left is None else left
+    adding, made, here = _of_windows(motion, predictions, left)
+    told = here.beside(motion.earlier)
+    size = float(np.sqrt(told.square))
+    if np.log(size) <= ndtri(CONFIDENCE) * made.deviation:
+        return adding
+    return PathNoise(adding.draws * size, float(np.sqrt(0.5 / told.pairs + 0.5 / len(motion.tracks))))
+
+
+def repeated(motion: Motion, predictions: Sequence[Prediction]) -> Repeated:
+    """What paths of trials that were laid alike tell."""
+    return _of_windows(motion, predictions, residuals(motion.tracks, predictions))[2]
+
+
+def _of_windows(
+    motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats]
+) -> tuple[PathNoise, PathNoise, Repeated]:
+    """What the noise of windows adds up to, with doubt about the baseline; without it, of trials that others were laid
+    like, and how far from that paths of repeats are."""
+    alone, whole = _squares(motion, predictions)
+    differ, uncertain = _differing(motion, predictions, left), noise_uncertain(motion)
+    adding = PathNoise(np.sqrt(whole.mean(axis=0)), uncertain)
+    made = PathNoise(np.sqrt(alone[list(differ)].mean(axis=0)), uncertain) if differ else adding
+    if not differ or made.level_m <= 0:
+        return adding, adding, Repeated()
+    return adding, made, Repeated(sum(differ.values()) / len(differ) / made.level_m**2, len(differ))
+
+
+def _differing(motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats]) -> dict[int, float]:
+    """By trial: half of the mean squared distance [m^2] between its path and that of the next one that was laid alike,
+    of what residuals add up to on the predicted one."""
+    differ = {}
+    for a, b in laid_alike(motion.tracks):
+        steps, count = np.nan_to_num(predictions[a].displacement), min(len(left[a]), len(left[b]))
+        known = np.flatnonzero(np.isfinite(left[a][:count] + left[b][:count]).all(axis=1))
+        ends = []
+        for x in (left[a], left[b]):
+            moved = steps.copy()
+            moved[known] += x[known]
+            ends.append(accumulate(moved, np.zeros(3))[:, :2])
+        squared = ((ends[0] - ends[1]) ** 2).sum(axis=1) / 2
+        differ[a] = float(_mean_in_time(motion.tracks[a], squared))
+    return differ
+
+
+def _squares(motion: Motion, predictions: Sequence[Prediction]) -> tuple[Floats, Floats]:
+    """Squared path RMS [m^2] of each trial (trials, DRAWS) by the chance of its windows alone, and with doubt about the
+    baseline."""
     rng = np.random.default_rng(0)
-    squares = np.empty((len(motion.tracks), DRAWS))
+    alone, whole = np.empty((2, len(motion.tracks), DRAWS))
     for i, (track, p) in enumerate(zip(motion.tracks, predictions, strict=True)):
         chance = motion.noise.chance(track)
         if track.noise is None:
             chance[~track.playing] = np.broadcast_to(track.least, chance.shape)[~track.playing]
         window, phase = np.unique(track.phase, return_inverse=True)
-        steps = np.nan_to_num(p.displacement)
-        true = accumulate(steps, np.zeros(3))[:, :2]
         drawn = motion.noise.memory.draws(track, chance, rng, DRAWS)
-        drawn += rng.normal(size=(DRAWS, len(window), 3))[:, phase] * track.doubt  # the same in every cycle
-        drawn[:, : track.first_seen] = 0.0
-        paths = accumulate(steps + drawn, np.zeros(3))[..., :2]
-        squares[i] = _mean_in_time(track, ((paths - true) ** 2).sum(axis=-1))
-    return np.asarray(np.sqrt(squares.mean(axis=0)))
+        doubt = rng.normal(size=(DRAWS, len(window), 3))[:, phase] * track.doubt  # the same in every cycle
+        alone[i] = _strayed(track, p, drawn)
+        whole[i] = _strayed(track, p, drawn + doubt) if np.any(track.doubt) else alone[i]
+    return alone, whole
+
+
+def _strayed(track: Track, p: Prediction, drawn: Floats) -> Floats:
+    """Mean square [m^2] of how far displacements (.., B - 1, 3) that are added to the predicted ones move the path."""
+    steps = np.nan_to_num(p.displacement)
+    true = accumulate(steps, np.zeros(3))[:, :2]
+    drawn[..., : track.first_seen, :] = 0.0
+    paths = accumulate(steps + drawn, np.zeros(3))[..., :2]
+    return _mean_in_time(track, ((paths - true) ** 2).sum(axis=-1))
 
 
 def _mean_in_time(track: Track, values: Floats) -> Floats:
     """Of values (..., B) at the boundaries."""
     weight = track.duration
     return np.asarray(((values[..., 1:] + values[..., :-1]) / 2 * weight).sum(axis=-1) / weight.sum())
-
-
-def farthest(motion: Motion, draws: Floats) -> float:
-    """How many noise levels paths stray by chance at most, at the stated error: as draws (DRAWS,) of it scatter, and as
-    well as so many windows tell how large it is."""
-    return largest_factor(float(np.hypot(np.log(draws / total(draws)).std(), noise_uncertain(motion))))
 
 
 def path_rms(track: Track, predicted: Prediction, mend: bool = False) -> float:

@@ -46,12 +46,12 @@ def repeats(tracks: Sequence[Track]) -> list[Repeat]:
 
 def pairs(tracks: Sequence[Track]) -> list[tuple[int, int]]:
     """Indices of successive trials of one setting that were laid alike; if none were, of all."""
-    return _laid_alike(tracks) or _successive(by_setting(tracks).values())
+    return laid_alike(tracks) or _successive(by_setting(tracks).values())
 
 
 def none_alike(tracks: Sequence[Track]) -> bool:
     """Whether settings were repeated, but never laid alike."""
-    return not _laid_alike(tracks) and bool(pairs(tracks))
+    return not laid_alike(tracks) and bool(pairs(tracks))
 
 
 def alike(one: Track, other: Track) -> bool:
@@ -63,7 +63,7 @@ def alike(one: Track, other: Track) -> bool:
     return bool(max(abs(2 * np.sin((heading - to) / 2)), np.hypot(x - u, y - v) / length) <= ALIKE)
 
 
-def _laid_alike(tracks: Sequence[Track]) -> list[tuple[int, int]]:
+def laid_alike(tracks: Sequence[Track]) -> list[tuple[int, int]]:
     """Successive trials of a setting that were laid as the first of their group was."""
     groups: list[list[int]] = []
     for same in by_setting(tracks).values():

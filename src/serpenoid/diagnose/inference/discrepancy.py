@@ -34,13 +34,15 @@ def outdone(motion: Motion, full: Fit, bases: Sequence[Fit]) -> list[bool]:
     """Which fits with an effect less are as likely as a fit: it gains no more than parameters and tries by chance."""
     if not bases:
         return []
-    after, count = deviance(motion, full)
+    after = information_criterion(motion, full)
+    return [information_criterion(motion, base) <= after for base in bases]
 
-    def price(base: Fit) -> float:
-        more = len(full.coordinates) - len(base.coordinates)
-        return more * float(np.log(max(count, 2))) + gained_by_chance(len(candidates_of(base)))
 
-    return [deviance(motion, base)[0] - after <= price(base) for base in bases]
+def information_criterion(motion: Motion, found: Fit) -> float:
+    """The deviance and the price of parameters and tries (prices.py): the least of several explanations is the best."""
+    deviated, count = deviance(motion, found)
+    tries = gained_by_chance(len(candidates_of(found)) + len(found.effects))
+    return deviated + len(found.coordinates) * float(np.log(max(count, 2))) + len(found.effects) * tries
 
 
 def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[float, int]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.paths import farthest, path_draws, path_error, strength
+from serpenoid.diagnose.data.paths import path_error, path_noise, strength
 from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
@@ -173,7 +173,7 @@ def seen(motion: Motion, full: Fit, base: Fit, effect: ActiveEffect, level: floa
     if own >= level:
         return own
     off = path_error(motion, base.predictions)
-    if off <= farthest(motion, path_draws(motion, base.predictions)) * level:
+    if off <= path_noise(motion, base.predictions).farthest * level:
         return own
     return max(own, float(np.sqrt(max(off**2 - path_error(motion, full.predictions) ** 2, 0.0))))
 

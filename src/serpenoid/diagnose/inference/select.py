@@ -14,9 +14,10 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.paths import path_noise
+from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.discrepancy import deviance, outdone
+from serpenoid.diagnose.inference.discrepancy import deviance, information_criterion, outdone
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
     STEPS,
@@ -88,6 +89,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
     rival: Try | None = None  # what else might have come first
     scores: tuple[tuple[str, int | None, float], ...] = ()
     idle = 0
+    passed: list[Fit] = []
     for level in range(AT_MOST):
         say(f"looking for effect {level + 1}")
         ranked = score(motion, best)
@@ -114,10 +116,11 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         motion, first = settled(again, first, about, retrack)
         null, about = fit_guided(motion, null, STEPS), first.model
         best = pruned(motion, first, len(ranked))
+        passed.append(best)
         if all(e.key != added.key for e in best.effects):
             break
         # repeats differ by what is missing, too, until it is there; and without what it makes needless it may tell more
-        noise_level = path_noise(motion, best.predictions)
+        noise_level = path_noise(motion, best.predictions).level_m
         astray = level > 0 and motion.ratio is None and unclear(best)
         later = astray or motion.unrepeated  # what is missing may hide it: it is judged in the end
         base = null if len(best.effects) == 1 else fit_without(motion, best, added)
@@ -125,13 +128,28 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
             hidden = (*hidden, added.key)
         if idle == IDLE:
             break
+    if (fewer := likeliest(motion, best, passed)) is not best:
+        motion, best = settled(placed(retracked(motion, retrack, fewer.model), fewer), fewer, about, retrack)
+        null = fit_guided(motion, null, STEPS)
     if unclear(best) and (several := all_at_once(motion, best, len(candidates_of(null)))) is not best:
         motion, best = settled(placed(retracked(motion, retrack, several.model), several), several, about, retrack)
         null = fit_guided(motion, null, STEPS)
-    noise_level = path_noise(motion, best.predictions)
+    noise_level = path_noise(motion, best.predictions).level_m
     best = resited(motion, best)
     found = kept(motion, null, best, noise_level, hidden)
     return Selection(**vars(found), motion=motion, null=null, noise_level_m=noise_level, scores=scores)
+
+
+def likeliest(motion: Motion, best: Fit, passed: Sequence[Fit]) -> Fit:
+    """Of what the search came by and what it ended with, the likeliest, errors of the law included: it goes on by chi
+    squared, and where the law is wrong, what comes after a cause may only mend the law, and take the cause's place."""
+    if not discrepancy(motion, best.predictions):
+        return best
+    keys = {frozenset(e.key for e in f.effects): f for f in (*passed, best)}
+    others = [fit_guided(motion, f, TO_THE_END) for f in keys.values() if f is not best]
+    whole = best.evidence.count.sum()
+    several = [best, *(f for f in others if f.evidence.count.sum() >= whole)]
+    return min(several, key=lambda f: information_criterion(motion, f))
 
 
 def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
@@ -159,7 +177,8 @@ def _foretold(found: Fit) -> float:
 
 
 def _told(motion: Motion, found: Fit, tries: int) -> Fit:
-    """Without effects that to first order gain no more than their price beside those that are left, the least first."""
+    """Without effects that to first order gain no more than their price (prices.py) beside those that are left, the
+    least first."""
     resting = [p.resting for e in found.effects for p in e.effect.parameters]
     bare = found.evidence.about(
         found.coordinates - [found.coordinates[0], *resting]
@@ -173,7 +192,8 @@ def _told(motion: Motion, found: Fit, tries: int) -> Fit:
 
     while kept:
         now = left(kept)
-        gains = [left([other for other in kept if other is not e]) - now for e in kept]
+        spread = max(1.0, now / float(bare.count.sum()))
+        gains = [(left([other for other in kept if other is not e]) - now) / spread for e in kept]
         excess = [gain - bare.toll(len(columns[e.key])) for gain, e in zip(gains, kept, strict=True)]
         least = int(np.argmin(excess))
         if excess[least] > gained_by_chance(tries):

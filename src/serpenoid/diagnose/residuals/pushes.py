@@ -20,7 +20,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import FEW, window_noise
-from serpenoid.diagnose.data.paths import apart
+from serpenoid.diagnose.data.paths import PathNoise, apart, path_noise
 from serpenoid.diagnose.data.repeats import repeats
 from serpenoid.diagnose.data.windows import Prediction
 
@@ -82,14 +82,18 @@ def pushed(motion: Motion, left: Sequence[Floats]) -> list[tuple[int, int, Float
     return [(int(found.track[i]), int(found.window[i]), np.sqrt(2) * found.values[i]) for i in rows]
 
 
-def calm(motion: Motion, left: Sequence[Floats], pushes: Sequence[tuple[int, int, Floats]]) -> Motion:
-    """The motion with the noise of the windows without pushes: what is news is no chance."""
-    if not pushes:
-        return motion
+def calm(
+    motion: Motion,
+    predictions: Sequence[Prediction],
+    left: Sequence[Floats],
+    pushes: Sequence[tuple[int, int, Floats]],
+) -> PathNoise:
+    """Chance of paths by the windows without pushes: what is news is no chance."""
     rest = [x.copy() for x in left]
     for track, window, _ in pushes:
         rest[track][window] = np.nan
-    return replace(motion, noise=window_noise(motion.tracks, rest)[0])
+    noise = window_noise(motion.tracks, rest)[0] if pushes else motion.noise
+    return path_noise(replace(motion, noise=noise), predictions, rest)
 
 
 def trace(motion: Motion, predictions: Sequence[Prediction], pushes: Sequence[tuple[int, int, Floats]]) -> float:

@@ -9,7 +9,6 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.paths import farthest, path_draws, total
 from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.untold import Untold, untold
 from serpenoid.diagnose.data.used import length_unit
@@ -38,15 +37,13 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
         words.append(f"what is left {verb} {shared.ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
         words += _moment(motion, left) or _when(motion, left, worst)
         words += _where(motion, left)
-    chance = calm(motion, left, pushes)
     room = untold(motion, left)
     if room is not None:
         words.append(laid_otherwise(room))
-    draws = path_draws(chance, predictions)
-    level = total(draws)
-    if after_m > farthest(chance, draws) * level:
-        words.append(f"paths stray from the measured ones by {after_m / level:.1f} times the noise")
-    if trace(motion, predictions, pushes) > VISIBLE * level:
+    noise = calm(motion, predictions, left, pushes)
+    if after_m > noise.farthest * noise.level_m:
+        words.append(f"paths stray from the measured ones by {after_m / noise.level_m:.1f} times the noise")
+    if trace(motion, predictions, pushes) > VISIBLE * noise.level_m:
         words.append(
             "repeats differ by pushes in single trials that no law of the floor explains (a stone, a groove, a cable)"
             f"{where_pushed(motion, pushes)}"

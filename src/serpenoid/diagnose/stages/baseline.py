@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.motion import Motion, Repeated
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.windows import Track
@@ -42,6 +42,11 @@ class Baseline:
     def unlike(self) -> Floats | float:
         """The largest difference between two repeats' windows that is no news (3,) [m, m, rad]."""
         return 0.0
+
+    @property
+    def earlier(self) -> Repeated:
+        """What repeats of an earlier campaign tell of chance."""
+        return Repeated()
 
     @property
     def ratio(self) -> float | None:

@@ -119,7 +119,7 @@ def about_nothing(chosen: Selection, retrack: Retrack) -> Selection:
         return chosen
     again = placed(retracked(chosen.motion, retrack, chosen.null.model), chosen.null)
     motion, null = calibrated(again, fit_guided(again, chosen.null))
-    level = path_noise(motion, null.predictions)
+    level = path_noise(motion, null.predictions).level_m
     return replace(chosen, motion=motion, null=null, best=null, bases=(), settled=null, noise_level_m=level)
 
 
@@ -152,7 +152,7 @@ def eps_alone(
     absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
     for _ in range(2):
         tracks = baseline.corrected(track(model))
-        motion = Motion(tracks, GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio)
+        motion = Motion(tracks, GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio, baseline.earlier)
         found = fit_eps(motion, model)
         model = found.model
     return motion, found
