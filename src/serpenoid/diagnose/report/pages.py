@@ -12,7 +12,15 @@ from typing import Any
 
 from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
-from serpenoid.diagnose.report.sentences import SETTLED, no_experiment, reference, seconds, undetected, untestable
+from serpenoid.diagnose.report.sentences import (
+    SETTLED,
+    already,
+    no_experiment,
+    reference,
+    seconds,
+    undetected,
+    untestable,
+)
 from serpenoid.diagnose.report.words import Record, ends, shown, title, unseen
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
@@ -78,7 +86,7 @@ def write_pages(
 
 def _beside(record: Record) -> list[str]:
     """What was known, skipped, not tested, and what is left without a name."""
-    found = [f"{text[0].upper()}{text[1:]}." for text in reference(record)]
+    found = [f"{text[0].upper()}{text[1:]}." for text in [*reference(record), *already(record)]]
     if record["drag_ratio"] is None:
         found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]

@@ -117,8 +117,22 @@ def reference(record: Record) -> list[str]:
     said += _otherwise(record)
     said += [f"of it: {text}" for text in rival_law(earlier)]
     said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
-    said += _there_in_part(record)
-    return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
+    return said + _there_in_part(record)
+
+
+def already(record: Record) -> list[str]:
+    """What was left in the earlier campaign, taken as the baseline."""
+    return [f"it already showed: {text}" for text in (record["reference"] or {}).get("residual_pattern", [])]
+
+
+def already_in_short(record: Record) -> list[str]:
+    """The same in a line, where it is more: it is no news."""
+    every = already(record)
+    if len(every) < 2:
+        return every
+    return [
+        f"what was left there, {len(every)} sentences, is under `reference` in diagnosis.json and in its own answer"
+    ]
 
 
 def _told_beside(record: Record) -> float:
@@ -133,9 +147,13 @@ def _otherwise(record: Record) -> list[str]:
     if taken is None or taken["anisotropy_ratio"] == record["reference"]["anisotropy_ratio"]["after"]:
         return []
     law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
+    named = {_key(e) for e in record["reference"]["effects"]}
+    guessed = [title(e) for e in taken["effects"] if _key(e) not in named]
+    which = "these" if len(guessed) == len(taken["effects"]) else f"of these {', '.join(guessed)}"
+    tried = f" ({which}: no findings, only what was tried for the error of the earlier campaign)" if guessed else ""
     return [
         f"what has changed is told beside another explanation of it, with which both are likelier: {law}, and an "
-        f"anisotropy ratio of {taken['anisotropy_ratio']:.4g}"
+        f"anisotropy ratio of {taken['anisotropy_ratio']:.4g}{tried}"
     ]
 
 
