@@ -29,8 +29,9 @@ from serpenoid.report.pages import Picture, Table, prepare, write_page
 TEMPLATE = "diagnosis.html"
 CAPTIONS = {
     "paths": "Centroid from the measured first pose, which heads along x; one curve for each repeat, later ones paler, "
-    "dots mark the ends. Each prediction comes from a fit to the other gaits. Ink: measured, orange: baseline, blue: "
-    "extended model.",
+    "large dots mark the ends. Small dots: where windows end (an eighth of a cycle, or half a pause); a prediction is "
+    "known there alone, and dotted strokes only show the order. Each prediction comes from a fit to the other gaits. "
+    "Ink: measured, orange: baseline, blue: extended model.",
     "ladder": "Error of each stage before and after the named effects, with its ratio to the noise level (dashed).",
     "joints": "Commanded minus realised angle, joint by joint.",
     "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
@@ -45,7 +46,7 @@ CAPTIONS = {
     "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
     "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
     "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
-    "compared again.",
+    "compared again; where one was chosen for a while and is not named, the reason is written there.",
     "next-experiment": "Its joint angles.",
 }
 FIGURES = {
