@@ -26,6 +26,7 @@ from serpenoid.diagnose.report.sentences import (
     stage_line,
     undetected,
     unreliable,
+    within_chance,
 )
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.diagnose.report.words import own_place, parameter, shown, times, title
@@ -141,6 +142,20 @@ def test_the_stage_of_the_whole_says_what_it_is_of() -> None:
     assert stage_line({"stage": "motion"} | size).endswith("(35 times the noise)")
     assert "it grows" not in stage_line({"stage": "whole"} | size)
     assert "it grows" in stage_line({"stage": "whole"} | size | {"after": 9e-3})
+
+
+@pytest.mark.parametrize(
+    ("ratio", "pattern", "noise_from", "told"),
+    [(1.4, [], "trials", True), (1.14, [], "trials", False), (1.4, ["motion: a"], "trials", False),
+     (1.4, ["actuation: a"], "trials", True), (1.4, [], "residuals", False)],
+)  # fmt: skip
+def test_an_error_above_the_noise_that_is_taken_for_chance_says_why(
+    ratio: float, pattern: list[str], noise_from: str, told: bool
+) -> None:
+    size = {"unit": "m", "before": 7e-3, "after": ratio * 1e-3, "noise_level": 1e-3}
+    record = {"residual_pattern": pattern, "noise_from": noise_from}
+    assert ("what repeats share of it" in within_chance(size | {"stage": "motion"}, record)) == told
+    assert not within_chance(size | {"stage": "whole"}, record)
 
 
 @pytest.mark.parametrize(("after", "effects", "told"), [(9e-3, 1, True), (9e-3, 0, False), (8.2e-3, 1, False)])

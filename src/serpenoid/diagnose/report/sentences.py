@@ -14,6 +14,8 @@ UNSAID = (
 )
 WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
 GROWS = "; it grows: errors of the servos and of the floor had cancelled"
+SHOWN = 1.15  # times the noise: what reads more than 1.1
+WITHIN = ": chance may make as much of so few windows, and what repeats share of it is no more than chance makes"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "{law} alone explains this recording within its noise",
@@ -295,3 +297,11 @@ def stage_line(s: Record) -> str:
     grows = GROWS if s["after"] > hypot(s["before"], s["noise_level"]) else ""
     whole = WHOLE + grows if s["stage"] == "whole" else ""
     return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{whole}"
+
+
+def within_chance(s: Record, record: Record) -> str:
+    """Of the motion's error that is larger than the noise, and not spoken of: why it is taken for chance."""
+    told = any(text.startswith(f"{s['stage']}: ") for text in record["residual_pattern"])
+    repeated = record["noise_from"] in {"trials", "cycles"}
+    larger = s["stage"] == "motion" and s["after"] >= SHOWN * s["noise_level"]
+    return WITHIN if repeated and larger and not told else ""

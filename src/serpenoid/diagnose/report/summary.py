@@ -21,6 +21,7 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     unreliable,
     untestable,
+    within_chance,
 )
 from serpenoid.diagnose.report.words import (
     STAND_IN,
@@ -52,7 +53,7 @@ def lines(record: Record) -> list[str]:
     found += [f"  or {alternative(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in undetected(record)]
     found += [f"reference         {text}" for text in [*reference(record), *already_in_short(record)]]
-    found += [stage_line(s) for s in record["ladder"]]
+    found += [stage_line(s) + within_chance(s, record) for s in record["ladder"]]
     if record["drag_ratio"] is None:  # of an animal nobody expects servos
         found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
     found += [f"chance            {text}" for text in chance(record)]
