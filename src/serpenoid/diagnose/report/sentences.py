@@ -13,7 +13,7 @@ UNSAID = (
     "are taken as they were. Log the commands as they are sent"
 )
 WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
-GROWS = "; it grows: errors of the servos and of the floor had cancelled"
+GROWS = "; it grows: errors of the servos and of the medium had cancelled"
 SHOWN = 1.15  # times the noise: what reads more than 1.1
 WITHIN = ": chance may make as much of so few windows, and what repeats share of it is no more than chance makes"
 TRACELESS = 0.05  # times the noise: what would read 0.0
