@@ -30,6 +30,7 @@ PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
 MOST_VERTICES = 1000  # compiling takes minutes beyond
 CUT = "Cut links into more edges (`vertices`, `joints`; n a link leave out 1 / n^2 of it)"
+WHOLE_LINKS = "every link is one edge"
 SPARSE = 0.02  # of a straight body's resistance to turning: ten equal edges, as in the paper, leave out 0.01
 Kind = Literal["wheeled robot", "crawling robot", "swimming robot", "swimmer", "crawler"]
 Part = Literal["servos", "wheels", "ground", "water"]
@@ -127,7 +128,7 @@ class Body(Record):
         if self.kind == "wheeled robot" or self.sparse_edges or self.joint_count < self.vertices - 2:
             return None
         return (
-            "every link is one edge, with drag in its middle alone, so that a link does not resist its own turning "
+            f"{WHOLE_LINKS}, with drag in its middle alone, so that a link does not resist its own turning "
             f"({self._turning_left_out:.1%} of what the straight body resists): what is left may be that. {CUT}, with "
             "`vertices` in [motion] for those that have a marker"
         )

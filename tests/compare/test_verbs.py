@@ -44,6 +44,21 @@ def test_measure_writes_a_record_and_a_picture_of_every_trial(folder, tmp_path, 
     assert "A-c1.0-2" in capsys.readouterr().out
 
 
+def test_measure_says_of_all_trials_at_once_what_they_share(folder, tmp_path, capsys):
+    shutil.copytree(folder, tmp_path / "c")
+    toml = tmp_path / "c" / "campaign.toml"
+    row = next(line for line in toml.read_text().splitlines() if line.startswith("edge_lengths"))
+    *others, tail = row.rstrip("]").split(", ")
+    longer = ", ".join([*others, f"{1.07 * float(tail):.6f}]"])
+    toml.write_text(toml.read_text().replace(row, longer))
+    assert main(["measure", str(tmp_path / "c"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("shorter in the film, other links are as said") == 1
+    assert said.index("note              all trials: from `") < said.index("A-c0.5-1")
+    record = json.loads((tmp_path / "out" / "campaign.json").read_text())
+    assert all("shorter in the film" in "".join(trial["notes"]) for trial in record["trials"])
+
+
 def test_fit_prints_json_and_nothing_else(folder, tmp_path, capsys):
     assert main(["fit", str(folder), "--out", str(tmp_path), "--json"]) == 0
     out, err = capsys.readouterr()

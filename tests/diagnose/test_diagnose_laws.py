@@ -85,7 +85,7 @@ def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
     monkeypatch.setattr(laws, "misses", lambda *_: [62.1, 5.3, 18.6, 12.7])
     said = asked(*on_dry(dragged))
     assert "by 18.6 times chance and linear drag by 62.1" in said
-    assert "the floor may follow neither" in said
+    assert "the medium may follow neither" in said
 
 
 def test_dry_friction_is_judged_as_who_follows_the_advice_will_have_it(

@@ -121,7 +121,20 @@ def test_repeats_have_colours_of_their_own_and_measured_ones_those_of_their_pred
     assert len(set(colours)) == len(colours) == 3 * count
     by_repeat = np.reshape(colours, (count, 3, 3)).min(axis=2)  # later ones first: the first lies on top
     assert (np.diff(by_repeat, axis=0) < 0).all()
-    assert "later repeats (paler)" in [text.get_text() for text in diagnosis.paths_figure(d).legends[0].get_texts()]
+    legend = [text.get_text() for text in diagnosis.paths_figure(d).legends[0].get_texts()]
+    assert {"later repeats (paler)", "dots: where windows end"} <= set(legend)
+
+
+def test_a_predicted_path_has_dots_where_windows_end_and_the_measured_one_at_the_same_moments(
+    diagnosed: tuple[Diagnosis, dict[str, Any], Path],
+) -> None:
+    d = diagnosed[0]
+    track = d.motion.selection.motion.tracks[0]
+    measured, *predicted = reversed(diagnosis.paths(d, track.recording.setting, figure(4, 3).add_subplot()).get_lines())
+    assert [line.get_markevery() for line in predicted[:2]] == [
+        list(range(len(line.get_xdata()))) for line in predicted[:2]
+    ]
+    assert len(measured.get_markevery()) == len(predicted[0].get_xdata()) < len(measured.get_xdata())
 
 
 def test_every_trial_has_a_line_of_its_own_in_time_and_settings_are_not_mixed(
@@ -288,7 +301,7 @@ def test_vertices_have_ticks_that_do_not_touch_and_middles_of_edges_are_named(ve
 @pytest.mark.parametrize(("gain", "scale"), [(40.0, "linear"), (5e5, "log")])
 def test_what_chance_gains_is_seen_beside_any_gain(gain: float, scale: str) -> None:
     best = SimpleNamespace(effects=())
-    found = SimpleNamespace(scores=[("load", 1, gain), ("load", 2, 3.0)], best=best)
+    found = SimpleNamespace(scores=[("load", 1, gain), ("load", 2, 3.0)], best=best, refused=(), undetected=())
     fig = diagnosis_ranking.ranking_figure(found)  # type: ignore[arg-type]
     (ax,) = fig.axes
     assert ax.get_xscale() == scale
@@ -301,7 +314,7 @@ def test_what_was_chosen_has_a_row_of_its_own_and_the_places_of_a_scan_have_one_
     harmful = [("worn_wheel", 3, -2.0)]
     keys = [("friction_patch", None), ("worn_wheel", 3), ("toe", None)]
     best = SimpleNamespace(effects=[SimpleNamespace(key=key) for key in keys])
-    found = SimpleNamespace(scores=scan + others + harmful, best=best)
+    found = SimpleNamespace(scores=scan + others + harmful, best=best, refused=(), undetected=())
     rows = diagnosis_ranking.ranked(found)  # type: ignore[arg-type]
     assert list(rows)[:2] == [("friction_patch", None), ("load", 19)]
     assert rows["friction_patch", None] == 900.0
@@ -312,3 +325,30 @@ def test_what_was_chosen_has_a_row_of_its_own_and_the_places_of_a_scan_have_one_
     assert set(names[-2:]) == {"worn_wheel at vertex 3", "toe"}
     assert len(ax.patches) == len(rows)
     assert [t.get_text() for t in ax.texts] == ["gains nothing alone"] * 2
+
+
+@pytest.mark.parametrize(
+    ("last", "legend"), [([], "why is written there"), ([("toe", None, 4.0)], "as written, else less in full")]
+)
+def test_the_ranking_says_why_what_gains_much_is_not_named(
+    last: list[tuple[str, int | None, float]], legend: str
+) -> None:
+    load, drift, saturation = (
+        SimpleNamespace(key=key) for key in (("load", 1), ("frame_drift", None), ("grip_saturation", None))
+    )
+    found = SimpleNamespace(
+        scores=[("frame_drift", None, 23.0), ("load", 1, 9.0), ("grip_saturation", None, 8.0), *last],
+        best=SimpleNamespace(effects=()),
+        refused=(
+            SimpleNamespace(effect=drift, share=0.031, beyond=False),
+            SimpleNamespace(effect=saturation, share=0.2, beyond=True),
+        ),
+        undetected=(SimpleNamespace(added=load),),
+    )
+    (ax,) = diagnosis_ranking.ranking_figure(found).axes  # type: ignore[arg-type]
+    assert [t.get_text() for t in ax.texts] == [
+        "takes away 3% of what is left, as a wrong effect could",
+        "its trace in the path is below noise",
+        "pushed beyond its bound",
+    ]
+    assert ax.get_legend_handles_labels()[1][0].startswith(f"not chosen: {legend}")

@@ -271,6 +271,26 @@ def test_a_fault_of_one_servo_that_is_no_law_of_the_catalogue_gets_no_name(
     assert stage.words[0].startswith("joint 4 follows its command no better")
 
 
+@pytest.mark.parametrize(
+    ("by_servos", "noise", "is_off"),
+    [(True, "the reading's noise", "reads"), (False, "the noise of the bend that markers show", "is bent")],
+)
+def test_what_a_joint_is_always_off_by_is_told_in_degrees(
+    recordings: tuple[Recording, ...], by_servos: bool, noise: str, is_off: str
+) -> None:
+    rng, off = np.random.default_rng(3), np.where(np.arange(recordings[0].position.shape[1]) == 4, 0.06, 0.0)
+
+    def zeroed(r: Recording) -> Recording:
+        told = r.schedule.commanded(r.read_at) + off
+        return replace(r, position=told + 0.02 * rng.normal(size=told.shape), by_servos=by_servos)
+
+    said = choose_actuation(plays([zeroed(r) for r in recordings])).words[0]
+    off_by = rf"it {is_off} \+3\.[345] degrees beyond its command"
+    assert re.fullmatch(rf"joint 5 follows its command no better than \S+ times {noise}: {off_by}", said)
+    elsewhere = choose_actuation(plays([reading(recordings[0], 4, clipped)])).words[0]
+    assert elsewhere.endswith("the reading's noise")  # not by a constant
+
+
 def test_a_log_that_is_late_at_one_joint_is_told_and_is_no_servo_that_lags(recordings: tuple[Recording, ...]) -> None:
     late = 0.15
 

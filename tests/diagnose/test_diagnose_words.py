@@ -8,11 +8,14 @@ from typing import Any, cast
 import pytest
 
 from blind.protocol import usual
+from serpenoid.body import Body
 from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.inference.names import Refused
 from serpenoid.diagnose.report.cards import cards
-from serpenoid.diagnose.report.pages import left_over
+from serpenoid.diagnose.report.pages import _beside, left_over
 from serpenoid.diagnose.report.sentences import (
+    already,
+    already_in_short,
     chance,
     drag_ratio,
     inadequacy,
@@ -23,6 +26,7 @@ from serpenoid.diagnose.report.sentences import (
     stage_line,
     undetected,
     unreliable,
+    within_chance,
 )
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.diagnose.report.words import own_place, parameter, shown, times, title
@@ -140,6 +144,20 @@ def test_the_stage_of_the_whole_says_what_it_is_of() -> None:
     assert "it grows" in stage_line({"stage": "whole"} | size | {"after": 9e-3})
 
 
+@pytest.mark.parametrize(
+    ("ratio", "pattern", "noise_from", "told"),
+    [(1.4, [], "trials", True), (1.14, [], "trials", False), (1.4, ["motion: a"], "trials", False),
+     (1.4, ["actuation: a"], "trials", True), (1.4, [], "residuals", False)],
+)  # fmt: skip
+def test_an_error_above_the_noise_that_is_taken_for_chance_says_why(
+    ratio: float, pattern: list[str], noise_from: str, told: bool
+) -> None:
+    size = {"unit": "m", "before": 7e-3, "after": ratio * 1e-3, "noise_level": 1e-3}
+    record = {"residual_pattern": pattern, "noise_from": noise_from}
+    assert ("what repeats share of it" in within_chance(size | {"stage": "motion"}, record)) == told
+    assert not within_chance(size | {"stage": "whole"}, record)
+
+
 @pytest.mark.parametrize(("after", "effects", "told"), [(9e-3, 1, True), (9e-3, 0, False), (8.2e-3, 1, False)])
 def test_names_that_do_not_carry_over_to_other_gaits_are_told(after: float, effects: int, told: bool) -> None:
     gain = {"path_rms_m": {"before": 8e-3, "after": after}}
@@ -167,7 +185,53 @@ def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_f
     )
     assert said[1] == "of it: dry friction misses less"
     assert 'law = "coulomb"' in said[2]
-    assert said[3] == "it already showed: motion: a"
+    assert (
+        already({"reference": earlier}) == ["it already showed: motion: a"] == already_in_short({"reference": earlier})
+    )
+
+
+def test_what_the_reference_left_is_one_line_on_the_screen_and_whole_in_the_report(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    left = ["motion: a", "motion: b", "actuation: c"]
+    law = {"name": "viscous", "rivals": {}, "drag_at": ""}
+    eps = {"anisotropy_ratio": diagnosed[1]["anisotropy_ratio"]}
+    earlier = {"campaign": "calm", "verdict": "unexplained", "effects": [], "residual_pattern": left, "law": law} | eps
+    record = diagnosed[1] | {"reference": earlier}
+    (short,) = [text for text in lines(record) if "what was left there" in text]
+    assert "3 sentences" in short
+    assert not any("it already showed" in text for text in lines(record))
+    assert [text for text in _beside(record) if "It already showed" in text] == [
+        f"It already showed: {x}." for x in left
+    ]
+
+
+def test_links_that_are_one_edge_are_one_line_on_the_screen_and_whole_in_the_report(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    note = Body(vertices=12, kind="swimming robot").whole_links
+    assert note is not None
+    record = diagnosed[1] | {"remarks": [note, "another"]}
+    first, second = (text for text in lines(record) if text.startswith("note"))
+    assert len(first) < 0.6 * len(note)
+    assert "`remarks` in diagnosis.json" in first
+    assert second.endswith("another")
+    assert f"{note}." in _beside(record)
+
+
+@pytest.mark.parametrize(
+    ("named", "told"), [([], "(these: no findings"), (["inertia"], "(of these load at vertex 5: no findings")]
+)
+def test_what_was_tried_for_the_error_of_a_reference_is_told_to_be_no_finding(named: list[str], told: str) -> None:
+    inertia = {"name": "inertia", "place": None, "parameters": {}}
+    guess = {"effects": [inertia, {"name": "load", "place": 5, "parameters": {}}], "anisotropy_ratio": 0.3}
+    known = [inertia | {"stand_in": False} for _ in named]
+    law = {"name": "viscous", "rivals": {}, "drag_at": ""}
+    earlier = {"campaign": "calm", "verdict": "unexplained", "effects": known, "law": law}
+    record = {"reference": earlier | {"anisotropy_ratio": {"after": 0.2}}, "effects": [], "baseline": guess}
+    said = reference(record)[1]
+    assert f"inertia, load at vertex 5, and an anisotropy ratio of 0.3 {told}, only what was tried for" in said
+    assert "no findings" not in reference(record | {"baseline": guess | {"effects": []}})[1]
 
 
 def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_it() -> None:

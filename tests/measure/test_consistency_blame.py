@@ -84,6 +84,10 @@ def test_the_source_that_stands_against_both_others_is_blamed(kind, sources, wro
     for source, cure in CURES[kind].items():
         assert all((cure in words) is (source in blamed) for words in said), said
     assert all(("both" in words) is (wrong == "markers") for words in said), said  # they may count alike another way
+    third = {("table", True): "the film sides with the servo log", ("log", True): "the film sides with the joint table"}
+    sides = third.get((wrong, len(sources) == 2), "")  # of three witnesses two agree
+    assert all((sides in one.words) and ("sides" in one.words) is bool(sides) for one in found), found
+    assert all("joint table" in one.words for one in found if kind == "joint" and "l" in sources), found
 
 
 def rival(trial: str, kind: str, lead: float) -> Rival:

@@ -9,6 +9,7 @@ import pytest
 
 from serpenoid.measure.consistency.check import check
 from serpenoid.measure.consistency.claim import Claim
+from serpenoid.measure.consistency.hypotheses import resolved
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.schedule import Schedule
 
@@ -88,3 +89,27 @@ def test_a_log_in_another_unit_of_angles_is_told_with_it(witness, written, read,
 def test_servos_that_are_weak_or_stuck_are_no_other_unit(gains):
     claim = replace(witnesses(gait([0, 1, 2, 3, 4]), np.array(gains), "servos"), angle_unit="deg")
     assert "angle_unit" not in [one.kind for one in check([claim], {}).contradictions]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "each", "told"),
+    [
+        (0.9992, 0.025, "1"),
+        (0.9634, 1 / 30, "0.96"),
+        (12.345, 0.025, "12.3"),
+        (0.004, 0.025, "0"),
+        (1.583, 1e-3, "1.58"),
+    ],
+)
+def test_a_time_is_told_as_exactly_as_rows_resolve_it(seconds, each, told):
+    assert resolved(seconds, each) == told
+
+
+@pytest.mark.parametrize("duration", [3.0, 4.0, 5.3])
+def test_a_pause_that_was_not_kept_is_told_alike_of_all_cycles(duration):
+    rows = gait([0, 1, 2, 3, 4])
+    played = Schedule(rows, duration, 2, 1.0)
+    time = np.arange(-0.5, played.end_s + 0.5, 1 / 40)
+    told = Claim("t", "gait", Schedule(rows, duration, 2, 2.0), commands=Signal(time + 3.1, played.commanded(time)))
+    found = check([told], {"gait": rows}).contradictions
+    assert [one.cure for one in found] == ["set `pause_s = 1`"]

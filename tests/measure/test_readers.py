@@ -196,6 +196,18 @@ def test_a_fault_that_all_trials_share_is_said_once_with_the_trials(tmp_path):
     assert str(error.value).count("a tidy file has `t_s` here") == 1
 
 
+def test_a_film_whose_name_ends_as_a_joint_table_is_called_is_named_in_full(tmp_path):
+    for name in ("back", "turn"):
+        (tmp_path / f"{name}.csv").write_text("joint_1,joint_2\n0,0\n0.1,0.1\n")
+        (tmp_path / f"t04-{name}.csv").write_text("ms,a\n0,1\n")
+    keys = 'cycle_duration_s = 1.0\njoint_table = "{0}.csv"\nmotion = "t04-{0}.csv"\n'
+    trials = "".join(f'[[trial]]\nname = "{name}"\n{keys.format(name)}' for name in ("back", "turn"))
+    text = 'format = 1\nname = "c"\n[body]\nvertices = 4\nlength_m = 1.0\n[motion]\nformat = "tidy"\n'
+    (tmp_path / "campaign.toml").write_text(text + trials)
+    with pytest.raises(InputError, match=r"trials `back`, `turn`: [^ ]*t04-back\.csv, t04-turn\.csv: row 1, col"):
+        read_files(*load_campaign_file(tmp_path))
+
+
 def test_long_form_refuses_a_point_given_twice_and_a_missing_column(tmp_path):
     path = tmp_path / "l.csv"
     path.write_text("t,point,x,y\n0,1,1,1\n0,1,2,2\n")

@@ -12,6 +12,7 @@ commanded against measured joint angles. Position jumps are reported, not smooth
 from __future__ import annotations
 
 import argparse
+from collections.abc import Container, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -57,7 +58,9 @@ def run(args: argparse.Namespace) -> int:
     lines = [f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"]
     if campaign.lengths_estimated:
         lines.append("edge lengths estimated from the recordings (medians)")
-    lines += [line for trial in campaign.trials for line in trial_lines(trial)]
+    shared = shared_notes(campaign.trials)
+    lines += [f"note              {who}: {note}" for note, who in shared.items()]
+    lines += [line for trial in campaign.trials for line in trial_lines(trial, shared)]
     lines += made_up(args.campaign)
     options.report(args, record, [*lines, f"written to        {folder}"], folder)
     return 0
@@ -76,8 +79,18 @@ def made_up(campaign: str | Path) -> list[str]:
     ]
 
 
-def trial_lines(trial: Trial) -> list[str]:
-    """One trial in a few lines."""
+def shared_notes(trials: Sequence[Trial]) -> dict[str, str]:
+    """What is noted of several trials, each with their names: said once, before all of them."""
+    of: dict[str, list[str]] = {}
+    for trial in trials:
+        for note in dict.fromkeys(trial.notes):
+            of.setdefault(note, []).append(trial.name)
+    every = len(trials)
+    return {note: "all trials" if len(who) == every else ", ".join(who) for note, who in of.items() if len(who) > 1}
+
+
+def trial_lines(trial: Trial, said: Container[str] = ()) -> list[str]:
+    """One trial in a few lines, without notes that were said of several trials."""
     kinds = {
         "motion": trial.motion,
         "table": trial.schedule,
@@ -116,7 +129,7 @@ def trial_lines(trial: Trial) -> list[str]:
         servo = trial.servo
         lines.append(f"  servo clock       {servo.offset.offset_s:+.4f} s (correlation {servo.offset.correlation:.4f})")
         lines.append(f"  servo scatter     {servo.sd:.5f} rad about the markers' angles")
-    return lines + [f"  note              {note}" for note in trial.notes]
+    return lines + [f"  note              {note}" for note in trial.notes if note not in said]
 
 
 def _beat_lines(trial: Trial, motion: Motion) -> list[str]:

@@ -95,7 +95,8 @@ def _of_file(entry: TrialEntry, words: str) -> tuple[str, str, str]:
     """A fault's words without the file they begin with, that file's folder, and its name."""
     for name in (entry.joint_table, entry.motion, entry.servo_log, entry.power_log):
         before, there, rest = words.partition(f"{name}: ") if name else ("", "", "")
-        if there and ": " not in before:
+        whole = not before or before.endswith(os.sep)  # not the end of another file's name
+        if there and whole and ": " not in before:
             return rest, before, str(name)
     return words, "", ""
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 COLUMNS = (4, 3)
 PARTS = {"actuation": "joints", "observation": "markers"}
 Jobs = dict[str, Callable[[], Figure]]
+Style = Mapping[str, Any]
+THROUGHOUT: Style = {"ls": "-", "lw": 0.8, "marker": "o", "ms": 2.0}
+AT_ENDS: Style = {"ls": ":", "lw": 0.8, "marker": "o", "ms": 2.8}  # only there is known where a prediction leads
 LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
 
 
@@ -85,10 +88,12 @@ def paths_figure(d: Diagnosis) -> Figure:
     for ax in axes.flat[len(settings) :]:
         ax.set_axis_off()
     shown = [n for n in LABELS if n != "extended" or d.extension.effects]
-    handles = [axes.flat[0].plot([], [], color=LABELS[n], lw=1.6, label=n)[0] for n in shown]
+    style = {n: THROUGHOUT if n == "measured" else AT_ENDS for n in shown}
+    handles = [axes.flat[0].plot([], [], color=LABELS[n], label=n, **style[n])[0] for n in shown]
+    handles += axes.flat[0].plot([], [], ".", color=INK, ms=4, label="dots: where windows end")
     if len(tracks) > len(settings):
-        handles += axes.flat[0].plot([], [], color=in_turn(INK, 1, 2), lw=1.6, label="later repeats (paler)")
-    fig.legend(handles=handles, loc="upper left", ncols=4, frameon=False, fontsize=NORMAL)
+        handles += axes.flat[0].plot([], [], color=in_turn(INK, 1, 2), lw=0.8, label="later repeats (paler)")
+    fig.legend(handles=handles, loc="upper left", ncols=5, frameon=False, fontsize=NORMAL)
     settle(fig, axes, above=0.3, title=0.27)
     return fig
 
@@ -110,9 +115,10 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
         for name, predictions in drawn:
             if name == "baseline" or d.extension.effects:
                 path = accumulate(np.nan_to_num(predictions[i].displacement[first:]), np.zeros(3))
-                _path(ax, path, scale, colours[name], 1.8)
+                _path(ax, scale * path, colours[name], AT_ENDS, range(len(path)))
+        ends = tracks[i].boundaries[first:] - tracks[i].boundaries[first]
         poses = tracks[i].poses[tracks[i].boundaries[first] :]
-        _path(ax, relative(poses[0], poses), scale, colours["measured"], 0.8)
+        _path(ax, scale * relative(poses[0], poses), colours["measured"], THROUGHOUT, ends)
     dress(ax, "", f"x [{unit}]", f"y [{unit}]")
     ax.set_title(diagnosis_trials.setting_name(setting), fontsize=SMALL, loc="left", color=INK, y=1.0)
     fill_equal(ax)
@@ -120,8 +126,11 @@ def paths(d: Diagnosis, setting: tuple[str, float], ax: Axes) -> Axes:
     return ax
 
 
-def _path(ax: Axes, path: Floats, scale: float, colour: Colour, width: float) -> None:
-    ax.plot(*(scale * path[:, :2]).T, "-o", color=colour, lw=width, ms=3, markevery=[-1])
+def _path(ax: Axes, path: Floats, colour: Colour, style: Style, ends: Sequence[int]) -> None:
+    """A dot at the end of every window, a large one at the last."""
+    ax.plot(*path[:, :2].T, color=colour, markevery=list(ends), **style)
+    x, y = path[-1, :2]
+    ax.scatter(x, y, s=14, color=colour, zorder=2)
 
 
 def table_figure(table: Floats) -> Figure:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ def ranking_figure(found: Selection) -> Figure:
     fig = figure(7.4, 1.3 + 0.24 * max(len(gains), 3))
     ax = fig.add_subplot()
     dress(ax, "", "chi squared gained to first order, less its parameters' price", "")
-    bars(gains, [e.key for e in found.best.effects], ax)
+    bars(gains, [e.key for e in found.best.effects], ax, reasons(found))
     chance(list(gains.values()), len(found.scores), ax)
     legend_above(ax, 1)
     ax.grid(visible=False, axis="y")
@@ -45,19 +46,41 @@ def ranked(found: Selection) -> dict[Key, float]:
     return {key: most[key] for i, key in enumerate(order) if key in chosen or (i < MOST and most[key] > 0)}
 
 
-def bars(gains: dict[Key, float], chosen: list[Key], ax: Axes) -> Axes:
-    """One below the other; a word in the place of a bar that has no length."""
+def reasons(found: Selection) -> dict[Key, str]:
+    """Why candidates that were chosen at first are not named."""
+    weak = {t.added.key: "its trace in the path is below noise" for t in found.undetected}
+    refused = {
+        r.effect.key: "pushed beyond its bound"
+        if r.beyond
+        else f"takes away {r.share:.0%} of what is left, as a wrong effect could"
+        for r in found.refused
+    }
+    return weak | refused
+
+
+def bars(gains: dict[Key, float], chosen: list[Key], ax: Axes, why: dict[Key, str]) -> Axes:
+    """One below the other; a word in the place of a bar that has no length, and on one why it was not chosen."""
     names = [name if place is None else f"{name} at {find(name).place} {place}" for name, place in gains]
     ax.barh(names, list(gains.values()), color=[BLUE if key in chosen else PALE for key in gains])
-    for row, gain in enumerate(gains.values()):
+    for row, (key, gain) in enumerate(gains.items()):
+        place: Mapping[str, Any] = {"transform": ax.get_yaxis_transform(), "fontsize": SMALL, "va": "center"}
         if not gain:
-            at = (0.01, row)
-            ax.text(*at, "gains nothing alone", transform=ax.get_yaxis_transform(), fontsize=SMALL, va="center")
+            ax.text(0.01, row, "gains nothing alone", **place)
+        elif key in why and key not in chosen:
+            ax.text(0.99, row, why[key], ha="right", **place)
     ax.invert_yaxis()
     if chosen:
         ax.plot([], [], "s", color=BLUE, label="chosen")
-    if set(gains) - set(chosen):
-        ax.plot([], [], "s", color=PALE, label="not chosen: less in full, or another explains it")
+    if others := set(gains) - set(chosen):
+        usual = "less in full, or another explains it"
+        known = (
+            "why is written there"
+            if others <= set(why)
+            else f"as written, else {usual}"
+            if others & set(why)
+            else usual
+        )
+        ax.plot([], [], "s", color=PALE, label=f"not chosen: {known}")
     return ax
 
 

@@ -52,7 +52,7 @@ def _beside(found: Selection, model: Model) -> str:
         return ""
     return (
         f"alone, {rival.title} misses windows by {its:.1f} times chance and {fitted} by {own:.1f}; with what is named, "
-        f"{title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the floor may follow neither"
+        f"{title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the medium may follow neither"
     )
 
 

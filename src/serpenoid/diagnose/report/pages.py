@@ -12,7 +12,15 @@ from typing import Any
 
 from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
-from serpenoid.diagnose.report.sentences import SETTLED, no_experiment, reference, seconds, undetected, untestable
+from serpenoid.diagnose.report.sentences import (
+    SETTLED,
+    already,
+    no_experiment,
+    reference,
+    seconds,
+    undetected,
+    untestable,
+)
 from serpenoid.diagnose.report.words import Record, ends, shown, title, unseen
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
@@ -21,8 +29,9 @@ from serpenoid.report.pages import Picture, Table, prepare, write_page
 TEMPLATE = "diagnosis.html"
 CAPTIONS = {
     "paths": "Centroid from the measured first pose, which heads along x; one curve for each repeat, later ones paler, "
-    "dots mark the ends. Each prediction comes from a fit to the other gaits. Ink: measured, orange: baseline, blue: "
-    "extended model.",
+    "large dots mark the ends. Small dots: where windows end (an eighth of a cycle, or half a pause); a prediction is "
+    "known there alone, and dotted strokes only show the order. Each prediction comes from a fit to the other gaits. "
+    "Ink: measured, orange: baseline, blue: extended model.",
     "ladder": "Error of each stage before and after the named effects, with its ratio to the noise level (dashed).",
     "joints": "Commanded minus realised angle, joint by joint.",
     "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
@@ -37,7 +46,7 @@ CAPTIONS = {
     "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
     "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
     "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
-    "compared again.",
+    "compared again; where one was chosen for a while and is not named, the reason is written there.",
     "next-experiment": "Its joint angles.",
 }
 FIGURES = {
@@ -78,7 +87,7 @@ def write_pages(
 
 def _beside(record: Record) -> list[str]:
     """What was known, skipped, not tested, and what is left without a name."""
-    found = [f"{text[0].upper()}{text[1:]}." for text in reference(record)]
+    found = [f"{text[0].upper()}{text[1:]}." for text in [*reference(record), *already(record)]]
     if record["drag_ratio"] is None:
         found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
     found += [f"Not tested, {text}." for text in untestable(record)]

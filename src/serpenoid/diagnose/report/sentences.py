@@ -13,7 +13,9 @@ UNSAID = (
     "are taken as they were. Log the commands as they are sent"
 )
 WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
-GROWS = "; it grows: errors of the servos and of the floor had cancelled"
+GROWS = "; it grows: errors of the servos and of the medium had cancelled"
+SHOWN = 1.15  # times the noise: what reads more than 1.1
+WITHIN = ": chance may make as much of so few windows, and what repeats share of it is no more than chance makes"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "{law} alone explains this recording within its noise",
@@ -117,8 +119,22 @@ def reference(record: Record) -> list[str]:
     said += _otherwise(record)
     said += [f"of it: {text}" for text in rival_law(earlier)]
     said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
-    said += _there_in_part(record)
-    return [*said, *(f"it already showed: {text}" for text in earlier["residual_pattern"])]
+    return said + _there_in_part(record)
+
+
+def already(record: Record) -> list[str]:
+    """What was left in the earlier campaign, taken as the baseline."""
+    return [f"it already showed: {text}" for text in (record["reference"] or {}).get("residual_pattern", [])]
+
+
+def already_in_short(record: Record) -> list[str]:
+    """The same in a line, where it is more: it is no news."""
+    every = already(record)
+    if len(every) < 2:
+        return every
+    return [
+        f"what was left there, {len(every)} sentences, is under `reference` in diagnosis.json and in its own answer"
+    ]
 
 
 def _told_beside(record: Record) -> float:
@@ -133,9 +149,13 @@ def _otherwise(record: Record) -> list[str]:
     if taken is None or taken["anisotropy_ratio"] == record["reference"]["anisotropy_ratio"]["after"]:
         return []
     law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
+    named = {_key(e) for e in record["reference"]["effects"]}
+    guessed = [title(e) for e in taken["effects"] if _key(e) not in named]
+    which = "these" if len(guessed) == len(taken["effects"]) else f"of these {', '.join(guessed)}"
+    tried = f" ({which}: no findings, only what was tried for the error of the earlier campaign)" if guessed else ""
     return [
         f"what has changed is told beside another explanation of it, with which both are likelier: {law}, and an "
-        f"anisotropy ratio of {taken['anisotropy_ratio']:.4g}"
+        f"anisotropy ratio of {taken['anisotropy_ratio']:.4g}{tried}"
     ]
 
 
@@ -277,3 +297,11 @@ def stage_line(s: Record) -> str:
     grows = GROWS if s["after"] > hypot(s["before"], s["noise_level"]) else ""
     whole = WHOLE + grows if s["stage"] == "whole" else ""
     return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{whole}"
+
+
+def within_chance(s: Record, record: Record) -> str:
+    """Of the motion's error that is larger than the noise, and not spoken of: why it is taken for chance."""
+    told = any(text.startswith(f"{s['stage']}: ") for text in record["residual_pattern"])
+    repeated = record["noise_from"] in {"trials", "cycles"}
+    larger = s["stage"] == "motion" and s["after"] >= SHOWN * s["noise_level"]
+    return WITHIN if repeated and larger and not told else ""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from serpenoid.body import WHOLE_LINKS
 from serpenoid.diagnose.report.sentences import (
+    already_in_short,
     chance,
     drag_ratio,
     inadequacy,
@@ -19,6 +21,7 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     unreliable,
     untestable,
+    within_chance,
 )
 from serpenoid.diagnose.report.words import (
     STAND_IN,
@@ -30,6 +33,11 @@ from serpenoid.diagnose.report.words import (
     times,
     title,
     unseen,
+)
+
+LINKS = (
+    f"{WHOLE_LINKS}: what is left may be that it does not resist its own turning (how much, and how to cut links: "
+    "`remarks` in diagnosis.json)"
 )
 
 
@@ -44,15 +52,15 @@ def lines(record: Record) -> list[str]:
         found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
     found += [f"  or {alternative(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
     found += [f"  {text}" for text in undetected(record)]
-    found += [f"reference         {text}" for text in reference(record)]
-    found += [stage_line(s) for s in record["ladder"]]
+    found += [f"reference         {text}" for text in [*reference(record), *already_in_short(record)]]
+    found += [stage_line(s) + within_chance(s, record) for s in record["ladder"]]
     if record["drag_ratio"] is None:  # of an animal nobody expects servos
         found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
     found += [f"chance            {text}" for text in chance(record)]
     found += [f"not tested        {text}" for text in untestable(record)]
     found.append(f"seconds           {seconds(record)}")
     found += [f"rows              {text}" for text in rows(record)]
-    found += [f"note              {text}" for text in record["remarks"]]
+    found += [f"note              {LINKS if text.startswith(WHOLE_LINKS) else text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
     before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
     found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}{left_open(record)}")

@@ -82,13 +82,24 @@ def choose_actuation(data: Plays) -> Stage:
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
     words: tuple[str, ...] = ()
     if squares[worst] > VISIBLE**2:
-        words = (f"joint {worst + 1} follows its command no better than {left:.1f} times the reading's noise",)
+        words = (f"joint {worst + 1} follows its command no better than {left:.1f} times {_missed(best, worst)}",)
         words += (*trials_astray(data, best.angles, worst), *refused)
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words)
+
+
+def _missed(best: Played, joint: int) -> str:
+    """The noise that a joint (0 .. m - 1) is held against, and by what constant it is off where that is nearly all."""
+    data, by_servos = best.data, best.data.recordings[0].by_servos
+    noise = "the reading's noise" if by_servos else "the noise of the bend that markers show"
+    off = float(data.left(best.angles)[:, joint].sum() / data.often[joint])
+    beyond = float(data.structure(best.angles)[joint] * data.held_against[joint] ** 2)
+    if off**2 < (1 - LAW_ERROR**2) * beyond:
+        return noise
+    return f"{noise}: it {'reads' if by_servos else 'is bent'} {np.degrees(off):+.1f} degrees beyond its command"
 
 
 def _law_error(best: Played, effect: ActiveEffect) -> float:

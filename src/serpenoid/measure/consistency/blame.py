@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from serpenoid.measure.consistency.hypotheses import BOTH, IN_ONE_FILM
-from serpenoid.measure.consistency.rivals import ODDS, Rival, leads
+from serpenoid.measure.consistency.rivals import ODDS, SAID, Rival, leads
 
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
 OF_FILES = {"table", "log", "file"}  # kinds of what belongs to another trial
@@ -107,8 +107,10 @@ def _contradiction(trial: str, found: Sequence[Rival], compared: Iterable[Pair],
     clean = set(compared) - {pair for pair, _ in against}
     if sided is not None:
         clean.add((sided, "markers"))
-    words = "; or ".join(dict.fromkeys(rival.words for rival in near))
-    cures = [cure for rival in near for cure in rival.cured(_blamed(rival, against, clean))]
+    blamed = [_blamed(rival, against, clean) for rival in near]
+    told = [rival.words + _sides(rival, who) for rival, who in zip(near, blamed, strict=True)]
+    words = "; or ".join(dict.fromkeys(told))
+    cures = [cure for rival, who in zip(near, blamed, strict=True) for cure in rival.cured(who)]
     return Contradiction(trial, near[0].kind, words, "; or ".join(dict.fromkeys(cures)), float(best))
 
 
@@ -125,3 +127,13 @@ def _blamed(rival: Rival, against: set[tuple[Pair, str]], clean: set[Pair]) -> l
     if alone == ["markers"] and not twice:  # table and log agree, and may count joints alike in another way
         return ["markers", BOTH]
     return twice or alone or list(rival.pair)
+
+
+def _sides(rival: Rival, blamed: Sequence[str]) -> str:
+    """Which of the two that disagree the third source supports, where the remedy depends on it: one is blamed alone
+    only if the other agrees with the third."""
+    if not rival.cures or len(blamed) > 1:
+        return ""
+    right = next(source for source in rival.pair if source not in blamed)
+    third = next(source for source in SAID if source not in rival.pair)
+    return f", and {SAID[third]} sides with {SAID[right]}"

@@ -197,7 +197,8 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], claims
             periods = _periods(signal, own, schedule)
             slower = schedule.period_s / min([schedule.period_s, *periods])
             shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
-            faults = schedule_faults(shown, claim.label, tables, periods, moving_s(signal))
+            each_s = float(np.median(np.diff(signal.time_s[signal.known])))
+            faults = schedule_faults(shown, claim.label, tables, periods, moving_s(signal), each_s)
             faults += _stopped(claim, signal, shown)
             if signal is claim.cameras:
                 faults += in_one_film(course_of(shown), claim.label)

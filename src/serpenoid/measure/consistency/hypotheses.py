@@ -78,13 +78,18 @@ class Wiring:
 
 
 def schedule_faults(
-    schedule: Schedule, label: str, tables: Mapping[str, Floats], periods_s: Sequence[float], moving_s: float
+    schedule: Schedule,
+    label: str,
+    tables: Mapping[str, Floats],
+    periods_s: Sequence[float],
+    moving_s: float,
+    each_s: float,
 ) -> list[Fault]:
     """All faults of a schedule that need it laid over the signal anew; `periods_s`: what the signal's own may be;
-    moving_s: how long the joints move."""
+    moving_s: how long the joints move; each_s: from a row of the signal to the next."""
     return [
         *_other_tables(schedule, label, tables), *_backwards(schedule, label), *turned(course_of(schedule), label),
-        *_rolled(schedule), *_timed(schedule, periods_s), *_more_cycles(schedule, moving_s),
+        *_rolled(schedule), *_timed(schedule, periods_s, each_s), *_more_cycles(schedule, moving_s),
     ]  # fmt: skip
 
 
@@ -164,7 +169,7 @@ def cures_of(columns: str) -> dict[str, str]:
     return {"table": columns.format("`joint_table`"), "log": columns.format("the servo log")}
 
 
-def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
+def _timed(schedule: Schedule, periods_s: Sequence[float], each_s: float) -> list[Fault]:
     found = []
     duration, pause = schedule.cycle_duration_s, schedule.pause_s
     made: list[tuple[str, float, float]] = []
@@ -177,7 +182,7 @@ def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
             made.append(("pause", duration, period - duration))
     for kind, new_duration, new_pause in made:
         timed = replace(schedule, cycle_duration_s=new_duration, pause_s=new_pause)
-        said = partial(_time_words, kind, schedule, new_duration, new_pause)
+        said = partial(_time_words, kind, schedule, new_duration, new_pause, each_s)
         at_once = said(1.0)
         if at_once is not None and (kind != "rate" or pause > 0):
             share = -float(np.log(KINDS * len(made)))
@@ -185,26 +190,35 @@ def _timed(schedule: Schedule, periods_s: Sequence[float]) -> list[Fault]:
     return found
 
 
-def _time_words(kind: str, schedule: Schedule, duration: float, pause: float, rate: float) -> tuple[str, str] | None:
+def _time_words(
+    kind: str, schedule: Schedule, duration: float, pause: float, each_s: float, rate: float
+) -> tuple[str, str] | None:
     """None where the schedule so timed is the promised one, but for a clock."""
     duration, pause = rate * duration, rate * pause
     ratios = (duration / schedule.cycle_duration_s, (duration + pause) / schedule.period_s)
     if np.abs(np.log(ratios)).max() < NEAR:
         return None
     says = f"`cycle_duration_s` says {schedule.cycle_duration_s:.3g}"
+    cycle, rest = resolved(duration, each_s), resolved(pause, each_s)
     if kind == "duration":
-        return f"show a cycle of {duration:.3g} s, and {says}", f"set `cycle_duration_s = {duration:.3g}`"
+        return f"show a cycle of {cycle} s, and {says}", f"set `cycle_duration_s = {cycle}`"
     if kind == "pause":
         return (
-            f"show a pause of {pause:.3g} s after every cycle, and `pause_s` says {schedule.pause_s:g}",
-            f"set `pause_s = {pause:.3g}`",
+            f"show a pause of {rest} s after every cycle, and `pause_s` says {schedule.pause_s:g}",
+            f"set `pause_s = {rest}`",
         )
     factor = duration / schedule.cycle_duration_s
-    timed = f"`cycle_duration_s = {duration:.3g}` and `pause_s = {pause:.3g}`"
+    timed = f"`cycle_duration_s = {cycle}` and `pause_s = {rest}`"
     return (
-        f"run {rounded(factor)} times as long as the schedule (a cycle of {rounded(duration)} s, and {says})",
+        f"run {rounded(factor)} times as long as the schedule (a cycle of {cycle} s, and {says})",
         in_other_unit(factor) or f"check the frame rate of the recording, {timed}",
     )
+
+
+def resolved(seconds: float, each_s: float) -> str:
+    """As few digits, of three at most, as are within half a row of a recording whose rows are `each_s` apart."""
+    few = (0.0, *(float(f"{seconds:.{digits}g}") for digits in (1, 2)))
+    return rounded(next((number for number in few if abs(number - seconds) <= each_s / 2), seconds))
 
 
 def rounded(number: float) -> str:
