@@ -164,10 +164,10 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
         others = [e for e in best.effects if e.name != name]
         effects = [*others, *(c for c in everywhere if c.name == name)]
         found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
-        found = pruned(motion, _told(motion, found, tries), tries)
+        found = _told(motion, found, tries)
         likelier = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
         if likelier and not outdone(motion, found, [best])[0]:
-            best = found
+            best = pruned(motion, found, tries)
     return best
 
 

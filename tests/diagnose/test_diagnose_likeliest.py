@@ -1,0 +1,61 @@
+"""Of what a search came by, the likeliest is kept: beside a law that is wrong, more effects mend the law alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, Effect, make
+from blind.folder import write
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.shared import discrepancy
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
+from serpenoid.diagnose.inference.select import calibrated, likeliest
+from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.medium import Medium
+from serpenoid.model import Model
+
+WHEEL = ("worn_wheel", 7)
+HEAP = [WHEEL, ("load", 2), ("load", 9)]
+LAW = Effect("rolling_resistance", None, {"crossover_speed": 0.02})
+
+
+def explanations(folder: Path, law: Sequence[Effect]) -> tuple[Motion, list[Fit]]:
+    """The motion of a robot with a worn wheel, and fits of the wheel, and of a heap, without the law."""
+    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": 0.5})], "law", COMBINATIONS[:4])
+    write(campaign, folder)
+    recordings = read_recordings(folder)[1]
+    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
+    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
+    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+
+    def of(keys: Sequence[tuple[str, int]]) -> Fit:
+        effects = [ActiveEffect.neutral(*key) for key in keys]
+        start = np.array([campaign.eps, *(e.coordinates[0] for e in effects)])
+        return fit(motion, model, effects, start, TO_THE_END)
+
+    motion, alone = calibrated(motion, of([WHEEL]))
+    return motion, [alone, of(HEAP)]
+
+
+def test_beside_a_law_that_is_wrong_the_cause_is_likelier_than_a_heap(tmp_path: Path) -> None:
+    motion, (alone, heap) = explanations(tmp_path, [LAW])
+    assert discrepancy(motion, heap.predictions) > 0
+    assert heap.chi2 < alone.chi2
+    found = likeliest(motion, heap, [alone, heap])
+    assert [e.key for e in found.effects] == [WHEEL]
+    assert found.coordinates[1] == pytest.approx(0.5, abs=0.05)
+    assert likeliest(motion, alone, [alone, heap]) is alone
+
+
+def test_where_the_law_is_right_the_search_has_the_last_word(tmp_path: Path) -> None:
+    motion, (alone, heap) = explanations(tmp_path, [])
+    assert discrepancy(motion, alone.predictions) == 0
+    assert likeliest(motion, heap, [alone, heap]) is heap
