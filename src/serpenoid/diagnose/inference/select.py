@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -128,12 +129,11 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
             hidden = (*hidden, added.key)
         if idle == IDLE:
             break
-    if (fewer := likeliest(motion, best, passed)) is not best:
-        motion, best = settled(placed(retracked(motion, retrack, fewer.model), fewer), fewer, about, retrack)
-        null = fit_guided(motion, null, STEPS)
-    if unclear(best) and (several := all_at_once(motion, best, len(candidates_of(null)))) is not best:
-        motion, best = settled(placed(retracked(motion, retrack, several.model), several), several, about, retrack)
-        null = fit_guided(motion, null, STEPS)
+    for better in (partial(likeliest, passed=passed), partial(all_at_once, tries=len(candidates_of(null)))):
+        other = better(motion, best)
+        if other is not best:
+            motion, best = settled(placed(retracked(motion, retrack, other.model), other), other, about, retrack)
+            null, about = fit_guided(motion, null, STEPS), best.model
     noise_level = path_noise(motion, best.predictions).level_m
     best = resited(motion, best)
     found = kept(motion, null, best, noise_level, hidden)
@@ -153,10 +153,10 @@ def likeliest(motion: Motion, best: Fit, passed: Sequence[Fit]) -> Fit:
 
 
 def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
-    """With all places of one effect, less those that earn nothing, if that is likelier, errors of the law included, and
-    foretells gaits better: of several wheels that are worn together the first that is found may be a place between two.
-    So many numbers fit any law on one gait alone, and mend any law's error."""
-    if len(best.evidence.constant) < 2:
+    """Where much is left, with all places of one effect, less those that earn nothing, if that is likelier, errors of
+    the law included, and foretells gaits better: of several wheels that are worn together the first that is found may
+    be a place between two. So many numbers fit any law on one gait alone, and mend any law's error."""
+    if not unclear(best) or len(best.evidence.constant) < 2:
         return best
     everywhere = [c for c in (*best.effects, *candidates_of(best)) if c.name not in motion.untestable]
     alone = {c.name for c in everywhere if c.place is not None and len(c.effect.parameters) == 1}
