@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from serpenoid.body import Body
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.observation import values_of
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.start import taken_for_granted, unlike_body
+from serpenoid.diagnose.start import taken_for_granted, unlike_body, unlike_kind
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.measure.campaign import load_campaign_file
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from specimens import problem
@@ -39,6 +40,16 @@ def test_a_model_of_another_body_is_said_to_be(campaign: Path, tmp_path: Path) -
     assert "`edge_lengths` by up to" in said
     assert "`weights` by up to" in said
     assert "the campaign's is used" in said
+
+
+def test_a_model_of_another_kind_of_body_is_said_to_be(tmp_path: Path) -> None:
+    own, bare, wheels = (tmp_path / f"{name}.toml" for name in ("own", "bare", "wheels"))
+    wheels.write_text('[body]\nkind = "wheeled robot"\nvertices = 7\n')
+    own.write_text('[body]\nkind = "crawler"\nvertices = 57\n')
+    bare.write_text("[medium]\nanisotropy_ratio = 0.2\n")
+    file = CampaignFile.model_construct(name="worm", body=Body(kind="crawler", vertices=5))
+    assert unlike_kind(None, file) == unlike_kind(own, file) == unlike_kind(bare, file) == ""
+    assert "is a wheeled robot, and the campaign `worm` records a crawler" in unlike_kind(wheels, file)
 
 
 def test_known_effects_are_taken_for_granted_at_their_own_stages() -> None:

@@ -274,6 +274,9 @@ def test_head_first_and_tail_first_are_found_out_and_said(tmp_path):
     assert leading(motion) > 0.9
     assert bends_run(motion) > 0.9
     assert remarks(trial.body, motion)[0].startswith("moves head first")
+    assert remarks(trial.body.changed(kind=None), motion)[0].startswith(
+        "its points are taken for joints of rigid links"
+    )
     reverse = tmp_path / "reverse"
     reverse.mkdir()
     notes = load_campaign(tidy(reverse, 4.0, reverse=True)).trials[0].notes

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
-from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted, unlike_body
+from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted, unlike_body, unlike_kind
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.consistency.claims import Reader, read_believed
@@ -43,6 +43,8 @@ def diagnose_campaign(
     if file.tracked_only:
         if earlier is not None:
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
+        if unlike := unlike_kind(model, file):
+            notice(unlike)
         read = load_campaign(campaign, reading)
         tracked = tracked_recordings(read)
         for recording in tracked:

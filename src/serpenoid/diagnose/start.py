@@ -115,3 +115,16 @@ def unlike_body(path: str | Path | None, file: CampaignFile) -> str:
         return ""
     words = " and ".join(differ)
     return f"{path}: [body] differs from that of the campaign `{file.name}`, {words}; the campaign's is used."
+
+
+def unlike_kind(path: str | Path | None, file: CampaignFile) -> str:
+    """Of which kind a file's body is that tracked points are not of, as a sentence; empty: of theirs, or of none."""
+    body = _model(path).get("body") if path is not None else None
+    kind = body.get("kind") if isinstance(body, dict) else None
+    if kind in (None, file.body.kind):
+        return ""
+    recorded = file.body.kind or "body without `kind`"
+    return (
+        f"{path}: its [body] is a {kind}, and the campaign `{file.name}` records a {recorded}: of the file [medium] "
+        "and [[effects]] alone are used."
+    )

@@ -27,6 +27,10 @@ ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 BOTH = 6.0  # over the second differences there are: the variance of lengths' variance over that of their noise
 DRAWS = 20  # of white noise, smoothed as lengths are
 MOST_TOLD = 3  # moments
+RIGID = (
+    "its points are taken for joints of rigid links: of an animal, or another body that bends along its length, K "
+    'comes out several per cent wrong so. For one set `kind = "swimmer"` or `"crawler"` in [body]'
+)
 LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
 
@@ -140,12 +144,14 @@ def _way(time_s: Floats, columns: Floats, variance: float) -> Floats:
 
 def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     """Sentences on direction and length; what looks wrong comes with its cure."""
+    rigid = () if body.is_animal else (RIGID,)
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
     way = "from head to tail" if run > 0 else "from tail to head"
     if not Signal(motion.time_s, motion.poses[:, :2]).moves:
-        return ("stays where it is: by its points, no farther away than their noise", *_clock(motion), *_length(motion))
-    found = [f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
+        still = "stays where it is: by its points, no farther away than their noise"
+        return (*rigid, still, *_clock(motion), *_length(motion))
+    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
     if head_first < 0.5 and run < 0:
         found.append(
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
