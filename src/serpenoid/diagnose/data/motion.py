@@ -42,8 +42,8 @@ class Noise:
 
 
 class Repeated(NamedTuple):
-    """How many times as far apart as the noise of windows makes them paths are that were played again, squared, and by
-    how many pairs that is told."""
+    """How far apart paths of repeats are, over what the noise of their windows adds up to, squared; how many pairs tell
+    that."""
 
     square: float = 1.0
     pairs: int = 0

@@ -61,7 +61,7 @@ def path_noise(motion: Motion, predictions: Sequence[Prediction], left: Sequence
     adding, made, here = _of_windows(motion, predictions, left)
     told = here.beside(motion.earlier)
     size = float(np.sqrt(told.square))
-    if np.log(size) <= ndtri(CONFIDENCE) * made.deviation:
+    if size <= np.exp(ndtri(CONFIDENCE) * made.deviation):
         return adding
     return PathNoise(adding.draws * size, float(np.sqrt(0.5 / told.pairs + 0.5 / len(motion.tracks))))
 
@@ -74,8 +74,8 @@ def repeated(motion: Motion, predictions: Sequence[Prediction]) -> Repeated:
 def _of_windows(
     motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats]
 ) -> tuple[PathNoise, PathNoise, Repeated]:
-    """What the noise of windows adds up to, with doubt about the baseline; without it, of trials that others were laid
-    like, and how far from that paths of repeats are."""
+    """What the noise of windows adds up to: with doubt about the baseline; without it, of trials that were repeated.
+    And how far apart repeats are."""
     alone, whole = _squares(motion, predictions)
     differ, uncertain = _differing(motion, predictions, left), noise_uncertain(motion)
     adding = PathNoise(np.sqrt(whole.mean(axis=0)), uncertain)

@@ -88,7 +88,7 @@ def calm(
     left: Sequence[Floats],
     pushes: Sequence[tuple[int, int, Floats]],
 ) -> PathNoise:
-    """Chance of paths by the windows without pushes: what is news is no chance."""
+    """Noise of paths, by the windows without pushes: what is news is no chance."""
     rest = [x.copy() for x in left]
     for track, window, _ in pushes:
         rest[track][window] = np.nan
