@@ -29,7 +29,7 @@ DRAWS = 20  # of white noise, smoothed as lengths are
 MOST_TOLD = 3  # moments
 RIGID = (
     "its points are taken for joints of rigid links: of an animal, or another body that bends along its length, K "
-    'comes out several per cent wrong so. For one set `kind = "swimmer"` or `"crawler"` in [body]'
+    'comes out 8 to 35 % too small so. For one set `kind = "swimmer"` or `"crawler"` in [body]'
 )
 LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
