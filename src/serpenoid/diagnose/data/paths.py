@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import ndtri
@@ -28,11 +29,25 @@ DRAWS = 48
 class PathNoise:
     """How far chance makes paths stray: RMS over all trials [m] in each draw (DRAWS,).
 
-    uncertain: standard deviation of the logarithm of what the draws' size is told by.
+    motion: whose windows tell how large the draws are; pairs: of repeats, if their paths do.
     """
 
     draws: Floats
-    uncertain: float
+    motion: Motion
+    pairs: int = 0
+
+    @cached_property
+    def uncertain(self) -> float:
+        """Standard deviation of the logarithm of what the draws' size is told by. A path that adds up, as a pair of
+        them, is one number."""
+        if self.pairs:
+            return float(np.sqrt(0.5 / self.pairs + 0.5 / len(self.motion.tracks)))
+        return noise_uncertain(self.motion)
+
+    @cached_property
+    def scatter(self) -> float:
+        """Standard deviation of the logarithm of the draws."""
+        return float(np.log(self.draws / self.level_m).std())
 
     @property
     def level_m(self) -> float:
@@ -42,7 +57,7 @@ class PathNoise:
     @property
     def deviation(self) -> float:
         """Of the logarithm of how far paths stray: as draws of it scatter, and as well as is told how large it is."""
-        return float(np.hypot(np.log(self.draws / self.level_m).std(), self.uncertain))
+        return float(np.hypot(self.scatter, self.uncertain))
 
     @property
     def farthest(self) -> float:
@@ -53,7 +68,7 @@ class PathNoise:
 def path_noise(motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats] | None = None) -> PathNoise:
     """What the noise of windows adds up to; or what paths of trials that were laid alike differ by, where windows of
     these add up to less in 95 of 100 draws: a floor that differs from trial to trial shows little in a window, and adds
-    up. A path, as a pair of them, is one number then.
+    up.
 
     left: residuals (W, 3) of each track that are compared, if not all.
     """
@@ -61,9 +76,10 @@ def path_noise(motion: Motion, predictions: Sequence[Prediction], left: Sequence
     adding, made, here = _of_windows(motion, predictions, left)
     told = here.beside(motion.earlier)
     size = float(np.sqrt(told.square))
-    if size <= np.exp(ndtri(CONFIDENCE) * made.deviation):
+    beyond = float(np.log(size)) / ndtri(CONFIDENCE) if size > 1 else 0.0
+    if beyond <= made.scatter or beyond <= made.deviation:  # in this order: the deviation costs more
         return adding
-    return PathNoise(adding.draws * size, float(np.sqrt(0.5 / told.pairs + 0.5 / len(motion.tracks))))
+    return PathNoise(adding.draws * size, motion, told.pairs)
 
 
 def repeated(motion: Motion, predictions: Sequence[Prediction]) -> Repeated:
@@ -77,9 +93,9 @@ def _of_windows(
     """What the noise of windows adds up to: with doubt about the baseline; without it, of trials that were repeated.
     And how far apart repeats are."""
     alone, whole = _squares(motion, predictions)
-    differ, uncertain = _differing(motion, predictions, left), noise_uncertain(motion)
-    adding = PathNoise(np.sqrt(whole.mean(axis=0)), uncertain)
-    made = PathNoise(np.sqrt(alone[list(differ)].mean(axis=0)), uncertain) if differ else adding
+    differ = _differing(motion, predictions, left)
+    adding = PathNoise(np.sqrt(whole.mean(axis=0)), motion)
+    made = PathNoise(np.sqrt(alone[list(differ)].mean(axis=0)), motion) if differ else adding
     if not differ or made.level_m <= 0:
         return adding, adding, Repeated()
     return adding, made, Repeated(sum(differ.values()) / len(differ) / made.level_m**2, len(differ))
