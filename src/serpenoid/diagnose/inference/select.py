@@ -18,7 +18,7 @@ from serpenoid.diagnose.data.paths import path_noise
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.discrepancy import deviance, information_criterion, outdone
+from serpenoid.diagnose.inference.discrepancy import deviance, information_criterion
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
     STEPS,
@@ -165,8 +165,8 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
         effects = [*others, *(c for c in everywhere if c.name == name)]
         found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
         found = _told(motion, found, tries)
-        likelier = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
-        if likelier and not outdone(motion, found, [best])[0]:
+        better = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
+        if better and information_criterion(motion, found) < information_criterion(motion, best):
             best = pruned(motion, found, tries)
     return best
 
