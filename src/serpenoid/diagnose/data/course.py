@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 
@@ -27,19 +28,21 @@ class Course:
 
     def at(self, time: Floats) -> Floats:
         """Joint angles (R, m) [rad]."""
-        if len(self.time) == 1:
-            return np.repeat(self.angles, len(time), axis=0)
-        inside = np.clip(time, self.time[0], self.time[-1])
-        row = np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, len(self.time) - 2)
+        row, ahead = self.places(time)
         found = self.angles[row]
-        share = (inside - self.time[row]) / np.maximum(self.time[row + 1] - self.time[row], 1e-12)
-        found += share[:, None] * self._steps[row]
+        found += ahead[:, None] * self.slopes[row]
         return found
 
+    def places(self, time: Floats) -> tuple[NDArray[np.int64], Floats]:
+        """Of times (...,), the rows of the course they follow, and by how much [s]."""
+        inside = np.clip(time, self.time[0], self.time[-1])
+        row = np.searchsorted(self.time, inside, side="right") - 1
+        return row, inside - self.time[row]
+
     @cached_property
-    def _steps(self) -> Floats:
-        """From each time to the next (C - 1, m) [rad]."""
-        return np.diff(self.angles, axis=0)
+    def slopes(self) -> Floats:
+        """From each time on (C, m) [rad/s]; 0 from the last."""
+        return np.append(self._rates, np.zeros((1, self.angles.shape[1])), axis=0)
 
     def late(self, time: Floats, readings: Floats, near: float, apart: float = 0.0) -> float:
         """By how much later [s] it is read: see `Readings`."""
@@ -51,7 +54,7 @@ class Course:
 
     @cached_property
     def _rates(self) -> Floats:
-        return self._steps / np.diff(self.time)[:, None]
+        return np.diff(self.angles, axis=0) / np.diff(self.time)[:, None]
 
 
 @dataclass(frozen=True)
@@ -84,26 +87,38 @@ class Readings:
 
     def _missed(self, course: Course, step: float, moments: np.ndarray) -> Floats:
         """Sums of squares (K,) [rad^2] of what readings miss at each of the moments (K,), in steps [s]."""
-        total = np.zeros(len(moments))
+        total, asked = np.zeros(len(moments)), moments.tolist()
+        places: dict[tuple[int, ...], tuple[NDArray[np.int64], Floats]] = {}  # of readings, which all joints share
         for joint, kept in enumerate(self._kept):
             angles = np.ascontiguousarray(course.angles[:, joint])
             mine = kept.setdefault(angles.tobytes(), {})
             if len(kept) > COURSES:
                 del kept[next(iter(kept))]
-            time, read = self._read[joint]
-            new = [n for n in moments.tolist() if (step, n) not in mine]
+            new = tuple(n for n in asked if (step, n) not in mine)
             if new:
-                at = time - np.clip(step * np.array(new), -self.near, self.near)[:, None]
-                left = np.interp(at.ravel(), course.time, angles).reshape(at.shape) - read
+                if new not in places:
+                    late = np.clip(step * np.array(new), -self.near, self.near)[:, None]
+                    places[new] = course.places(self.time - late)
+                row, ahead = places[new]
+                if not self._known[:, joint].all():
+                    row, ahead = row[:, self._known[:, joint]], ahead[:, self._known[:, joint]]
+                left = np.ascontiguousarray(course.slopes[:, joint]).take(row)
+                left *= ahead
+                left += angles.take(row)
+                left -= self._read[joint]
                 mine.update(zip([(step, n) for n in new], np.einsum("kr,kr->k", left, left).tolist(), strict=True))
-            total += [mine[step, n] for n in moments.tolist()]
+            total += [mine[step, n] for n in asked]
         return total
 
     @cached_property
-    def _read(self) -> list[tuple[Floats, Floats]]:
-        """Of each joint, when it was read, and what."""
-        known = np.isfinite(self.angles)
-        return [(self.time[k], self.angles[k, joint]) for joint, k in enumerate(known.T)]
+    def _known(self) -> NDArray[np.bool_]:
+        """What was read (R, m)."""
+        return np.isfinite(self.angles)
+
+    @cached_property
+    def _read(self) -> list[Floats]:
+        """Of each joint, what was read."""
+        return [self.angles[known, joint] for joint, known in enumerate(self._known.T)]
 
     @cached_property
     def _kept(self) -> list[dict[bytes, dict[tuple[float, int], float]]]:
@@ -112,7 +127,7 @@ class Readings:
 
     def _met(self, course: Course, late: float) -> float:
         """By Gauss-Newton, from `late` on."""
-        known = np.isfinite(self.angles)
+        known = self._known
         for _ in range(MEETINGS):
             at = self.time - late
             rate = np.where(known, course.rates(at), 0.0)
