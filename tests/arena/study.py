@@ -62,10 +62,12 @@ class Study:
         return folder / "campaign"
 
 
-def diagnosed(campaign: Path, known: Reference | None, out: Path) -> tuple[Diagnosis, dict[str, Any]]:
+def diagnosed(
+    campaign: Path, known: Reference | None, out: Path, model: Path = MODEL
+) -> tuple[Diagnosis, dict[str, Any]]:
     """The diagnosis as the command makes it, and what it writes."""
     file, recordings = read_recordings(campaign)
-    found = diagnose(recordings, known or Baseline(baseline(MODEL, file, file.body)), lambda text: None)
+    found = diagnose(recordings, known or Baseline(baseline(model, file, file.body)), lambda text: None)
     return found, write(out, file, found)
 
 
