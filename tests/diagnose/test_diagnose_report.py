@@ -35,7 +35,8 @@ LAYERS = ("baseline", "extended")
 def report(diagnosed: tuple[Diagnosis, dict[str, Any], Path]) -> tuple[str, list[str]]:
     """The page and the names of its figures, with some joint table as the next experiment."""
     d, record, out = diagnosed
-    names = diagnosis.draw_motion(out, d.motion.selection) + diagnosis.draw_rest(out, d)
+    names = diagnosis.draw_shapes(out, d.ladder[:2]) + diagnosis.draw_motion(out, d.motion.selection)
+    names += diagnosis.draw_rest(out, d)
     names += diagnosis.draw_experiment(out, np.zeros((20, 10)))
     write_pages(out, record, animated(d))
     return (out / "report.html").read_text(encoding="utf-8"), names

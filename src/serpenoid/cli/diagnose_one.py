@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.cli.pictures import Pictures, prepare
-from serpenoid.cli.work import Work
+from serpenoid.cli.work import SERVOS, Work
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.inference.select import Selection
     from serpenoid.diagnose.stages.baseline import Baseline
     from serpenoid.diagnose.stages.choose_motion import Searched
+    from serpenoid.diagnose.stages.ladder import Climbed
     from serpenoid.measure.campaign import CampaignFile
     from serpenoid.measure.consistency.claims import Believed, Reader
     from serpenoid.parallel import Beside
@@ -72,7 +73,7 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
             sign(args)
             pictures.of_motion(found)
 
-        file, found = _diagnosed(args, campaign, earlier, work, artist, read_already, searched)
+        file, found = _diagnosed(args, campaign, earlier, work, artist, read_already, searched, pictures.of_shapes)
         pictures.of_rest(found)
         record = write(folder, file, found, before)
         if not args.no_figures:
@@ -91,6 +92,7 @@ def _diagnosed(
     artist: Beside,
     files: Reader,
     searched: Searched = lambda found: None,
+    climbed: Climbed = lambda steps: None,
 ) -> tuple[CampaignFile, Diagnosis]:
     from serpenoid.diagnose.campaign import diagnose_campaign
     from serpenoid.effects.catalogue import find
@@ -100,14 +102,14 @@ def _diagnosed(
             options.complain(text)
 
     def begin(stage: str) -> None:
-        if not args.no_figures:
-            artist.begin()  # not before: reading keeps all cores busy, judging does not
+        if not args.no_figures and stage != SERVOS:
+            artist.begin()  # not before: reading, and judging servos, keep all cores busy
         work.begin(stage)
 
     without = frozenset(find(name).name for name in args.without)
     found = diagnose_campaign(
         campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice, files,
-        searched,
+        searched, climbed,
     )  # fmt: skip
     work.campaign_done()
     return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from serpenoid.body import Floats
     from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.inference.select import Selection
+    from serpenoid.diagnose.stages.ladder import Step
     from serpenoid.parallel import Beside
 
 
@@ -19,6 +20,10 @@ class Pictures:
     def __init__(self, folder: Path, artist: Beside | None) -> None:
         self._folder, self._artist = folder, artist
         self._awaited: list[Callable[[], object]] = []
+
+    def of_shapes(self, steps: Sequence[Step]) -> None:
+        """Begin those that the ladder's first steps tell, before the motion is judged."""
+        self._ask(_shapes, steps)
 
     def of_motion(self, found: Selection) -> None:
         """Begin those that the search for effects alone tells."""
@@ -56,6 +61,12 @@ def prepare() -> None:
     from serpenoid.plot.both import rehearse
 
     rehearse()
+
+
+def _shapes(folder: Path, steps: Sequence[Step]) -> None:
+    from serpenoid.plot.diagnosis import draw_shapes
+
+    draw_shapes(folder, steps)
 
 
 def _motion(folder: Path, found: Selection) -> None:

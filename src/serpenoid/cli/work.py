@@ -17,7 +17,8 @@ from serpenoid.files import store
 from serpenoid.files.writing import write_json
 
 READING, SEARCH, SEARCHES, FIGURES = "reading", "looking for effect", "searches", "figures"
-STAGES = (READING, "command against shape", "shape against markers", "shape against motion", SEARCH,
+SERVOS = "command against shape"
+STAGES = (READING, SERVOS, "shape against markers", "shape against motion", SEARCH,
           "gain on held-out gaits")  # fmt: skip
 # seconds a trial, measured from the log of a diagnosis of 16 trials (--log-file); figures in all
 FIRST = dict(zip(STAGES, (0.10, 0.01, 0.05, 0.16, 0.94, 0.10), strict=True)) | {SEARCHES: 2.0, FIGURES: 8.5}

@@ -12,6 +12,7 @@ from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
+from serpenoid.diagnose.stages.ladder import Climbed
 from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted, unlike_body, unlike_kind
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
@@ -32,12 +33,14 @@ def diagnose_campaign(
     notice: Callable[[str], None] = lambda text: None,
     files: Reader = read_believed,
     searched: Searched = lambda found: None,
+    climbed: Climbed = lambda steps: None,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
     without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
     is left out. files: reads what a robot's campaign names and checks it, or has done so. searched: hears what the
-    search for effects of the motion found, as soon as it has ended.
+    search for effects of the motion found, as soon as it has ended; climbed: the ladder's steps from command to
+    markers.
     """
     file, _ = load_campaign_file(campaign)
     if file.tracked_only:
@@ -66,4 +69,4 @@ def diagnose_campaign(
     known.check(body)
     _, recordings = read_recordings(campaign, reading, files)
     recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
-    return file, diagnose(recordings, known, say, searched)
+    return file, diagnose(recordings, known, say, searched, climbed)

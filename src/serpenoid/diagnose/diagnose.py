@@ -36,7 +36,7 @@ from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, cho
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.expected import carried
-from serpenoid.diagnose.stages.ladder import Step, climb, motion_step
+from serpenoid.diagnose.stages.ladder import Climbed, Step, motion_step, motion_steps, shape_steps
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
@@ -96,6 +96,7 @@ def diagnose(
     baseline: Baseline,
     say: Callable[[str], None],
     searched: Searched = lambda found: None,
+    climbed: Climbed = lambda steps: None,
 ) -> Diagnosis:
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
@@ -105,12 +106,15 @@ def diagnose(
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), Observation.neutral(baseline.model.body)
     if all(r.by_servos for r in recordings):
         observation, seen, recordings = _seen(recordings, baseline)
+    steps = shape_steps(servos, recordings, actuation, observation, seen)
+    climbed(steps)
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say, searched)
     baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline)
     stages = (actuation, observation, motion.stage)
-    return concluded(baseline, seen, stages, motion, climb(servos, recordings, stages, seen, motion), say)
+    steps += motion_steps(servos, recordings, stages, seen, motion)
+    return concluded(baseline, seen, stages, motion, steps, say)
 
 
 def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, Observation, tuple[Recording, ...]]:

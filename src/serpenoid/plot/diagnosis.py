@@ -26,6 +26,7 @@ from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, Colour, dress
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.inference.select import Selection
+    from serpenoid.diagnose.stages.ladder import Step
 
 COLUMNS = (4, 3)
 PARTS = {"actuation": "joints", "observation": "markers"}
@@ -34,6 +35,11 @@ Style = Mapping[str, Any]
 THROUGHOUT: Style = {"ls": "-", "lw": 0.8, "marker": "o", "ms": 2.0}
 AT_ENDS: Style = {"ls": ":", "lw": 0.8, "marker": "o", "ms": 2.8}  # only there is known where a prediction leads
 LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
+
+
+def draw_shapes(folder: Path, steps: Sequence[Step]) -> list[str]:
+    """Joint by joint and marker by marker: what the ladder's steps from command to markers show."""
+    return _draw(folder, {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in steps})
 
 
 def draw_motion(folder: Path, found: Selection) -> list[str]:
@@ -57,7 +63,6 @@ def draw_motion(folder: Path, found: Selection) -> list[str]:
 def draw_rest(folder: Path, d: Diagnosis) -> list[str]:
     """All other figures of a diagnosis."""
     jobs: Jobs = {"paths": lambda: paths_figure(d), "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder)}
-    jobs |= {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in d.ladder if s.error.name in PARTS}
     return _draw(folder, jobs)
 
 

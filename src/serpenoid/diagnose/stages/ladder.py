@@ -12,7 +12,7 @@ Every repeat is predicted from readings of its own, so F holds the noise of shap
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,29 +75,25 @@ class Step:
         }
 
 
-def climb(
+Climbed = Callable[[Sequence[Step]], None]  # hears the steps from command to markers, before the motion is judged
+
+
+def shape_steps(
+    servos: Plays, recordings: Sequence[Recording], actuation: Stage, observation: Stage, seen: Observation
+) -> tuple[Step, ...]:
+    """From command to markers, as far as that was judged."""
+    first = actuation_step(servos, actuation)
+    return (first,) if observation.skipped else (first, observation_step(recordings, seen))
+
+
+def motion_steps(
     servos: Plays, recordings: Sequence[Recording], stages: Sequence[Stage], seen: Observation, motion: MotionFinding
 ) -> tuple[Step, ...]:
-    """The ladder of the stages that were judged; the whole needs all of them."""
-    judged = {stage.name: stage for stage in stages}
-    return tuple(_steps(servos, recordings, judged, seen, motion))
-
-
-def _steps(
-    servos: Plays, recordings: Sequence[Recording], judged: dict[str, Stage], seen: Observation, motion: MotionFinding
-) -> Iterator[Step]:
-    if "actuation" in judged:
-        yield actuation_step(servos, judged["actuation"])
-    if "observation" in judged and not judged["observation"].skipped:
-        yield observation_step(recordings, seen)
-    yield motion_step(motion)
-    if "actuation" in judged:
-        actuators = tuple(
-            n.effect for stage in judged.values() for n in stage.named if n.effect.effect.site == "actuation"
-        )
-        before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
-        noise_level = motion.selection.noise_level_m
-        yield Step("commanded shape against realised motion", Error("whole", "m", before, after, noise_level), ())
+    """From shape to motion, and the whole: all stages' named effects of servos are in it."""
+    actuators = tuple(n.effect for stage in stages for n in stage.named if n.effect.effect.site == "actuation")
+    before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
+    whole = Error("whole", "m", before, after, motion.selection.noise_level_m)
+    return motion_step(motion), Step("commanded shape against realised motion", whole, ())
 
 
 def actuation_step(data: Plays, stage: Stage) -> Step:

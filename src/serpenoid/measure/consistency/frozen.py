@@ -60,10 +60,12 @@ def hung(points: Floats) -> list[tuple[int, int]]:
     """First and last frame of every stretch in which a film of points (F, N, 2), NaN hidden, hangs."""
     changes = np.linalg.norm(np.diff(points, axis=0), axis=2)
     both = np.isfinite(changes)
-    steps = np.array(
-        [np.median(row[seen]) if seen.sum() > 1 else np.nan for row, seen in zip(changes, both, strict=True)]
-    )
-    same = ((changes == 0) | ~both).all(axis=1) & np.isfinite(steps)
+    enough = both.sum(axis=1) > 1
+    same = ((changes == 0) | ~both).all(axis=1) & enough
+    if not same.any():
+        return []
+    steps = np.full(len(changes), np.nan)
+    steps[enough] = [np.median(row[seen]) for row, seen in zip(changes[enough], both[enough], strict=True)]
     moving = steps[np.isfinite(steps) & ~same]
     longest = LEAP * float(np.quantile(moving, USUAL)) if moving.size else np.inf
     return [(first, last) for first, last in stretches(same) if last < len(steps) and steps[last] > longest]
