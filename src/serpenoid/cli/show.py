@@ -1,7 +1,7 @@
 """Say what is in a results folder, in words, and name its pictures.
 
 serpenoid show results/snake10/solve-1a2b3c4d
-serpenoid show results/foam/diagnosis --open
+serpenoid show results/foam/diagnosis-1a2b3c4d --open
 """
 
 from __future__ import annotations
