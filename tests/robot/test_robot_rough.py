@@ -30,7 +30,7 @@ from serpenoid.robot.description import TrackingRule
 from serpenoid.robot.faults import RobotFault
 from serpenoid.robot.log import ServoLog
 from serpenoid.robot.tracking import READINGS, RowClock, Tracking
-from serpenoid.scaffold.add import NewTrial, _played
+from serpenoid.scaffold.add import _played
 
 pytestmark = pytest.mark.usefixtures("serial_ports")
 
@@ -265,8 +265,8 @@ def test_what_was_recorded_until_the_process_was_killed_can_be_used(tmp_path):
     assert summary(tmp_path)["status"] == "unfinished"
     assert {p.name for p in (tmp_path / "log").iterdir()} == {"servo.csv", "joint_table.csv", "trial.toml", "play.json"}
     with pytest.raises(InputError, match="unfinished: .*--anyway"):
-        _played(NewTrial(tmp_path / "log", tmp_path / "motion.csv"))
-    assert _played(NewTrial(tmp_path / "log", tmp_path / "motion.csv", anyway=True))["cycles"] == 20
+        _played(tmp_path / "log", anyway=False)
+    assert _played(tmp_path / "log", anyway=True)["cycles"] == 20
 
 
 def test_a_trial_that_has_no_room_on_the_disk_is_refused(tmp_path, monkeypatch):
