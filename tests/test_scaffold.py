@@ -327,6 +327,31 @@ def test_a_trial_that_cannot_be_taken_leaves_the_campaign_as_it_was(played: Path
     assert not (played / "camp" / "wave-1").exists()
 
 
+def test_a_trial_that_is_taken_anyway_says_how_it_ended(played: Path) -> None:
+    reason = "by the user\n(SIGINT)"
+    (played / "trials" / "wave-1" / "play.json").write_text(json.dumps({"status": "stopped", "reason": reason}))
+    assert add(played, "--anyway") == 0
+    assert "\n# stopped: by the user (SIGINT)\n[[trial]]\n" in (played / "camp" / "campaign.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (["0.1,play,0,7,0.5", "0.2,play,1,3,0.5", "0.3,play,1,4"], "it ended in cycle 2 of 5, after step 3"),
+        (["0.1,approach,0,0,0.5"], "it ended before the first row was reached"),
+        ([], "it ended before the first row was reached"),
+    ],
+)
+def test_a_trial_that_was_stopped_is_shown_with_the_cycle_it_stopped_in(
+    tmp_path: Path, rows: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = {"robot": "r", "cycles": 5, "cycle_duration_s": 2.0, "pause_s": 0.0, "torque_off": True}
+    (tmp_path / "play.json").write_text(json.dumps(told | {"status": "stopped", "reason": "by the user (SIGINT)"}))
+    (tmp_path / "servo.csv").write_text("\n".join(["t_s,phase,cycle,step,position_1", *rows]) + "\n")
+    assert main(["show", str(tmp_path)]) == 0
+    assert said in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("name", ["../out", "a/b", "", ".hidden", "x\ny"])
 def test_a_name_never_leads_out_of_the_campaign(played: Path, name: str, capsys) -> None:
     assert add(played, "--name", name) == (2 if name else 0)

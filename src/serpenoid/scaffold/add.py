@@ -42,7 +42,8 @@ def add_trial(campaign: Path, new: NewTrial) -> str:
     entry = _entry(known, folder, new)
     target = folder / entry["name"]
     place = {key: f"{entry['name']}/{source.name}" for key, source in _sources(new).items()}
-    text = _without_example(file.read_text(encoding="utf-8")).rstrip() + "\n\n" + _section(entry | place)
+    ended = entry.pop("ended", None)
+    text = _without_example(file.read_text(encoding="utf-8")).rstrip() + "\n\n" + _section(entry | place, ended)
     made = not target.exists()
     if not made and (new.log is None or target.resolve() != new.log.resolve()):
         raise InputError(f"{target}: is there already. Give another --name.")
@@ -77,7 +78,7 @@ def _check(text: str, file: Path, name: str, folder: Path) -> None:
 
 
 def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
-    """The trial's schedule from what `play` wrote; raises InputError where it was not played as asked."""
+    """The trial's schedule from what `play` wrote, and under `ended` how it ended where that is not as asked."""
     if new.log is None and not known.tracked_only:
         raise InputError(
             "LOG is missing: a robot's trial is what `serpenoid play --log` recorded, and its film. Name both."
@@ -92,7 +93,7 @@ def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
         raise InputError(f"the campaign has a trial `{name}` already. Give another --name.")
     if not new.motion.is_file():
         raise InputError(f"{new.motion}: no such motion file.")
-    schedule = {key: played[key] for key in ("cycle_duration_s", "cycles", "pause_s") if new.log is not None}
+    schedule = {key: played[key] for key in ("cycle_duration_s", "cycles", "pause_s", "ended") if key in played}
     gait = new.gait if new.log is None else new.gait or _same_gait(known, folder, new.log) or name
     return {"name": name, **({} if gait is None else {"gait": gait}), **schedule, **dict(new.keys)}
 
@@ -109,12 +110,13 @@ def _played(log: Path, anyway: bool) -> dict[str, Any]:
         raise
     except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
         raise InputError(f"{log}: is no recording of `serpenoid play` ({error}).") from None
-    status = record.get("status") if isinstance(record, dict) else None
-    if status != "done" and not anyway:
-        reason = str(record.get("reason", "")) if isinstance(record, dict) else ""
+    status, reason = (record.get("status"), record.get("reason", "")) if isinstance(record, dict) else (None, "")
+    if status == "done":
+        return dict(trial)
+    if not anyway:
         remedy = "Play it again, or take it --anyway."
         raise InputError(f"{path}: this trial was not played as asked ({status}: {reason}). {remedy}")
-    return dict(trial)
+    return dict(trial) | {"ended": " ".join(f"{status}: {reason}".split())}
 
 
 def _refuse_transient(path: Path, record: Any) -> None:
@@ -139,6 +141,6 @@ def _without_example(text: str) -> str:
     return text if begin < 0 or end < begin else text[:begin] + text[end + len(END) :].lstrip("\n")
 
 
-def _section(entry: dict[str, Any]) -> str:
+def _section(entry: dict[str, Any], ended: str | None) -> str:
     lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in entry.items()]
-    return "\n".join(["[[trial]]", *lines]) + "\n"
+    return "\n".join([*([f"# {ended}"] if ended else []), "[[trial]]", *lines]) + "\n"

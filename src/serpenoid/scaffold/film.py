@@ -27,7 +27,7 @@ OF_A_FILM = (
     ),
     Question(
         "length-unit",
-        "Unit of the film's points: m, cm, mm, um, px, bl (empty: px of DeepLabCut and SLEAP, what the file says, or m)",
+        "Unit of the film's points: m, cm, mm, um, px, bl (empty: the file's or tracker's own, else m)",
         "",
         or_empty(one_of("m", "cm", "mm", "um", "px", "bl")),
         only="film",
@@ -71,7 +71,7 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
         "[body]",
         f'kind = "{body.kind}"   # or {", ".join(word for word in ANIMALS if word != body.kind)}',
         f"vertices = {body.vertices}   # points along the body, those of the film",
-        "# Lengths along the body are estimated from the films; edge_lengths = [...] in metres, tail to head, gives them.",
+        "# Lengths along the body are estimated from the films, where no `edge_lengths` (metres, tail to head) give them.",
         "",
         "[motion]                     # how the films are to be read; a trial may override any key",
         *(f"{key} = {_toml(value)}{COMMENTS.get(key, '')}" for key, value in said.items()),
