@@ -71,7 +71,7 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
         "[body]",
         f'kind = "{body.kind}"   # or {", ".join(word for word in ANIMALS if word != body.kind)}',
         f"vertices = {body.vertices}   # points along the body, those of the film",
-        "# Lengths along the body are estimated from the films, where no `edge_lengths` (metres, tail to head) give them.",
+        "# Lengths along the body are estimated from the films, if no `edge_lengths` (metres, tail to head) say them.",
         "",
         "[motion]                     # how the films are to be read; a trial may override any key",
         *(f"{key} = {_toml(value)}{COMMENTS.get(key, '')}" for key, value in said.items()),
