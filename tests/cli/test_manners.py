@@ -48,8 +48,14 @@ def changed(folder: Path, old: str, new: str) -> str:
         (
             "vertices = 12",
             "vertices = 3\nweights = [1.0, -2.0, 1.0]",
-            "[body] weights, entry 2: Input should be greater than or equal to",
+            "[body] weights, entry 2: must be above 0, got -2.0.",
         ),
+        (
+            "vertices = 12",
+            "vertices = 3\nedge_lengths = [0.1, -0.1]",
+            "[body] edge_lengths, entry 2: must be above 0, got",
+        ),
+        ("vertices = 12", "edge_lengths = [0.1, 0.1]", "`vertices` is required and not there. 2 edges join 3"),
         ("[medium]", "[mediun]", "mediun: unknown key. Did you mean `medium`?"),
         ("steps = 50", "steps = 1", "[task] steps"),
         ("xi = 1.0", "xii = 1.0", "[gait] xii: unknown key. Did you mean `xi`?"),
@@ -109,6 +115,25 @@ def test_wrong_words_end_with_usage(words: list[str], capsys: pytest.CaptureFixt
         main(words)
     assert stopped.value.code == 2
     assert "error: argument" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "usage"),
+    [
+        (["solve", REFERENCE, "--foo", "3"], "usage: serpenoid solve "),
+        (["--foo", "solve", REFERENCE], "usage: serpenoid solve "),
+        (["new", "campaign", "--foo"], "usage: serpenoid new campaign "),
+    ],
+)
+def test_an_unknown_option_ends_with_the_usage_of_the_command_meant(
+    words: list[str], usage: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(words)
+    assert stopped.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith(usage)
+    assert "error: unrecognized arguments: --foo" in said
 
 
 @pytest.mark.parametrize("values", ["abc", "0:1", "0:1:0", "nan", "0:inf:3", "-1:1:3", ""])
