@@ -93,7 +93,7 @@ def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
         raise InputError(f"the campaign has a trial `{name}` already. Give another --name.")
     if not new.motion.is_file():
         raise InputError(f"{new.motion}: no such motion file.")
-    schedule = {key: played[key] for key in ("cycle_duration_s", "cycles", "pause_s", "ended") if key in played}
+    schedule: dict[str, Any] = {k: played[k] for k in ("cycle_duration_s", "cycles", "pause_s", "ended") if k in played}
     gait = new.gait if new.log is None else new.gait or _same_gait(known, folder, new.log) or name
     return {"name": name, **({} if gait is None else {"gait": gait}), **schedule, **dict(new.keys)}
 
