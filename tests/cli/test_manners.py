@@ -188,6 +188,16 @@ def test_show_refuses_what_is_no_record(
     assert str(tmp_path) in capsys.readouterr().err
 
 
+def test_show_names_the_answers_within_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("diagnosis-2b", "diagnosis-1a", "notes"):
+        (tmp_path / name).mkdir()
+        if name != "notes":
+            (tmp_path / name / "diagnosis.json").write_text("{}")
+    assert main(["show", str(tmp_path)]) == 2
+    within = ", ".join(str(tmp_path / name) for name in ("diagnosis-1a", "diagnosis-2b"))
+    assert f"Name a folder within: {within}." in capsys.readouterr().err
+
+
 def test_json_is_json_and_quiet_is_quiet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["simulate", REFERENCE, "--no-figures", "--out", str(tmp_path)]
     assert main([*words, "--json"]) == 0

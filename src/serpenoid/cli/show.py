@@ -65,7 +65,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _others(folder: Path) -> str:
-    """What else may have been meant: TOML files here, or a folder within."""
+    """What else may have been meant: a folder within, or TOML files here."""
+    within = sorted(path for path in folder.iterdir() if any((path / name).exists() for name in RECORDS))
+    if within:
+        return f" Name a folder within: {', '.join(map(str, within[:8]))}{', ...' if len(within) > 8 else ''}."
     files = sorted(path.name for path in folder.glob("*.toml"))
     few = ", ".join(files[:3]) + (", ..." if len(files) > 3 else "")
     return f" Name a folder within{f', or `serpenoid measure` one of {few}' if files else ''}?"
