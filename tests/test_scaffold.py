@@ -327,6 +327,31 @@ def test_a_trial_that_cannot_be_taken_leaves_the_campaign_as_it_was(played: Path
     assert not (played / "camp" / "wave-1").exists()
 
 
+def test_a_trial_that_is_taken_anyway_says_how_it_ended(played: Path) -> None:
+    reason = "by the user\n(SIGINT)"
+    (played / "trials" / "wave-1" / "play.json").write_text(json.dumps({"status": "stopped", "reason": reason}))
+    assert add(played, "--anyway") == 0
+    assert "\n# stopped: by the user (SIGINT)\n[[trial]]\n" in (played / "camp" / "campaign.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (["0.1,play,0,7,0.5", "0.2,play,1,3,0.5", "0.3,play,1,4"], "it ended in cycle 2 of 5, after step 3"),
+        (["0.1,approach,0,0,0.5"], "it ended before the first row was reached"),
+        ([], "it ended before the first row was reached"),
+    ],
+)
+def test_a_trial_that_was_stopped_is_shown_with_the_cycle_it_stopped_in(
+    tmp_path: Path, rows: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = {"robot": "r", "cycles": 5, "cycle_duration_s": 2.0, "pause_s": 0.0, "torque_off": True}
+    (tmp_path / "play.json").write_text(json.dumps(told | {"status": "stopped", "reason": "by the user (SIGINT)"}))
+    (tmp_path / "servo.csv").write_text("\n".join(["t_s,phase,cycle,step,position_1", *rows]) + "\n")
+    assert main(["show", str(tmp_path)]) == 0
+    assert said in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("name", ["../out", "a/b", "", ".hidden", "x\ny"])
 def test_a_name_never_leads_out_of_the_campaign(played: Path, name: str, capsys) -> None:
     assert add(played, "--name", name) == (2 if name else 0)
@@ -344,6 +369,75 @@ def test_the_same_name_twice_is_refused(played: Path, capsys) -> None:
     assert add(played) == 0
     assert add(played) == 2
     assert "has a trial `wave-1` already" in capsys.readouterr().err
+
+
+@pytest.fixture
+def worm(tmp_path: Path) -> Path:
+    """Two films of a crawling body of five points, 25 frames a second: names and pixels, head first."""
+    time, edges = np.arange(100) / 25, np.arange(4)
+    angle = 0.5 * np.sin(2 * np.pi * (time[:, None] + edges / 4))
+    steps = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+    points = np.concatenate([np.zeros((100, 1, 2)), np.cumsum(steps, axis=1)], axis=1)[:, ::-1]
+    points[..., 0] += 0.5 * time[:, None]
+    names = ["nose", "n1", "n2", "n3", "tip"]
+    head = [["scorer", *["net"] * 10], ["bodyparts", *np.repeat(names, 2)], ["coords", *["x", "y"] * 5]]
+    for number in (1, 2):
+        rows = [[str(f), *map(repr, row)] for f, row in enumerate((40 * points + number).reshape(100, 10).tolist())]
+        (tmp_path / f"worm-{number}.csv").write_text("\n".join(",".join(row) for row in head + rows) + "\n")
+    return tmp_path
+
+
+FILMED = ["--film", "worm-1.csv", "--format", "deeplabcut", "--first-point", "head", "--frames-per-second", "25"]
+
+
+def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys: pytest.CaptureFixture) -> None:
+    new("campaign", worm / "c", *FILMED)
+    assert "Assumed, as nobody said: --kind crawler." in capsys.readouterr().out
+    satisfies("campaign", worm / "c" / "campaign.toml")
+    assert main(["campaign", "add", "c", "worm-2.csv"]) == 0
+    campaign = load_campaign(worm / "c")
+    assert [trial.name for trial in campaign.trials] == ["worm-1", "worm-2"]
+    assert (campaign.body.kind, campaign.body.vertices) == ("crawler", 5)
+    assert campaign.file.motion.markers == ("tip", "n3", "n2", "n1", "nose")
+    assert campaign.trials[0].motion is not None
+    assert campaign.trials[0].motion.time_s[-1] == pytest.approx(99 / 25)
+    assert "made up" not in (worm / "c" / "campaign.toml").read_text()
+    assert main(["campaign", "add", "c", "worm-2.csv"]) == 2
+    assert "has a trial `worm-2` already" in capsys.readouterr().err
+
+
+def test_a_film_that_says_its_times_keeps_them(worm: Path) -> None:
+    rows = [f"{f / 10:.1f},0,0,1,{f % 2},2,0,3,0" for f in range(20)]
+    (worm / "tidy.csv").write_text("\n".join(["t_s,x_0,y_0,x_1,y_1,x_2,y_2,x_3,y_3", *rows]))
+    path = new("campaign", worm / "c", "--film", "tidy.csv", "--format", "tidy", "--length-unit", "mm")
+    text = (path / "campaign.toml").read_text()
+    assert "frames_per_second" not in text
+    assert "vertices = 4" in text
+    assert 'length_unit = "mm"' in text
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        ([*FILMED, "--problem", "robot.toml"], "--problem: --film says it already"),
+        (["--kind", "swimmer"], "--kind: is for --film alone. Give that, too."),
+        (["--film", "none.csv"], "--film: needs a file that is there"),
+        ([*FILMED, "--columns", "time"], "--columns: needs names and words as a=x,b=y, got 'time'"),
+        ([*FILMED, "--individual", "two"], "the file has no names of individuals"),
+        (["--film", "worm-1.csv"], 'Is `format = "motive"` right for this file?'),
+    ],
+)
+def test_a_film_that_cannot_be_read_makes_no_campaign(worm: Path, words: list[str], complaint: str, capsys) -> None:
+    assert main(["new", "campaign", "c", "--yes", *words]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (worm / "c").exists()
+
+
+def test_a_robots_trial_is_not_its_film_alone(played: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "add", str(played / "camp"), str(played / "take.csv")]) == 2
+    assert "LOG is missing: a robot's trial is what `serpenoid play --log` recorded, and its film." in (
+        capsys.readouterr().err
+    )
 
 
 @pytest.mark.parametrize("kind", ["long", "tidy", "c3d"])

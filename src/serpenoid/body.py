@@ -63,6 +63,17 @@ class Body(Record):
     joint_limit_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(default=None, description="|joint angle|")
     joint_speed_limit_rpm: Positive | None = Field(default=None, description="XL430 at 11.1 V: 57")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _counted(cls, data: object) -> object:
+        edges = data.get("edge_lengths") if isinstance(data, dict) and "vertices" not in data else None
+        if isinstance(edges, list | tuple) and edges:
+            count = len(edges) + 1
+            raise ValueError(
+                f"`vertices` is required and not there; {count - 1} edges join {count}: `vertices = {count}`"
+            )
+        return data
+
     @field_validator("vertices", mode="before")
     @classmethod
     def _bends(cls, value: object) -> object:

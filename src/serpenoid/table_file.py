@@ -33,7 +33,11 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
     m = joint_count or len(head) or 2
     if Path(path).suffix.lower() == ".toml":
         raise InputError(f"{path}: is no joint table. Name a results folder (`serpenoid solve` writes one) or a CSV.")
-    if head and head[0] == "joint_1_yaw":
+    if not lines:
+        raise InputError(
+            f"{path}: is empty. A joint table has a header joint_1,joint_2,... and a row of radians a step."
+        )
+    if head[0] == "joint_1_yaw":
         raise InputError(f"{path}: has yaw and pitch of a gait in space; tables to play have one angle a joint.")
     if head != header(m):
         names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")

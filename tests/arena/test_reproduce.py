@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 
 import pytest
 
@@ -51,3 +52,10 @@ def test_a_pair_is_put_beside_its_own_numbers():
 def test_nonsense_is_refused(capsys):
     assert main(["reproduce", "--gaits", "0"]) == 2
     assert "positive" in capsys.readouterr().err
+
+
+def test_without_mujoco_no_gaits_are_sought(monkeypatch, tmp_path, capsys):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert main(["reproduce", "--gaits", "1", "--out", str(tmp_path / "out")]) == 2
+    assert "pip install mujoco" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.errors import InputError
 from serpenoid.files.alone import alone
 from serpenoid.files.writing import atomic
 
@@ -35,6 +36,32 @@ def test_another_question_is_refused_and_nothing_is_touched(tmp_path: Path, caps
     assert f"--out {out}: holds the answer of another `simulate`" in said
     assert "earlier-1 by --force" in said
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
+
+
+def test_each_question_of_a_diagnosis_has_a_folder_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    problems = Path(REFERENCE).parent
+    lamprey, robot = str(problems / "campaigns" / "lamprey.toml"), str(problems / "lamprey-water.toml")
+    folders: list[Path] = []
+
+    def asked(_: object, folder: Path, *__: object) -> Path:
+        folders.append(folder)
+        raise InputError("enough is known")
+
+    monkeypatch.setattr("serpenoid.cli.options.claim", asked)
+    questions = [
+        [lamprey],
+        [lamprey, "--model", robot],
+        [lamprey, "--reference", lamprey],
+        [lamprey, "--without", "added_mass"],
+        [lamprey, lamprey],
+        [lamprey, lamprey, "--model", robot],
+    ]
+    for words in questions + questions:
+        assert main(["diagnose", *words]) == 2
+    first, again = folders[: len(questions)], folders[len(questions) :]
+    assert first == again
+    assert len(set(first)) == len(questions)
+    assert {str(path).rpartition("-")[0] for path in first} == {"results/lamprey/diagnosis", "results/diagnoses"}
 
 
 def test_a_folder_on_which_another_command_works_is_refused_until_that_ends(

@@ -48,8 +48,14 @@ def changed(folder: Path, old: str, new: str) -> str:
         (
             "vertices = 12",
             "vertices = 3\nweights = [1.0, -2.0, 1.0]",
-            "[body] weights, entry 2: Input should be greater than or equal to",
+            "[body] weights, entry 2: must be above 0, got -2.0.",
         ),
+        (
+            "vertices = 12",
+            "vertices = 3\nedge_lengths = [0.1, -0.1]",
+            "[body] edge_lengths, entry 2: must be above 0, got",
+        ),
+        ("vertices = 12", "edge_lengths = [0.1, 0.1]", "`vertices` is required and not there. 2 edges join 3"),
         ("[medium]", "[mediun]", "mediun: unknown key. Did you mean `medium`?"),
         ("steps = 50", "steps = 1", "[task] steps"),
         ("xi = 1.0", "xii = 1.0", "[gait] xii: unknown key. Did you mean `xi`?"),
@@ -111,6 +117,25 @@ def test_wrong_words_end_with_usage(words: list[str], capsys: pytest.CaptureFixt
     assert "error: argument" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "usage"),
+    [
+        (["solve", REFERENCE, "--foo", "3"], "usage: serpenoid solve "),
+        (["--foo", "solve", REFERENCE], "usage: serpenoid solve "),
+        (["new", "campaign", "--foo"], "usage: serpenoid new campaign "),
+    ],
+)
+def test_an_unknown_option_ends_with_the_usage_of_the_command_meant(
+    words: list[str], usage: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(words)
+    assert stopped.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith(usage)
+    assert "error: unrecognized arguments: --foo" in said
+
+
 @pytest.mark.parametrize("values", ["abc", "0:1", "0:1:0", "nan", "0:inf:3", "-1:1:3", ""])
 def test_values_of_c_that_make_no_sense_are_refused(values: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sweep", SNAKE, f"--c={values}"]) == 2
@@ -161,6 +186,16 @@ def test_show_refuses_what_is_no_record(
     (tmp_path / name).write_text(text, encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 2
     assert str(tmp_path) in capsys.readouterr().err
+
+
+def test_show_names_the_answers_within_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("diagnosis-2b", "diagnosis-1a", "notes"):
+        (tmp_path / name).mkdir()
+        if name != "notes":
+            (tmp_path / name / "diagnosis.json").write_text("{}")
+    assert main(["show", str(tmp_path)]) == 2
+    within = ", ".join(str(tmp_path / name) for name in ("diagnosis-1a", "diagnosis-2b"))
+    assert f"Name a folder within: {within}." in capsys.readouterr().err
 
 
 def test_json_is_json_and_quiet_is_quiet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

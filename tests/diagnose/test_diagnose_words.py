@@ -206,6 +206,18 @@ def test_what_the_reference_left_is_one_line_on_the_screen_and_whole_in_the_repo
     ]
 
 
+@pytest.mark.parametrize("reference", [True, False])
+def test_a_verdict_of_nothing_reads_as_a_finding_on_the_screen(
+    diagnosed: tuple[Any, dict[str, Any], Any], reference: bool
+) -> None:
+    law = {"name": "viscous", "rivals": {}, "drag_at": ""}
+    earlier = {"campaign": "calm", "verdict": "nothing", "effects": [], "residual_pattern": [], "law": law}
+    earlier |= {"anisotropy_ratio": diagnosed[1]["anisotropy_ratio"]}
+    record = diagnosed[1] | {"verdict": "nothing", "effects": [], "reference": earlier if reference else None}
+    (said,) = [text for text in lines(record) if text.startswith("verdict")]
+    assert said.startswith("verdict           nothing found: ")
+
+
 def test_links_that_are_one_edge_are_one_line_on_the_screen_and_whole_in_the_report(
     diagnosed: tuple[Any, dict[str, Any], Any],
 ) -> None:

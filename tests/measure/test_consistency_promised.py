@@ -52,6 +52,20 @@ def test_a_joint_that_stands_still_and_was_exchanged_for_one_that_moves_is_found
     assert ["`joint_4` and `joint_5` exchanged" in one.words for one in found] == [True]
 
 
+@pytest.mark.parametrize("trials", [1, 2])
+def test_a_film_that_holds_more_trials_than_one_is_told_to_be_cut(trials: int) -> None:
+    schedule = Schedule(gait([0, 1, 2, 3, 4]), 3.0, 2, 0.5)
+    time = np.arange(-0.5, schedule.end_s + 0.5, 1 / 50)
+    another = Schedule(np.random.default_rng(1).normal(0, 0.5, (40, 5)), 2.2, 2, 0.5).commanded(time)
+    film = np.concatenate([another] * trials)
+    claim = Claim("t", "gait", schedule, cameras=Signal(np.arange(len(film)) / 50, film))
+    (found,) = check([claim], {"gait": schedule.table}).contradictions
+    assert "is the file of another trial named here?" in found.cure
+    assert ("Does it show more trials than this one? Give each its part by `from_s` and `to_s`" in found.cure) == (
+        trials > 1
+    )
+
+
 @pytest.mark.parametrize(
     ("witness", "gains", "said"),
     [

@@ -133,6 +133,13 @@ def test_one_animal_whose_camera_is_calibrated_to_a_few_per_cent_is_taken(tmp_pa
     assert len(load_campaign(written(tmp_path, recordings)).trials) == 2
 
 
+def test_a_point_that_no_frame_shows_is_named_alone(tmp_path):
+    time, points = crawling()
+    points[:, 2] = np.nan
+    with pytest.raises(InputError, match="no lengths, and `vertex_2` is never seen, in no frame of any recording"):
+        load_campaign(written(tmp_path, {"one": (time, points), "two": (time, points + 1)}))
+
+
 def test_neighbours_that_are_never_seen_together_are_named(tmp_path):
     time, points = crawling()
     points[::2, 2], points[1::2, 3] = np.nan, np.nan

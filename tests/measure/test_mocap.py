@@ -13,6 +13,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.qualisys import read_qualisys
 from serpenoid.measure.readers import READERS
+from serpenoid.measure.relabel import label_vertices
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trc import read_trc
@@ -152,3 +153,19 @@ def test_fragments_without_a_name_are_known_as_such(tmp_path):
     assert read_vicon(tmp_path / "a.csv").unlabelled == (True, True, False)
     (tmp_path / "a.tsv").write_text(qualisys().replace("Snake:joint", "New 0012"))
     assert read_qualisys(tmp_path / "a.tsv").unlabelled == (False, True, False)
+
+
+@pytest.mark.parametrize(
+    ("markers", "said"),
+    [
+        (("Worm:tail", "Worm:joint", "Worm:head"), "begin with `Snake:`, those of `markers` with `Worm:`"),
+        (("tail", "joint", "head"), "begin with `Snake:`, those of `markers` with no subject"),
+        (("Snake:a", "Snake:b", "Snake:c"), ""),
+    ],
+)
+def test_markers_of_another_subject_are_told_with_both(tmp_path, markers, said):
+    (tmp_path / "a.csv").write_text(vicon())
+    with pytest.raises(InputError, match="none of the campaign's `markers` is in it") as refused:
+        label_vertices(read_vicon(tmp_path / "a.csv"), markers, None, 3, from_head=False)
+    assert said in str(refused.value)
+    assert ("begin with" in str(refused.value)) == bool(said)

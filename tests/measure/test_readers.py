@@ -158,6 +158,17 @@ def test_tidy_columns_of_ones_own_are_those_that_are_named_in_their_order(tmp_pa
         read_tidy(path, "m", None, MotionColumns(time="ms", x="M*_x", y="M*_y"))
 
 
+def test_ticks_of_another_resolution_are_read_by_it_and_asked_for(tmp_path):
+    path = tmp_path / "s.csv"
+    path.write_text("t_s,position_1,position_2\n0,512,0\n1,819.2,1023\n")
+    told = ServoKeys(angle_unit="ticks", ticks_per_turn=1228.8, zero_ticks=512)  # 1024 ticks in 300 degrees
+    np.testing.assert_allclose(np.degrees(read_servo_log(path, told).position), [[0, -150], [90, 511 / 1024 * 300]])
+    with pytest.raises(InputError, match=r"no position is above 1023.*`ticks_per_turn = 1228.8` and `zero_"):
+        read_servo_log(path, ServoKeys(angle_unit="ticks"))
+    path.write_text("t_s,position_1,position_2\n0,1020,2048\n1,1000,2049\n")
+    assert read_servo_log(path, ServoKeys(angle_unit="ticks")).position[0, 1] == 0
+
+
 def test_a_servo_log_has_its_own_names_and_units(tmp_path):
     path = tmp_path / "s.csv"
     path.write_text("date,millis,deg_2,deg_1,goal_1,goal_2\nMon,0,90,180,1,2\nMon,500,90,180,1,2\n")

@@ -384,11 +384,21 @@ def test_what_matlab_saved_is_the_same_and_what_is_damaged_is_refused(tmp_path, 
         (tmp_path / "m.mat").write_bytes(broken)
         with pytest.raises(InputError, match="m.mat: (not a readable MATLAB file|needs `points`|has [0-9]+ times)"):
             read_array(tmp_path / "m.mat", Timing())
+    for hdf5 in (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n"):
+        (tmp_path / "m.mat").write_bytes(hdf5 + bytes(500))
+        with pytest.raises(InputError, match=r"`load m.mat`, then `save\('m.mat', 't_s', 'points', '-v7'\)`"):
+            read_array(tmp_path / "m.mat", Timing())
     (tmp_path / "m.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(500))
-    with pytest.raises(InputError, match="'-v7'"):
-        read_array(tmp_path / "m.mat", Timing())
     with pytest.raises(InputError, match='but one of MATLAB.*`format = "array"`'):
         read_tidy(tmp_path / "m.mat")
+
+
+def test_trajectories_of_one_point_an_animal_are_told_as_that(tmp_path):
+    np.save(tmp_path / "m.npy", {"trajectories": np.zeros((9, 3, 2))})
+    savemat(tmp_path / "m.mat", {"trajectories": np.zeros((9, 3, 2))})
+    for name in ("m.npy", "m.mat"):
+        with pytest.raises(InputError, match="Trajectories of idtracker and idtracker.ai are one point an animal"):
+            read_array(tmp_path / name, Timing(RATE))
 
 
 def test_points_that_numpy_saved_alone_need_a_frame_rate(tmp_path):

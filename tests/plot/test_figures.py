@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
@@ -139,6 +140,12 @@ def test_names_of_optima_stand_apart_in_their_order_and_within_the_axes():
         assert (np.diff(moved) >= 0.1 - 1e-12).all()
         assert moved.size == 0 or (moved.min() >= 0 and moved.max() <= 1)
     np.testing.assert_array_equal(apart(np.array([0.1, 0.5]), 0.1), [0.1, 0.5])
+
+
+@pytest.mark.parametrize(("cost", "label"), [(-0.4, "−0.4"), (0.000737, "0.000737")])
+def test_one_optimum_has_its_cost_on_the_axis(cost, label):
+    ax = optima.strip(np.full(3, cost), np.zeros(3, dtype=int), Figure().add_subplot())
+    assert [text.get_text() for text in ax.get_yticklabels()] == [label]
 
 
 def test_beyond_a_dozen_optima_are_counted_together():

@@ -144,12 +144,17 @@ def test_fault_ends_with_torque_off_a_message_and_a_readable_log(tmp_path, fault
         assert done.returncode == 1
         assert re.search(FAULTS[fault], done.stderr), done.stderr
         assert "Traceback" not in done.stderr
+        assert not re.search(
+            r"\(\(?\d+, ", done.stderr
+        )  # the number of a system's error, and its words, as Python keeps them
         assert not any(rig.torques)
         rig.check_limits()
     _, rows = read_log(tmp_path / "log" / "servo.csv")
     assert rows[-1]["phase"] == "play"
     summary = json.loads((tmp_path / "log" / "play.json").read_text())
     assert summary["status"] == "failed"
+    where = f"it ended in cycle {int(rows[-1]['cycle']) + 1} of 6, after step {rows[-1]['step']}"
+    assert where in serpenoid("show", tmp_path / "log").stdout
 
 
 def test_error_bits_of_an_overheated_servo_are_in_the_log(tmp_path):

@@ -86,7 +86,7 @@ def test_a_solution_that_states_nothing_leaves_the_duration_to_the_robot_file(tm
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
-        ("", "the header must be"),
+        ("", "is empty. A joint table has a header"),
         ("a,b\n1,2\n", "the header must be joint_1,joint_2 with 2 joints, got 'a,b'"),
         ("joint_1,joint_2\n1,2\n1,2\n", "at least 3 rows"),
         ("joint_1,joint_2\n1,2\n3\n1,2\n", ":3: needs 2 numbers, got 1"),

@@ -16,5 +16,7 @@ def mujoco_module() -> ModuleType:
     try:
         import mujoco
     except ImportError:
-        raise InputError("the arena needs the package `mujoco`, which is missing: pip install mujoco") from None
+        raise InputError(
+            "the arena needs the package `mujoco`, which is missing: pip install mujoco (as the extra `arena` does)."
+        ) from None
     return mujoco

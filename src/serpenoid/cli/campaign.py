@@ -5,6 +5,9 @@
     serpenoid campaign add my-campaign trials/gait01-1 ~/Motive/take-17.csv
     serpenoid measure my-campaign
 
+    serpenoid new campaign my-worm --film worm-1.csv --format sleap --frames-per-second 30
+    serpenoid campaign add my-worm worm-2.csv                   # of an animal there is no log
+
 `add` copies what `play` recorded and the cameras' file into the campaign and appends a [[trial]] section; a trial with
 the joint table of an earlier one becomes its repeat. Nothing is changed where the motion file cannot be read.
 """
@@ -23,16 +26,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     plain = argparse.RawDescriptionHelpFormatter
     add = actions.add_parser(
-        "add", help="a log of `play` and a motion file", description=__doc__, formatter_class=plain
+        "add", help="a log of `play` and a motion file, or an animal's film", description=__doc__, formatter_class=plain
     )
     add.add_argument("campaign", type=Path, metavar="CAMPAIGN", help="campaign folder")
-    add.add_argument("log", type=Path, metavar="LOG", help="folder that `serpenoid play --log` wrote")
+    log_help = "folder that `serpenoid play --log` wrote; of an animal left out"
+    add.add_argument("log", type=Path, nargs="?", metavar="LOG", help=log_help)
     add.add_argument("motion", type=Path, metavar="MOTION", help="the cameras' file of that trial")
-    add.add_argument("--name", metavar="NAME", help="of the trial (default: the log folder's)")
+    add.add_argument("--name", metavar="NAME", help="of the trial (default: the log folder's, or the film's)")
     add.add_argument(
         "--gait", metavar="LABEL", help="default: that of a trial with the same joint table, else the name"
     )
     add.add_argument("--format", metavar="FORMAT", help="of this motion file, if not the campaign's")
+    add.add_argument("--individual", metavar="NAME", help="whose points, where the film shows several animals")
     add.add_argument("--from", dest="from_s", type=float, metavar="S", help="use the motion file from here")
     add.add_argument("--to", dest="to_s", type=float, metavar="S", help="... to here")
     add.add_argument("--anyway", action="store_true", help="also a trial that was not played as asked")
@@ -43,7 +48,8 @@ def run(args: argparse.Namespace) -> int:
     """Add, say what to do next."""
     from serpenoid.scaffold.add import NewTrial, add_trial
 
-    keys = tuple((key, getattr(args, key)) for key in ("format", "from_s", "to_s") if getattr(args, key) is not None)
+    given = ((key, getattr(args, key)) for key in ("format", "individual", "from_s", "to_s"))
+    keys = tuple((key, value) for key, value in given if value is not None)
     name = add_trial(args.campaign, NewTrial(args.log, args.motion, args.name, args.gait, keys, args.anyway))
     text = f"trial `{name}` added to {args.campaign}. Next: serpenoid measure {shlex.quote(str(args.campaign))}"
     options.report(args, {"campaign": str(args.campaign), "trial": name}, [text])

@@ -1,4 +1,4 @@
-"""What `measure`, `fit` and `compare` share: the campaign argument, its progress, the model it is compared with."""
+"""What `measure`, `fit`, `compare` and `diagnose` share: the campaign argument, its progress, its results folder."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ def refuse_elements(args: argparse.Namespace, campaign: Campaign) -> None:
         raise InputError("--dissipation: drag acts all along an animal's body, at no vertices or edges. Leave it out.")
 
 
-def folder(args: argparse.Namespace, verb: str, *extra: Any) -> Path:
-    """--out, or results/<campaign>/<verb>-<hash>."""
+def folder(args: argparse.Namespace, campaign: str, verb: str, *extra: Any) -> Path:
+    """--out, or results/<campaign>/<verb>-<hash>: of the campaign's content, and of what else the answer depends on."""
     from serpenoid.files.writing import short_hash
 
-    key = short_hash(content_of_campaign(args.campaign), *extra)
-    return options.output_folder(args, Path("results") / name_of(args.campaign) / f"{verb}-{key}", key)
+    key = short_hash(content_of_campaign(campaign), *extra)
+    return options.output_folder(args, Path("results") / name_of(campaign) / f"{verb}-{key}", key)
 
 
 def name_of(campaign: str) -> str:

@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
 
     campaign = campaigns.read(args)
     campaigns.refuse_elements(args, campaign)
-    folder = campaigns.folder(args, "compare", args.anisotropy_ratio, args.dissipation)
+    folder = campaigns.folder(args, args.campaign, "compare", args.anisotropy_ratio, args.dissipation)
     model, origin = compared_model(campaign, args.anisotropy_ratio, args.dissipation)
     with options.progress_bar(args, "comparing", len(campaign.trials)) as advance:
         study = compare_campaign(campaign, model, lambda done, total, name: advance(done, name))

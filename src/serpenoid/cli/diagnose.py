@@ -55,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     pieces = "of one campaign: pieces of its work; of several: campaigns"
     options.add_workers(parser, pieces, os.cpu_count() or 1, tasks="campaigns, each one task,")
-    options.add_output(parser, "results/<campaign>/diagnosis")
+    options.add_output(parser, "results/<campaign>/diagnosis-<hash>; of several: results/diagnoses-<hash>")
 
 
 def run(args: argparse.Namespace) -> int:

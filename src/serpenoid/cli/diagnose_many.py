@@ -17,7 +17,7 @@ from typing import Any
 from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import content_of, content_of_campaign, sign
 from serpenoid.errors import InputError
-from serpenoid.files.writing import write_csv, write_json
+from serpenoid.files.writing import short_hash, write_csv, write_json
 from serpenoid.version import __version__
 
 RECEIPT = "inputs.json"  # what a diagnosis was made from
@@ -34,7 +34,8 @@ def run_many(args: argparse.Namespace) -> int:
     names = [campaigns.name_of(c) for c in args.campaign]
     model = content_of(Path(args.model)) if args.model else None
     earlier = content_of_campaign(args.reference) if args.reference else None
-    folder = options.output_folder(args, Path("results") / "diagnoses", names, model, earlier, sorted(args.without))
+    key = short_hash(names, model, earlier, sorted(args.without))
+    folder = options.output_folder(args, Path("results") / f"diagnoses-{key}", key)
     if len(set(names)) < len(names):
         raise InputError("two of the campaigns have the same name and would write to the same folder: name each once.")
     asked = {key: value for key, value in vars(args).items() if key not in ("run", "held", "requests")}

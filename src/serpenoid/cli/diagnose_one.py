@@ -52,9 +52,9 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
 
     wanted = [*([args.reference] if args.reference else []), campaign]
     sizes = [len(load_campaign_file(c)[0].trial) for c in wanted]
-    default = Path("results") / campaigns.name_of(campaign) / "diagnosis"
-    key = [content_of_campaign(c) for c in wanted], content_of(*([Path(args.model)] if args.model else []))
-    folder = options.output_folder(args, default, *key, sorted(args.without))
+    model = content_of(*([Path(args.model)] if args.model else []))
+    reference = content_of_campaign(args.reference) if args.reference else None
+    folder = campaigns.folder(args, campaign, "diagnosis", reference, model, sorted(args.without))
     kind = "animal" if load_campaign_file(campaign)[0].tracked_only else "robot"
     work = Work(kind, sizes, not args.no_figures)
     with options.progress_bar(args, "diagnosing", 1.0, work.left) as advance, Beside(prepare) as artist:

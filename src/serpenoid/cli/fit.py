@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     campaigns.refuse_elements(args, campaign)
     model = neutral_model(campaign, args.anisotropy_ratio, args.dissipation)
     start_values(names, model)
-    folder = campaigns.folder(args, "fit", names, model.medium.model_dump())
+    folder = campaigns.folder(args, args.campaign, "fit", names, model.medium.model_dump())
     with options.progress_bar(args, "fitting", len(campaign.trials) + 1) as advance:
         calibration = calibrate(campaign, model, names, lambda done, total, name: advance(done, name))
         advance(len(campaign.trials) + 1)

@@ -66,6 +66,15 @@ def build_parser(*complete: str | None) -> argparse.ArgumentParser:
     return parser
 
 
+def _meant(parser: argparse.ArgumentParser, args: argparse.Namespace) -> argparse.ArgumentParser:
+    """The parser of the verb, and of its action: their usage says what can be written, the program's does not."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            below: argparse.ArgumentParser = action.choices[getattr(args, action.dest)]
+            return _meant(below, args)
+    return parser
+
+
 def _add_logging(parser: argparse.ArgumentParser) -> None:
     """-v and --log-file after the verb, and after each of its actions: what neither says is the verb's default."""
     parser.add_argument(
@@ -90,7 +99,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         close = difflib.get_close_matches(verb, VERBS, n=1)
         hint = f"Did you mean `{close[0]}`?" if close else f"Verbs: {', '.join(VERBS)}."
         build_parser().error(f"argument VERB: there is no verb `{verb}`. {hint}")
-    args = build_parser(verb).parse_args(words)
+    parser = build_parser(verb)
+    args, unknown = parser.parse_known_args(words)
+    if unknown:
+        _meant(parser, args).error(f"unrecognized arguments: {' '.join(unknown)}")
     try:
         logging = log.begin(args, words)
     except InputError as error:

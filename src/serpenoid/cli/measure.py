@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.files.writing import provenance, write_json
 
     campaign = campaigns.read(args)
-    folder = campaigns.folder(args, "measure")
+    folder = campaigns.folder(args, args.campaign, "measure")
     record = campaign_record(campaign) | {"provenance": provenance(campaign=campaign.file.name)}
     sign(args)
     write_json(folder / "campaign.json", record)

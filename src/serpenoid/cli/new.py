@@ -4,6 +4,7 @@
     serpenoid new robot servos.toml --problem my-robot.toml
     serpenoid new protocol protocol.toml --problem my-robot.toml      # for the virtual laboratory
     serpenoid new campaign my-campaign --problem my-robot.toml        # then: serpenoid campaign add ...
+    serpenoid new campaign my-worm --film worm.csv --format sleap --kind crawler --frames-per-second 30
 
 --yes asks nothing and takes the defaults. No file is overwritten.
 """
@@ -56,10 +57,12 @@ def run(args: argparse.Namespace) -> int:
     assumed = []
     for question in template.questions:
         given = getattr(args, question.name.replace("-", "_"))
-        said = bool(answers.get(question.unless))
+        said, idle = bool(answers.get(question.unless)), bool(question.only) and not answers.get(question.only)
         if said and given is not None:
             raise InputError(f"--{question.name}: --{question.unless} says it already. Leave one of them out.")
-        wanted = given is None and not said
+        if idle and given is not None:
+            raise InputError(f"--{question.name}: is for --{question.only} alone. Give that, too.")
+        wanted = given is None and not said and not idle
         if wanted and talks:
             answers[question.name] = _ask(question)
             continue

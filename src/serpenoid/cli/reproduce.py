@@ -31,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Find, play, compare, write."""
+    from serpenoid.arena import mujoco_module
     from serpenoid.arena.campaign import run_campaign
     from serpenoid.compare.plain import refuse_effects
     from serpenoid.compare.study import compare_campaign
@@ -44,6 +45,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("--gaits and --trials need a positive number.")
     problem = load(args.problem or examples() / "snake10.toml", args.set)
     refuse_effects(problem.model)
+    mujoco_module()  # or the gaits would be found first
     folder = options.output_folder(args, Path("results/reproduce"), problem.hash, args.gaits, args.trials, args.seed)
     sign(args)
     with options.progress_bar(args, "gaits", args.gaits) as advance:

@@ -1,7 +1,7 @@
 """Say what is in a results folder, in words, and name its pictures.
 
 serpenoid show results/snake10/solve-1a2b3c4d
-serpenoid show results/foam/diagnosis --open
+serpenoid show results/foam/diagnosis-1a2b3c4d --open
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from serpenoid.cli import options
 from serpenoid.cli.claim import REQUEST
 from serpenoid.cli.goals import dissipation_name, goal_lines
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
-from serpenoid.files.inputs import csv_rows, read_text
+from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import counted
 
@@ -65,7 +65,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _others(folder: Path) -> str:
-    """What else may have been meant: TOML files here, or a folder within."""
+    """What else may have been meant: a folder within, or TOML files here."""
+    within = sorted(path for path in folder.iterdir() if any((path / name).exists() for name in RECORDS))
+    if within:
+        return f" Name a folder within: {', '.join(map(str, within[:8]))}{', ...' if len(within) > 8 else ''}."
     files = sorted(path.name for path in folder.glob("*.toml"))
     few = ", ".join(files[:3]) + (", ..." if len(files) > 3 else "")
     return f" Name a folder within{f', or `serpenoid measure` one of {few}' if files else ''}?"
@@ -171,10 +174,28 @@ def _in_use_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
     return lines(record)
 
 
-def _play_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
+def _play_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     played = f"{record['cycles']} cycle(s) of {record['cycle_duration_s']:g} s, pauses of {record['pause_s']:g} s"
     off = "torque is off on every servo" if record["torque_off"] else "TORQUE MAY STILL BE ON: serpenoid robot off"
-    return [f"played on {record['robot']}: {record['status']} ({record['reason']})", played, off]
+    return [
+        f"played on {record['robot']}: {record['status']} ({record['reason']})",
+        played,
+        *_reached(folder, record),
+        off,
+    ]
+
+
+def _reached(folder: Path, record: dict[str, Any]) -> list[str]:
+    """Where the servo log of a trial that was not played to its end breaks off; its last row may be cut."""
+    log = folder / "servo.csv"
+    if record["status"] in ("done", "strayed") or not log.exists():
+        return []
+    rows = [line.split(",") for line in read_text(log, RECORDING_BYTES).splitlines()]
+    whole = [dict(zip(rows[0], row, strict=True)) for row in rows[1:] if len(row) == len(rows[0])]
+    last = whole[-1] if whole else {"phase": "approach"}
+    if last["phase"] == "approach":
+        return ["it ended before the first row was reached"]
+    return [f"it ended in cycle {int(last['cycle']) + 1} of {record['cycles']}, after step {last['step']}"]
 
 
 def _campaign_lines(folder: Path) -> list[str]:

@@ -33,7 +33,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     options.add_set(parser)
     parser.add_argument("--c", default="0:2.5:26", metavar="A:B:N", help="values of c (default 0:2.5:26)")
     parser.add_argument(
-        "--starts", type=options.positive, default=4, metavar="N", help="starts at each end (default 4)"
+        "--starts",
+        type=options.positive,
+        default=4,
+        metavar="N",
+        help="random starts at the first and at the last c (default 4: every optimum they find is followed through all "
+        "values, so that few do; with more a rarer branch may be found)",
     )
     parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--no-polish", action="store_true", help="leave out the derivative-free check of every point")

@@ -7,7 +7,8 @@
 S is block tridiagonal: a row's noise enters the step before it and the step after it, pose and shape together, and the
 sums telescope. Taking G and J at z~ and not at z^ keeps two second-order effects out: products of shape noise (a random
 walk of its own once integrated) and noise in J (errors in variables, which would pull theta towards zero). z~ may be
-off: e^ is wrong only by the square of its error. Source: Britt & Luecke, Technometrics 15, 1973; docs/measuring.md.
+off: e^ is wrong only by the square of its error. Source: Britt & Luecke, Technometrics 15, 1973;
+docs/measuring-method.md.
 
 Legend: R rows, S = R - 1 steps, m joints, P fitted parameters, q = 3 + m.
 """

@@ -13,8 +13,8 @@ TAKEN_BY = {
     "campaign": "`serpenoid measure FILE` takes it",
 }
 BY_SUFFIX = {
-    ".csv": "a table: recordings are named in a campaign (`serpenoid new campaign`), joint tables are played "
-    "(`serpenoid play`)",
+    ".csv": "a table: recordings are named in a campaign (`serpenoid new campaign`, of an animal with --film), joint "
+    "tables are played (`serpenoid play`)",
     ".json": "a record: `serpenoid show` takes the folder it is in",
     ".h5": "a recording: name it in a campaign (`serpenoid new campaign`)",
     ".npz": "a recording: name it in a campaign (`serpenoid new campaign`)",

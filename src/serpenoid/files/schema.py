@@ -113,6 +113,7 @@ R = TypeVar("R", bound=Record)
 CLOSE = 3 / 4  # of the letters: one wrong in a word of four
 MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
 NO_SECTION = ("model_type", "model_attributes_type")  # pydantic's words for something else in a section's place
+TINY = 1e-6  # a bound below it means: more than nothing
 MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
 
 
@@ -217,6 +218,8 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     if fault["type"] == "too_long":
         return f"{place}: takes {fault['ctx']['max_length']} entries at most, got {len(fault['input'])}."
     message = fault["msg"].removeprefix("Value error, ").removesuffix(".").replace("a valid tuple", "a list")
+    if fault["type"] == "greater_than_equal" and fault["input"] <= 0 < fault["ctx"]["ge"] < TINY:
+        message = "must be above 0"  # what keeps sums and ratios finite is no rule to tell of a sign
     if not place:
         return f"{message}."
     rule, _, remedy = message.partition("; ")

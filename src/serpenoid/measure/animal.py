@@ -18,7 +18,7 @@ from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
 
 SHORT = 2.0  # periods: under that, nothing shows what one beat has of its own
-LEAST_EDGES = 5.0  # a wave: docs/measuring.md has what K comes out as with fewer
+LEAST_EDGES = 5.0  # a wave: docs/measuring-method.md has what K comes out as with fewer
 LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
 SLOWEST = 2.0  # seconds between frames: of an animal that moves slower films are asked about their clock
 FINER = {'milliseconds (`time_unit = "ms"`)': 1e-3, 'microseconds (`time_unit = "us"`)': 1e-6}

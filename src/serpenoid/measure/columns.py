@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
+from math import pi
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -15,6 +16,8 @@ from serpenoid.files.schema import Line, Record
 Names = Annotated[Line | tuple[Line, ...], Field(union_mode="left_to_right")]
 TimeUnit = Literal["s", "ms", "us", "ns"]
 AngleUnit = Literal["rad", "deg", "ticks"]
+TURN = 4096.0  # ticks of a Dynamixel X servo
+RADIANS: dict[str, float] = {"rad": 1.0, "deg": pi / 180, "ticks": 2 * pi / TURN}
 SECONDS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 IN_BRACKETS = re.compile(r"[\[(]\s*([^\W\d]{1,3}|\N{DEGREE SIGN})\s*[\])]")
 SPELT = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{DEGREE SIGN}": "deg"})
@@ -49,6 +52,15 @@ class ServoKeys(Record):
     columns: ServoColumns = ServoColumns()
     time_unit: TimeUnit = "s"
     angle_unit: AngleUnit = "rad"
+    ticks_per_turn: Annotated[float, Field(gt=0, le=1e9)] = Field(default=TURN, description="of `ticks`; AX: 1228.8")
+    zero_ticks: Annotated[float, Field(ge=0, le=1e9)] = Field(default=TURN / 2, description="straight; AX: 512")
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """What is straight, in the log's unit, and one of it [rad]."""
+        if self.angle_unit == "ticks":
+            return self.zero_ticks, 2 * pi / self.ticks_per_turn
+        return 0.0, RADIANS[self.angle_unit]
 
 
 def numbered(header: Sequence[str], wanted: str | Sequence[str], role: str, path: Path) -> list[str]:

@@ -11,15 +11,25 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
-from serpenoid.measure.columns import SECONDS, ServoColumns, ServoKeys, find_column, numbered, refuse_other_unit, shown
+from serpenoid.measure.columns import (
+    RADIANS,
+    SECONDS,
+    ServoColumns,
+    ServoKeys,
+    find_column,
+    numbered,
+    refuse_other_unit,
+    shown,
+)
 
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
 LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
 EXTRA = ("voltage", "load", "temperature", "error")
 READ_AS_WRITTEN = ServoKeys()
-TICK = 2 * np.pi / 4096  # rad: the step of a servo's reading
-ANGLES = {"rad": (0.0, 1.0), "deg": (0.0, np.pi / 180), "ticks": (2048.0, TICK)}  # what is straight, and one [rad]
+TICK = RADIANS["ticks"]  # rad: the step of a servo's reading
+TEN_BITS = 1023  # ticks: the last of an AX servo
+AX = "servos that count 1024 ticks in 300 degrees (AX): `ticks_per_turn = 1228.8` and `zero_ticks = 512` in [servo_log]"
 OWN_NAMES = (
     'Own names and units: [servo_log] with `columns = { time = "millis", position = "angle_*" }`, '
     '`time_unit = "ms"`, `angle_unit = "deg"` (docs/your-csv.md).'
@@ -93,7 +103,7 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
                 f"one `{role}` is needed for every joint."
             )
     refuse_other_unit([own.time], keys.time_unit, SECONDS, "time_unit", path)
-    refuse_other_unit([*position, *groups["command"]], keys.angle_unit, ANGLES, "angle_unit", path)
+    refuse_other_unit([*position, *groups["command"]], keys.angle_unit, RADIANS, "angle_unit", path)
     single = [name for name in (own.cycle, own.step) if name in header]
     called = list(dict.fromkeys([own.time, *single, *(name for names in groups.values() for name in names)]))
     data = block(rows, 1, [find_column(header, name, name, path) for name in called], called, path)
@@ -102,7 +112,8 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
     increasing_times(column[own.time][once], 1 + once, header.index(own.time), path, own.time)
     times = column[own.time] * SECONDS[keys.time_unit]
     read = {role: np.stack([column[name] for name in names], axis=1) for role, names in groups.items() if names}
-    straight, one = ANGLES[keys.angle_unit]
+    _refuse_ten_bits(read["position"], keys, path)
+    straight, one = keys.scale
     angles = {role: (read[role] - straight) * one for role in ("position", "command") if role in read}
     for role, values in angles.items():
         _check_turn(values, read[role], groups[role], keys.angle_unit, header, path)
@@ -217,13 +228,21 @@ def _refuse_spike(power: Floats, path: Path, header: list[str]) -> None:
         )
 
 
+def _refuse_ten_bits(read: Floats, keys: ServoKeys, path: Path) -> None:
+    """Ticks (R, m) that never leave the first quarter of a turn in any joint: all were bent by 90 degrees and more."""
+    said = {"ticks_per_turn", "zero_ticks"} & keys.model_fields_set
+    if keys.angle_unit == "ticks" and not said and np.nanmax(read, initial=-np.inf) <= TEN_BITS:
+        raise InputError(f"{path}: no position is above {TEN_BITS} ticks, where 2048 is straight. Are these of {AX}?")
+
+
 def _check_turn(angles: Floats, read: Floats, called: list[str], unit: str, header: list[str], path: Path) -> None:
     """Angles (R, m) [rad], read (R, m) in `unit`, are within a turn."""
     beyond = np.argwhere(np.abs(angles) > LIMIT_RAD)
     if beyond.size:
         row, joint = (int(i) for i in beyond[0])
         label = called[joint]
-        others = {"deg": "degrees", "ticks": "a servo's ticks (4096 a turn, 2048 is straight)", "rad": "radians"}
+        ticks = "a servo's ticks (4096 a turn, 2048 is straight; others: `ticks_per_turn`, `zero_ticks`)"
+        others = {"deg": "degrees", "ticks": ticks, "rad": "radians"}
         cures = [f'in {words} `angle_unit = "{other}"`' for other, words in others.items() if other != unit]
         raise InputError(
             f"{place(path, row + 1, header.index(label), label)}: joint angles are within a turn, got "

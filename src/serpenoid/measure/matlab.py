@@ -9,10 +9,18 @@ from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.child import read_in_child
 
+OF_IDTRACKER = (
+    "Trajectories of idtracker and idtracker.ai are one point an animal: where it is, and not how it bends. That takes "
+    "points along its body."
+)
+
 
 def read_mat(path: Path) -> dict[str, Floats]:
     """The arrays of a .mat that are read, which must be numbers."""
     data = read_bytes(path, RECORDING_BYTES)
-    if data.startswith(b"MATLAB 7.3"):
-        raise InputError(f"{path}: is saved in MATLAB's format 7.3. Save it by `save(..., '-v7')`.")
+    if data.startswith((b"MATLAB 7.3", b"\x89HDF")):
+        raise InputError(
+            f"{path}: is saved in MATLAB's format 7.3 (HDF5). In MATLAB: `load {path.name}`, then "
+            f"`save('{path.name}', 't_s', 'points', '-v7')`. {OF_IDTRACKER}"
+        )
     return read_in_child("MATLAB", path, len(data))

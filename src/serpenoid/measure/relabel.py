@@ -7,6 +7,7 @@ edge lengths and whose path it continues; what matches nothing is left out and r
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +43,7 @@ def label_vertices(
     if markers is not None and not any(name in tracks.names for name in named) and not any(tracks.unlabelled):
         raise InputError(
             f"{tracks.source}: none of the campaign's `markers` is in it; it has {', '.join(tracks.names[:8])}."
+            f"{_subjects(tracks.names, named)}"
         )
     others = tuple(n for m, n in enumerate(tracks.names) if n not in named and not tracks.unlabelled[m])
     _refuse_misspelt(tracks, named, others)
@@ -64,7 +66,18 @@ def _refuse_misspelt(tracks: Tracks, named: tuple[str, ...], others: tuple[str, 
     raise InputError(
         f"{tracks.source}: `markers` in [motion] names {', '.join(f'`{name}`' for name in missing)}, not in this file, "
         f"which has {', '.join(f'`{name}`' for name in others[:8])} for no vertex.{hint}"
+        f"{_subjects(others, named)}"
     )
+
+
+def _subjects(names: Sequence[str], wanted: Sequence[str]) -> str:
+    """Which subjects a file's markers are of, where other ones are wanted: names are SUBJECT:MARKER."""
+    there, asked = ({name.partition(":")[0] for name in group if ":" in name} for group in (names, wanted))
+    if not there or asked & there:
+        return ""
+    mine = ", ".join(f"`{subject}:`" for subject in sorted(there))
+    theirs = ", ".join(f"`{subject}:`" for subject in sorted(asked)) or "no subject"
+    return f" Its names begin with {mine}, those of `markers` with {theirs}."
 
 
 def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:

@@ -20,7 +20,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.individuals import chosen
-from serpenoid.measure.matlab import read_mat
+from serpenoid.measure.matlab import OF_IDTRACKER, read_mat
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, upright
 
@@ -161,7 +161,8 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
     points = arrays.get("points")
     if points is None or points.ndim != 3 or points.shape[2] != 2:
         raise InputError(
-            f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays) or 'neither'}."
+            f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays) or 'neither'}. "
+            f"{OF_IDTRACKER}"
         )
     if "t_s" in arrays:
         times = arrays["t_s"].ravel()
@@ -183,7 +184,8 @@ def read_npz(path: Path) -> dict[str, Floats]:
     except FileNotFoundError:
         raise InputError(f"{path}: no such file.") from None
     except (OSError, ValueError, TypeError, AttributeError, EOFError, KeyError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: not a readable file of NumPy's numbers: {error}.") from None
+        pickled = f" {OF_IDTRACKER}" if "pickle" in str(error) else ""
+        raise InputError(f"{path}: not a readable file of NumPy's numbers: {error}.{pickled}") from None
 
 
 def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:

@@ -237,6 +237,16 @@ def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
         never = np.flatnonzero(~np.isfinite(together).any(axis=0))
         if len(never):
             labels = next(files for files in read if files.labelled is not None).names(body)
+            seen = {
+                k for files in read if files.labelled is not None for k in ever_seen(files.labelled.vertices).tolist()
+            }
+            if unseen := [f"`{label}`" for k, label in enumerate(labels) if k not in seen]:
+                are = "is" if len(unseen) == 1 else "are"
+                raise InputError(
+                    f"[body] has no lengths, and {', '.join(unseen)} {are} never seen, in no frame of any recording. "
+                    f"{UNSEEN} Of an animal, leave such points out: name the others as `markers`, and count `vertices` "
+                    "again."
+                )
             pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
             raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
         body = body.changed(edge_lengths=tuple(_medians(together).tolist()))

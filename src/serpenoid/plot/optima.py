@@ -49,8 +49,9 @@ def strip(costs: Floats, optimum: np.ndarray, ax: Axes) -> Axes:
         ax.plot(starts[~ok & known], costs[~ok & known], "x", label=f"failed ({(~ok).sum()})", **cross)
         ax.plot(starts[~known], np.ones((~known).sum()), "x", transform=ax.get_xaxis_transform(), **cross)
     if known.any() and np.ptp(costs[known]) < 1e-6:  # one optimum: do not magnify rounding errors into a pattern
-        ax.set_ylim(costs[known].max() - 0.05, costs[known].max() + 0.05)
-        ax.set_yticks([])
+        level = float(costs[known].max())
+        ax.set_ylim(level - 0.05, level + 0.05)
+        ax.set_yticks([level], [f"{level:.4g}".replace("-", "−")])
     ax.set_xlim(0.4, costs.size + 0.6)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     count = int(optimum.max(initial=-1)) + 1

@@ -24,6 +24,7 @@ STILL_TICKS = 3  # over a whole cycle: the shaft did not move
 WHOLE = 0.9  # of a cycle between the first and the last of its readings
 READINGS = 3  # running: a joint that catches on the floor for a moment is not stuck
 SLOWER = 1.5  # each time the gait is slowed down
+UNSEEN_DEG = 0.05  # what reads 0.0
 SLOWEST = 4.0  # times its duration; a joint that is still too far off is not slow but stuck
 
 Ticks = NDArray[np.int64]
@@ -95,10 +96,10 @@ class Tracking:
     def sentence(self) -> str:
         """For the summary."""
         joint = int((self.worst - self._limits).argmax())
-        limit = f"the limit is {self._limits[joint]:g}"
-        worst = (
-            f"largest error beyond the lag {self.worst[joint]:.1f} degrees, {self._robot.joint_label(joint)} ({limit})"
-        )
+        label, limit = self._robot.joint_label(joint), f"the limit is {self._limits[joint]:g}"
+        worst = f"largest error beyond the lag {self.worst[joint]:.1f} degrees, {label} ({limit})"
+        if self.worst.max() < UNSEEN_DEG:
+            worst = f"no joint differs from its command beyond the lag ({limit} degrees)"
         return worst + (f"; slowed down {self.stretch:.2g} times" if self.stretch > 1 else "")
 
     def summary(self) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""`serpenoid campaign add`: what `play` recorded and what the cameras saw become a trial of a campaign."""
+"""`serpenoid campaign add`: what `play` recorded (of an animal nothing) and what the cameras saw become a trial."""
 
 from __future__ import annotations
 
@@ -24,9 +24,10 @@ FILES = {"servo_log": "servo.csv", "power_log": "power.csv", "joint_table": "joi
 
 @dataclass(frozen=True)
 class NewTrial:
-    """What is added: `log` a folder that `play` wrote, `motion` the cameras' file; other keys as in `[[trial]]`."""
+    """What is added: `log` a folder that `play` wrote (of an animal none), `motion` the cameras' file; other keys as in
+    `[[trial]]`."""
 
-    log: Path
+    log: Path | None
     motion: Path
     name: str | None = None
     gait: str | None = None
@@ -41,9 +42,10 @@ def add_trial(campaign: Path, new: NewTrial) -> str:
     entry = _entry(known, folder, new)
     target = folder / entry["name"]
     place = {key: f"{entry['name']}/{source.name}" for key, source in _sources(new).items()}
-    text = _without_example(file.read_text(encoding="utf-8")).rstrip() + "\n\n" + _section(entry | place)
+    ended = entry.pop("ended", None)
+    text = _without_example(file.read_text(encoding="utf-8")).rstrip() + "\n\n" + _section(entry | place, ended)
     made = not target.exists()
-    if not made and target.resolve() != new.log.resolve():
+    if not made and (new.log is None or target.resolve() != new.log.resolve()):
         raise InputError(f"{target}: is there already. Give another --name.")
     target.mkdir(exist_ok=True)
     try:
@@ -58,12 +60,13 @@ def add_trial(campaign: Path, new: NewTrial) -> str:
 
 
 def _sources(new: NewTrial) -> dict[str, Path]:
-    there = {key: new.log / name for key, name in FILES.items() if (new.log / name).is_file()}
+    log = new.log
+    there = {} if log is None else {key: log / name for key, name in FILES.items() if (log / name).is_file()}
     return there | {"motion": new.motion}
 
 
 def _copy(target: Path, new: NewTrial) -> None:
-    for source in (*_sources(new).values(), new.log / "play.json"):
+    for source in (*_sources(new).values(), *([] if new.log is None else [new.log / "play.json"])):
         if source.resolve() != (target / source.name).resolve():
             shutil.copyfile(source, target / source.name)
 
@@ -75,9 +78,13 @@ def _check(text: str, file: Path, name: str, folder: Path) -> None:
 
 
 def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
-    """The trial's schedule from what `play` wrote; raises InputError where it was not played as asked."""
-    played = _played(new)
-    name = new.name or new.log.resolve().name
+    """The trial's schedule from what `play` wrote, and under `ended` how it ended where that is not as asked."""
+    if new.log is None and not known.tracked_only:
+        raise InputError(
+            "LOG is missing: a robot's trial is what `serpenoid play --log` recorded, and its film. Name both."
+        )
+    played = {} if new.log is None else _played(new.log, new.anyway)
+    name = new.name or (new.motion.stem if new.log is None else new.log.resolve().name)
     try:
         plain_name(name)
     except ValueError as error:
@@ -86,29 +93,30 @@ def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
         raise InputError(f"the campaign has a trial `{name}` already. Give another --name.")
     if not new.motion.is_file():
         raise InputError(f"{new.motion}: no such motion file.")
-    schedule = {key: played[key] for key in ("cycle_duration_s", "cycles", "pause_s")}
-    gait = new.gait or _same_gait(known, folder, new) or name
-    return {"name": name, "gait": gait, **schedule, **dict(new.keys)}
+    schedule: dict[str, Any] = {k: played[k] for k in ("cycle_duration_s", "cycles", "pause_s", "ended") if k in played}
+    gait = new.gait if new.log is None else new.gait or _same_gait(known, folder, new.log) or name
+    return {"name": name, **({} if gait is None else {"gait": gait}), **schedule, **dict(new.keys)}
 
 
-def _played(new: NewTrial) -> dict[str, Any]:
-    path = new.log / "play.json"
+def _played(log: Path, anyway: bool) -> dict[str, Any]:
+    path = log / "play.json"
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
         _refuse_transient(path, record)
-        trial = read_toml(new.log / "trial.toml")["trial"][0]
+        trial = read_toml(log / "trial.toml")["trial"][0]
     except FileNotFoundError:
         raise InputError(f"{path}: no such file. Name a folder that `serpenoid play --log` wrote.") from None
     except InputError:
         raise
     except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
-        raise InputError(f"{new.log}: is no recording of `serpenoid play` ({error}).") from None
-    status = record.get("status") if isinstance(record, dict) else None
-    if status != "done" and not new.anyway:
-        reason = str(record.get("reason", "")) if isinstance(record, dict) else ""
+        raise InputError(f"{log}: is no recording of `serpenoid play` ({error}).") from None
+    status, reason = (record.get("status"), record.get("reason", "")) if isinstance(record, dict) else (None, "")
+    if status == "done":
+        return dict(trial)
+    if not anyway:
         remedy = "Play it again, or take it --anyway."
         raise InputError(f"{path}: this trial was not played as asked ({status}: {reason}). {remedy}")
-    return dict(trial)
+    return dict(trial) | {"ended": " ".join(f"{status}: {reason}".split())}
 
 
 def _refuse_transient(path: Path, record: Any) -> None:
@@ -117,9 +125,9 @@ def _refuse_transient(path: Path, record: Any) -> None:
         raise InputError(f"{path}: this trial is a transient, and trials of a campaign play closed tables. {remedy}")
 
 
-def _same_gait(known: CampaignFile, folder: Path, new: NewTrial) -> str | None:
+def _same_gait(known: CampaignFile, folder: Path, log: Path) -> str | None:
     """The label of a trial with the same joint table, to the tick."""
-    mine = read_table(new.log / "joint_table.csv")
+    mine = read_table(log / "joint_table.csv")
     for trial in known.trial:
         if trial.gait is not None and trial.joint_table is not None and trial.name != "example":
             theirs = read_table(folder / trial.joint_table)
@@ -133,6 +141,6 @@ def _without_example(text: str) -> str:
     return text if begin < 0 or end < begin else text[:begin] + text[end + len(END) :].lstrip("\n")
 
 
-def _section(entry: dict[str, Any]) -> str:
+def _section(entry: dict[str, Any], ended: str | None) -> str:
     lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in entry.items()]
-    return "\n".join(["[[trial]]", *lines]) + "\n"
+    return "\n".join([*([f"# {ended}"] if ended else []), "[[trial]]", *lines]) + "\n"

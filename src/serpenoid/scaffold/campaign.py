@@ -14,6 +14,7 @@ from serpenoid.files.writing import examples, write_csv, write_text
 from serpenoid.measure.readers import NAMES, READERS
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
+from serpenoid.scaffold.film import FILM, OF_A_FILM, campaign_of
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of
 from serpenoid.table_file import write_table
@@ -25,6 +26,13 @@ USUAL_KIND = "wheeled robot"
 CYCLES, PAUSE_S, LEAD_S = 2, 1.0, 1.0
 NOISE_M = 2e-4  # of good cameras
 STEP_S = 5e-3  # four in a frame of the film
+PLAYED = (
+    "play RESULTS --robot ROBOT.toml --cycles 3 --pause 2 --log trials/first",
+    "campaign add {0} trials/first MOTION-FILE",
+    "measure {0} ; serpenoid compare {0}",
+    "diagnose {0} --model PROBLEM.toml",
+)
+FILMED = ("campaign add {0} TRACK-FILE", "measure {0} ; serpenoid fit {0}", "diagnose {0}")
 UNITS = {
     "m": ['length_unit = "m"            # for formats that do not say: m, cm, mm, um, px, bl'],
     "px": ['length_unit = "px"', "# metres_per_pixel = 0.0005   # of your camera: what follows is then in metres"],
@@ -32,19 +40,30 @@ UNITS = {
 
 
 QUESTIONS = (
+    FILM,
     Question(
         "problem",
         "Problem file of the robot or animal (empty: the paper's robot; of a tracker of animals, one as long)",
         "",
         existing,
+        unless="film",
     ),
     Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", one_of(*NAMES)),
-    Question("frames-per-second", "Frames per second of the cameras", "120", number(0, 1e5)),
+    Question(
+        "frames-per-second", "Frames per second of the cameras, where their files do not say", "120", number(0, 1e5)
+    ),
+    *OF_A_FILM,
 )
 
 
 def write(path: Path, answers: Answers) -> str:
-    """Write campaign.toml (or the named file) with the example's files; returns a command to begin with."""
+    """Write campaign.toml (or the named file) with the film or the example's files; returns what to begin with."""
+    folder = path.parent
+    begin = f"serpenoid measure {shlex.quote(str(folder))}"
+    if answers["film"]:
+        name, sections = folder.absolute().name, campaign_of(answers, folder)
+        write_text(path, "\n".join([*_head(write_schema(folder, "campaign"), name, FILMED), *sections]))
+        return begin
     from serpenoid.lifting import flat_only
     from serpenoid.model import Model
     from serpenoid.problem import load
@@ -55,7 +74,7 @@ def write(path: Path, answers: Answers) -> str:
     flat_only(problem.lift, problem.name)
     assumed = not answers["problem"] and READERS[answers["format"]].animals
     body = _animal(problem.body) if assumed else problem.body
-    table, folder, duration = gait_table(problem), path.parent, problem.task.cycle_duration_s or 5.0
+    table, duration = gait_table(problem), problem.task.cycle_duration_s or 5.0
     closed = not problem.task.transient
     motion = simulate_joint_angles(
         Model(body, problem.medium) if assumed else problem.model, _run_through(table, duration, closed), closed=closed
@@ -71,7 +90,7 @@ def write(path: Path, answers: Answers) -> str:
     _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, body.total_length_m)
     hint = write_schema(folder, "campaign")
     write_text(path, _text(hint, folder.absolute().name, body, problem.medium, duration, answers))
-    return f"serpenoid measure {shlex.quote(str(folder))}"
+    return begin
 
 
 def _animal(robot: Body) -> Body:
@@ -126,18 +145,9 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     rigid = len(body.corners) < body.vertices
     some = "" if len(marked) < body.vertices else "# "
     seen = [f"{some}vertices = {body.corners}   # those with a marker, where not all have one"] * rigid
-    typed = shlex.quote(name)
     return "\n".join(
         [
-            hint,
-            f"# {name}: recordings of one robot or animal (docs/campaign-format.md).",
-            "# Every key: serpenoid schema campaign",
-            *(() if body.is_animal else _robot_steps(typed)),
-            f"#   serpenoid measure {typed} ; serpenoid compare {typed}",
-            f"#   serpenoid diagnose {typed} --model PROBLEM.toml",
-            "format = 1",
-            f'name = "{name}"',
-            "",
+            *_head(hint, name, FILMED if body.is_animal else PLAYED),
             "[body]",
             f"vertices = {body.vertices}" + "   # points along the body that you track" * bool(unknown),
             f'{"" if body.kind else "# "}kind = "{body.kind or USUAL_KIND}"   # or {others}',
@@ -186,11 +196,17 @@ def _medium(medium: Medium) -> tuple[str, ...]:
     )
 
 
-def _robot_steps(folder: str) -> tuple[str, ...]:
-    return (
-        "#   serpenoid play RESULTS --robot ROBOT.toml --cycles 3 --pause 2 --log trials/first",
-        f"#   serpenoid campaign add {folder} trials/first MOTION-FILE",
-    )
+def _head(hint: str, name: str, steps: tuple[str, ...]) -> list[str]:
+    typed = shlex.quote(name)
+    return [
+        hint,
+        f"# {name}: recordings of one robot or animal (docs/campaign-format.md).",
+        "# Every key: serpenoid schema campaign",
+        *(f"#   serpenoid {step.format(typed)}" for step in steps),
+        "format = 1",
+        f'name = "{name}"',
+        "",
+    ]
 
 
 def _commanded(duration: float) -> tuple[str, ...]:

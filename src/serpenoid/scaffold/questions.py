@@ -16,7 +16,7 @@ Answers = Mapping[str, Any]
 class Question:
     """`name` is the option, `text` what is asked; `read` turns an answer into a value, or raises ValueError.
 
-    unless: another question; where that has an answer, this one is not looked at.
+    unless, only: another question; where that has an answer (only: has none), this one is not looked at.
     """
 
     name: str
@@ -24,6 +24,7 @@ class Question:
     default: str
     read: Callable[[str], Any]
     unless: str = ""
+    only: str = ""
 
     def value(self, answer: str) -> Any:
         """The answer as a value; raises InputError that names the option."""
@@ -87,6 +88,14 @@ def numbers(text: str) -> tuple[float, ...]:
     if not all(0 < value < 1e6 for value in values):
         raise ValueError("needs numbers above 0, with commas between")
     return values
+
+
+def named(text: str) -> dict[str, str]:
+    """Words with names, as `a=x,b=y`; empty for none."""
+    pairs = [part.partition("=") for part in text.split(",")] if text else []
+    if not all(name.strip() and word.strip() for name, _, word in pairs):
+        raise ValueError("needs names and words as a=x,b=y")
+    return {name.strip(): word.strip() for name, _, word in pairs}
 
 
 def existing(text: str) -> Path | None:

@@ -44,7 +44,8 @@ LINKS = (
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
     found = [f"first             {text}" for text in inadequacy(record)]
-    found.append(f"verdict           {record['verdict']}: {meaning(record)}")
+    verdict = "nothing found" if record["verdict"] == "nothing" else record["verdict"]
+    found.append(f"verdict           {verdict}: {meaning(record)}")
     found += [f"law               {text}" for text in rival_law(record)]
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")

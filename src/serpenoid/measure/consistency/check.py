@@ -340,6 +340,9 @@ def _unexplained(claim: Claim, found: Compared) -> list[Contradiction]:
         what = f"its servo log ({seconds:.3g} s beside a recording of {filmed:.3g} s)"
     words = f"{witness} follow neither {what} nor anything else in this campaign"
     cure = "is the file of another trial named here?"
+    film = claim.cameras if witness == "the recorded shapes" else None
+    if film is not None and np.ptp(film.time_s) >= 2 * found.contract.course.total_s:
+        cure += " Does it show more trials than this one? Give each its part by `from_s` and `to_s`"
     return [Contradiction(claim.trial, "nothing", words, cure, 0.0)]
 
 

@@ -16,7 +16,7 @@ Numbers = Callable[[Files], Floats | None]
 
 def copied_films(read: Sequence[Files]) -> list[Contradiction]:
     """Two trials with the same numbers are one."""
-    cure = "name its own, or leave it out"
+    cure = "name its own, or leave it out; of one that shows both, give each its part by `from_s` and `to_s`"
     return [_copy(files, other, "recording", cure) for files, other in _alike(read, _film)]
 
 

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.columns import AngleUnit
+from serpenoid.measure.columns import RADIANS, AngleUnit
 from serpenoid.measure.consistency.match import (
     Course,
     Match,
@@ -26,7 +26,7 @@ from serpenoid.measure.consistency.match import (
     match_columns,
 )
 from serpenoid.measure.consistency.signals import Sampled
-from serpenoid.measure.logs import ANGLES, TICK
+from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.wording import counted
 
@@ -247,8 +247,8 @@ def other_unit(longer: float) -> tuple[str, str] | None:
 def other_angles(times: Floats, unit: AngleUnit) -> tuple[str, str] | None:
     """Words and cure where every joint (m,) of a servo log moves as many times as far as promised as another unit of
     angles makes: a weak servo has its own factor, and no servo so small a one."""
-    for other, (_, one) in ANGLES.items():
-        factor = ANGLES[unit][1] / one
+    for other, one in RADIANS.items():
+        factor = RADIANS[unit] / one
         if other != unit and len(times) and np.abs(np.log(times / factor)).max() < ROUGHLY:
             words = f"in every joint {float(f'{np.median(times):.2g}'):g} times as far as {{}}: they are "
             words += f"{ANGLE_WORDS[other]}, and were read as {ANGLE_WORDS[unit]}"

@@ -16,7 +16,7 @@ import dynamixel_sdk as sdk
 
 from serpenoid.errors import InputError
 from serpenoid.robot.bus.collisions import Found, read_ping_answers
-from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink
+from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink, said
 from serpenoid.robot.bus.readings import (
     Answer,
     ServoHealth,
@@ -225,7 +225,7 @@ class Bus:
         try:
             yield
         except PORT_ERRORS as error:
-            message = f"{self._link.port_name}: the port is lost while {doing} ({error})."
+            message = f"{self._link.port_name}: the port is lost while {doing} ({said(error)})."
             raise PortLost(message, servo_id) from error
         except (IndexError, TypeError, ValueError) as error:  # the SDK indexes into packets that are too short
             raise BusFault(f"corrupt answer while {doing} ({error}).", servo_id) from error
@@ -242,6 +242,6 @@ def open_bus(port_name: str, baud_rate: int, servos: Mapping[int, ServoModel]) -
     try:
         return Bus(port_name, baud_rate, servos)
     except BusFault as fault:
-        cause = fault.__cause__ or fault
+        cause = said(fault.__cause__ or fault)
         remedy = "Is it the right port, free, and may you use it (Linux: group dialout)?"
         raise InputError(f"--port {port_name}: cannot be opened ({cause}). {remedy}") from None

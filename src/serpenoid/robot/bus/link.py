@@ -24,6 +24,11 @@ READ_SLICE_S = 0.002  # a read sleeps this long for its bytes before the SDK loo
 LONGEST_EXCHANGE = 5000  # bytes; a broadcast ping that all 253 IDs answer has 3542
 
 
+def said(error: BaseException) -> str:
+    """Its words: systems and terminals put a number before them."""
+    return str(error.args[-1] if error.args else error)
+
+
 class SerialLink(PortHandler):
     """A PortHandler that `bus.py` opens after it holds the port's lock."""
 

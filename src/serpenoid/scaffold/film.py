@@ -1,0 +1,119 @@
+"""`serpenoid new campaign --film`: a campaign of an animal, begun with its first film."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+from serpenoid.body import ANIMALS, Body
+from serpenoid.errors import InputError
+from serpenoid.files.schema import plain_name, validate
+from serpenoid.measure.campaign import MotionKeys
+from serpenoid.measure.readers import READERS
+from serpenoid.measure.tracks import Tracks
+from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty
+
+FILM = Question("film", "Track file of an animal, the first trial (empty: a robot)", "", existing)
+OF_A_FILM = (
+    Question("kind", "Does the animal swim or crawl: swimmer, crawler?", "crawler", one_of(*ANIMALS), only="film"),
+    Question(
+        "first-point",
+        "Which end of the body is the first point in the film, where the film does not say: tail, head?",
+        "tail",
+        one_of("tail", "head"),
+        only="film",
+    ),
+    Question(
+        "length-unit",
+        "Unit of the film's points: m, cm, mm, um, px, bl (empty: the file's or tracker's own, else m)",
+        "",
+        or_empty(one_of("m", "cm", "mm", "um", "px", "bl")),
+        only="film",
+    ),
+    Question(
+        "columns",
+        "Columns of a long or tidy film, as time=t,point=point,x=x,y=y (empty: the format's own)",
+        "",
+        named,
+        only="film",
+    ),
+    Question("individual", "Whose points, where the film shows several animals (empty: there is one)", "", str,
+             only="film"),
+)  # fmt: skip
+LONG = {"time": "t", "point": "point", "x": "x", "y": "y"}
+
+
+def campaign_of(answers: Answers, folder: Path) -> list[str]:
+    """Copy the film into the campaign's folder; returns the sections of campaign.toml."""
+    film = answers["film"]
+    try:
+        name = plain_name(film.stem)
+    except ValueError as error:
+        raise InputError(
+            f"--film: its name becomes the trial's, which {error}, got {film.stem!r}. Rename it."
+        ) from None
+    said, tracks = _read(film, answers)
+    points = [n for n, fragment in zip(tracks.names, tracks.unlabelled, strict=True) if not fragment]
+    body = validate(Body, {"kind": answers["kind"], "vertices": len(points)}, str(film))
+    if tracks.first_point is None:
+        said |= {"first_point": answers["first-point"]}
+    if READERS[answers["format"]].named:
+        said |= {"markers": points[::-1] if said.pop("first_point", tracks.first_point) == "head" else points}
+    trial = {"name": name, "motion": f"{name}/{film.name}"}
+    if answers["individual"]:
+        trial |= {"individual": answers["individual"]}
+    (folder / name).mkdir(parents=True, exist_ok=True)
+    if film.resolve() != (folder / name / film.name).resolve():
+        shutil.copyfile(film, folder / name / film.name)
+    return [
+        "[body]",
+        f'kind = "{body.kind}"   # or {", ".join(word for word in ANIMALS if word != body.kind)}',
+        f"vertices = {body.vertices}   # points along the body, those of the film",
+        "# Lengths along the body are estimated from the films, if no `edge_lengths` (metres, tail to head) say them.",
+        "",
+        "[motion]                     # how the films are to be read; a trial may override any key",
+        *(f"{key} = {_toml(value)}{COMMENTS.get(key, '')}" for key, value in said.items()),
+        "",
+        "[[trial]]",
+        *(f"{key} = {_toml(value)}" for key, value in trial.items()),
+        "",
+    ]
+
+
+COMMENTS = {
+    "markers": "   # tail first; leave out what is not on the midline, and count `vertices` again",
+    "first_point": "   # the end of the body where the points begin: `measure` says which end leads",
+}
+
+
+def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:
+    """What [motion] says of the film, without what was left to the format, and its points.
+
+    Frames per second are said of files that carry no time: in others they would take the place of the file's own.
+    """
+    kind, form = READERS[answers["format"]], answers["format"]
+    unit = answers["length-unit"] or (kind.unit if kind.unit == "px" or form in ("tidy", "long", "array") else None)
+    columns = answers["columns"] or (LONG if form == "long" else None)
+    said = {"format": form, "length_unit": unit, "columns": columns}
+    said = {key: value for key, value in said.items() if value is not None}
+    own = said | {"individual": answers["individual"] or None}
+    rate = {"frames_per_second": answers["frames-per-second"]}
+
+    def read(more: dict[str, float]) -> Tracks:
+        return kind.read(film, validate(MotionKeys, own | more, str(film)))
+
+    try:
+        return said, read({})
+    except InputError as error:
+        if "frames_per_second" not in str(error):
+            raise
+    return said | rate, read(rate)
+
+
+def _toml(value: Any) -> str:
+    """A value of a key; columns on one line."""
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_toml(text)}' for key, text in value.items())} }}"
+    return f"{value:g}" if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
