@@ -124,8 +124,7 @@ def covers(rows: np.ndarray) -> int:
 
 
 def main() -> None:
-    count, first = (int(word) for word in [*sys.argv[1:], str(FILMS), "0"][:2]) if len(sys.argv) > 2 else (
-        int(sys.argv[1]) if len(sys.argv) > 1 else FILMS, 0)  # fmt: skip
+    count, first = (*map(int, sys.argv[1:]), *(FILMS, 0)[len(sys.argv) - 1 :])
     scales, alone, control = [], [], []
     for index in range(first, first + count):
         one = case(index)
