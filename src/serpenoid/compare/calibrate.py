@@ -24,6 +24,7 @@ from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, white
 from serpenoid.compare.parameters import bounds, changed, start_values
 from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.redraw import redrawn_sd
+from serpenoid.compare.scales import scales_sd
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.spread import spread_half
 from serpenoid.compare.three import simulate_path
@@ -145,7 +146,7 @@ def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...]
 def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], others: Others) -> Estimate:
     solution = fit(model, segments, names, start_values(names, model))
     scale = max(1.0, solution.noise_scale)
-    lengths = lengths_sd(others, solution)
+    lengths = np.hypot(lengths_sd(others, solution), scales_sd(model, segments, others.films, solution))
     beside = np.hypot(lengths, redrawn_sd(model, segments, solution))
     unknown = np.hypot(curve_sd(model, segments, solution), beside)
     noise = np.sqrt(np.diag(solution.covariance))

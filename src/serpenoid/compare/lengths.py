@@ -18,6 +18,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.compare.likelihood import Segment, Solution, whiten
+from serpenoid.compare.scales import Films, larger_films
 from serpenoid.compare.segments import trial_segments
 from serpenoid.measure.load import Campaign, with_other_lengths
 from serpenoid.model import Model
@@ -27,14 +28,15 @@ BLOCKS = 8
 
 @dataclass(frozen=True)
 class Others:
-    """The same segments with the lengths of each block left out; none where lengths are given."""
+    """The same segments with the lengths of each block left out; none where lengths are given. And films, larger."""
 
     models: tuple[Model, ...] = ()
     segments: tuple[tuple[Segment, ...], ...] = ()
+    films: Films = ()
 
 
 def others_of(campaign: Campaign, model: Model) -> Callable[[str | None], Others]:
-    """What is known of other lengths, for a trial by name, or for all that can be fitted (None)."""
+    """What is known of other lengths and scales, for a trial by name, or for all that can be fitted (None)."""
     others = with_other_lengths(campaign, BLOCKS)
     models = tuple(Model(other.body, model.medium) for other in others)
 
@@ -47,7 +49,7 @@ def others_of(campaign: Campaign, model: Model) -> Callable[[str | None], Others
             tuple(s for made, trial in pairs if trial.motion and trial.passages for s in trial_segments(made, trial))
             for pairs in chosen
         ]
-        return Others(models, tuple(segments))
+        return Others(models, tuple(segments), larger_films(campaign, name))
 
     return of
 

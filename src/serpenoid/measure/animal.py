@@ -16,6 +16,7 @@ from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
+from serpenoid.measure.uneven import uneven
 
 SHORT = 2.0  # periods: under that, nothing shows what one beat has of its own
 LEAST_EDGES = 5.0  # a wave: docs/measuring-method.md has what K comes out as with fewer
@@ -157,7 +158,9 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
             "`first_point` (or reverse `markers`)"
         )
-    return (*found, *_clock(motion), *_cuts(motion), *_sampling(motion), *_stretching(body, motion), *_length(motion))
+    apart = uneven(body, motion.markers) if body.is_animal else ""
+    seen = [apart] if apart else _sampling(motion)
+    return (*found, *_clock(motion), *_cuts(motion), *seen, *_stretching(body, motion), *_length(motion))
 
 
 def _cuts(motion: Motion) -> list[str]:

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Body
-from serpenoid.body_curve import curve
+from serpenoid.body_curve import SMOOTH, curve
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.links import marker_angles
@@ -76,11 +76,11 @@ def _scatter(columns: Floats) -> Floats:
     return np.asarray(ROBUST * np.median(np.abs(columns - np.median(columns, axis=0)), axis=0))
 
 
-def chord_shares(body: Body, points: Floats, between: Sequence[int] | None = None) -> Floats:
+def chord_shares(body: Body, points: Floats, between: Sequence[int] | None = None, degree: int = SMOOTH) -> Floats:
     """Chord over arc (F, N - 1), at most 1, or between some of the vertices; bends that a frame does not show are those
-    of frames before and after."""
+    of frames before and after; degree: of the curve's spline."""
     bends = bridged(np.arange(float(len(points))), marker_angles(body, points))
-    drawn = curve(body, np.concatenate([np.zeros((len(bends), 1)), np.cumsum(bends, axis=1)], axis=1))
+    drawn = curve(body, np.concatenate([np.zeros((len(bends), 1)), np.cumsum(bends, axis=1)], axis=1), degree=degree)
     ends = list(range(body.vertices) if between is None else between)
     arcs = np.diff(np.concatenate([[0.0], np.cumsum(body.edges)])[ends])
     return np.asarray(np.linalg.norm(np.diff(drawn[:, ends], axis=1), axis=2) / arcs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.consistency.still import nothing_moved
 from serpenoid.measure.consistency.unplayed import as_filmed, unplayed
+from serpenoid.measure.film_scale import FilmScale, film_scale
 from serpenoid.measure.link_lengths import hidden_lengths
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, log_covers, schedule_start
@@ -23,7 +25,6 @@ from serpenoid.measure.trial_files import (
     Files,
     Progress,
     kept_of_files,
-    neighbour_ratio,
     of_every_trial,
     other_lengths,
     read_files,
@@ -84,6 +85,25 @@ def _other_lengths(campaign: Campaign, blocks: int) -> tuple[tuple[Body, tuple[T
     return tuple(found)
 
 
+def with_other_scales(campaign: Campaign) -> tuple[Trial, ...]:
+    """Of every film whose scale is found from itself: the trial, were it larger by a standard error."""
+    unsure = {trial.name: trial for trial in campaign.trials if trial.scale_sd > 0}
+    if not unsure:
+        return ()
+    file, folder = campaign.file, campaign.folder
+    return kept_of_files("other scales", file, folder, lambda: _other_scales(campaign, unsure), tuple(unsure))
+
+
+def _other_scales(campaign: Campaign, unsure: Mapping[str, Trial]) -> tuple[Trial, ...]:
+    _, read = read_files(campaign.file, campaign.folder)
+    found = []
+    for files in read:
+        if (trial := unsure.get(files.entry.name)) is not None:
+            made = align_trial(campaign.file, files, campaign.body, trial.motion, 1 + trial.scale_sd)
+            found.append(replace(made, passages=trial.passages))
+    return tuple(found)
+
+
 def _aligned(
     file: CampaignFile, folder: Path, progress: Progress | None, workers: Workers
 ) -> tuple[Body, tuple[Trial, ...]]:
@@ -115,21 +135,26 @@ def _whole(found: Trial | InputError) -> Trial:
     return found
 
 
-def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | None = None) -> Trial:
-    """Clocks laid over each other, the chain fitted, cycles cut; like: the motion that says where it has holes."""
+def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | None = None, larger: float = 1.0) -> Trial:
+    """Clocks laid over each other, the chain fitted, cycles cut; like: the motion that says where it has holes; larger:
+    times the scale that the film has."""
     entry, tracks, labelled, schedule = files.entry, files.tracks, files.labelled, files.schedule
     motion = servo = None
     notes: list[str] = []
     passages: tuple[Passage, ...] = ()
     source = "none"
     metres = body.total_length_m if file.lengths_given else None
+    scale_sd = 0.0
     if tracks is not None and labelled is not None:
         scale = _scale(tracks, labelled.vertices, body, file.lengths_given)
+        scale_sd = scale.sd
         metres = body.total_length_m if tracks.scale_known and files.keys.length_unit != "bl" else None
         extras = (labelled.relabelled, labelled.unused)
         motion, servo, notes = build_motion(
-            body, tracks.time_s, labelled.vertices / scale, files.servo_log, extras, like, schedule
+            body, tracks.time_s, labelled.vertices / (larger * scale.ratio), files.servo_log, extras, like, schedule
         )
+    if scale_sd > 0:
+        notes = [*notes, scale.words]
     if metres is not None and body.odd_length is not None:
         notes = [*notes, body.odd_length]
     if schedule is not None and motion is not None:
@@ -147,15 +172,15 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         notes += [still] if still else remarks(body, motion) if file.tracked_only else ()
     return Trial(
         entry.name, entry.gait or entry.name, body, metres, schedule, source, motion, servo, files.servo_log,
-        files.power_log, passages, entry.dissipation_coefficient, tuple(notes),
+        files.power_log, passages, entry.dissipation_coefficient, tuple(notes), scale_sd,
     )  # fmt: skip
 
 
-def _scale(tracks: Tracks, vertices: Floats, body: Body, lengths_given: bool) -> float:
+def _scale(tracks: Tracks, vertices: Floats, body: Body, lengths_given: bool) -> FilmScale:
     """File units per body length; where the file's unit is unknown, as its neighbouring markers say."""
     if not lengths_given or tracks.scale_known:
-        return body.total_length_m
-    ratio = neighbour_ratio(vertices, body)
-    if not np.isfinite(ratio):
+        return FilmScale(body.total_length_m, 0.0)
+    found = film_scale(body, vertices)
+    if not np.isfinite(found.ratio):
         raise InputError(f"{tracks.source}: no two neighbouring markers are ever seen together.")
-    return ratio * body.total_length_m
+    return replace(found, ratio=found.ratio * body.total_length_m)

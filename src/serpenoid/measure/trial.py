@@ -120,6 +120,7 @@ class Trial:
     passages: tuple[Passage, ...]
     dissipation_coefficient: float | None
     notes: tuple[str, ...]
+    scale_sd: float = 0.0  # standard error, as a share, of a scale that is found from the film; else 0
 
     def displacement(self, passage: Passage) -> float:
         """Distance of the centroid over a passage [body lengths]."""

@@ -22,10 +22,11 @@ from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_f
 from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.consistency.unplayed import as_filmed
+from serpenoid.measure.film_scale import film_scale
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
-from serpenoid.measure.trial_files import Files, Progress, kept_of_files, neighbour_ratio, of_every_trial
+from serpenoid.measure.trial_files import Files, Progress, kept_of_files, of_every_trial
 
 
 def read_recordings(
@@ -125,7 +126,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if tracks is None or files.labelled is None or schedule is None:
         raise InputError("a diagnosis needs `motion`, `joint_table` and `cycle_duration_s`.")
     markers = files.labelled.vertices / (
-        1.0 if tracks.scale_known else neighbour_ratio(files.labelled.vertices, file.body)
+        1.0 if tracks.scale_known else film_scale(file.body, files.labelled.vertices).ratio
     )
     markers, strays = without_single(file.body, tracks.time_s, markers)
     if log is None or log.repeats_commands:
