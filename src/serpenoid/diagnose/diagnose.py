@@ -37,6 +37,7 @@ from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.ladder import Climbed, Step, motion_step, motion_steps, shape_steps
+from serpenoid.diagnose.stages.ratio_change import RatioChange, ratio_changed
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.model import Model
@@ -67,6 +68,7 @@ class Diagnosis:
     held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
     ladder: tuple[Step, ...]
     drag_ratio: tuple[float, float, float] | None = None
+    ratio_change: RatioChange | None = None
 
     @property
     def named(self) -> tuple[Named, ...]:
@@ -183,19 +185,21 @@ def concluded(
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
             extension, better = wider, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
+    changed = ratio_changed(motion, baseline)
     return Diagnosis(
-        verdict(stages), baseline, seen, stages, motion, extension, before, after, (predicted, better), ladder
+        verdict(stages, changed is not None), baseline, seen, stages, motion, extension, before, after,
+        (predicted, better), ladder, ratio_change=changed,
     )  # fmt: skip
 
 
-def verdict(stages: Sequence[Stage]) -> str:
+def verdict(stages: Sequence[Stage], changed: bool = False) -> str:
     """One of four: only what has no structure left on any stage is explained, and not by names that stand for what
-    servos do, or markers show, by another law."""
+    servos do, or markers show, by another law. changed: whether eps is another than in the reference."""
     named = any(stage.named for stage in stages)
     partly = any(n.stand_in and n.effect.effect.site != "medium" for stage in stages for n in stage.named)
     settled = all(stage.settled for stage in stages) and not partly
     if settled:
-        return "explained" if named else "nothing"
+        return "explained" if named or changed else "nothing"
     return "partly explained" if named else "unexplained"
 
 
@@ -256,6 +260,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "anisotropy_ratio": {
             "before": found.null.model.medium.anisotropy_ratio, "after": found.settled.model.medium.anisotropy_ratio,
             "interval": list(_ratio_interval(d)), "at_bound": ratio_at_bound(found.settled.model),
+            "change": d.ratio_change and d.ratio_change.record(),
         },
         "baseline": {
             "effects": [{"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.baseline.known],

@@ -37,6 +37,7 @@ from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.set_points import by_table
+from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import Parameter
 from serpenoid.measure.clock import bridged
@@ -94,8 +95,8 @@ class Reference(Baseline):
     """seen: the earlier observation model, squares: what it left (see `Stage`); explained: the earlier motion, by the
     baseline's model and then by rivals; servos: the earlier readings and what explains them. others: effects that were
     there before, beside the motion's. missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
-    named: what the earlier motion was found to show; again: what its repeats tell. usual, largest (3,) [m, m, rad]: RMS
-    error of a window while playing, largest difference between two repeats'.
+    named: what the earlier motion was found to show; again: what its repeats tell; interval: of its eps.
+    usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
 
     seen: Observation
@@ -107,6 +108,7 @@ class Reference(Baseline):
     squares: tuple[float, ...] = ()
     named: tuple[Named, ...] = ()
     again: Repeated = Repeated()
+    interval: tuple[float, float] = (0.0, np.inf)
 
     @property
     def earlier(self) -> Repeated:
@@ -122,6 +124,13 @@ class Reference(Baseline):
     def ratio(self) -> float:
         """The earlier campaign's."""
         return self.model.medium.anisotropy_ratio
+
+    def ratio_ends(self, tracks: Sequence[Track]) -> tuple[float, float]:
+        """The model's, where all gaits were played before: what is wrong with it is in what it left."""
+        taken = self.ratio
+        if all(np.isfinite(self.explained[0].error(t)[0][t.playing & t.usable]).all() for t in tracks):
+            return taken, taken
+        return min(taken, self.interval[0]), max(taken, self.interval[1])
 
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
         """As all logs then said that have clear commands, or as they were taken: one player plays the robot."""
@@ -259,7 +268,8 @@ def reference_of(d: Diagnosis) -> Reference:
     explained = [_explanation(there, explanation) for explanation, there in about_each.items()]
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, wrong, d.stages[1].squares,
-        d.motion.stage.named, repeated(motion, found.settled.predictions), others=others, without=d.baseline.without,
+        d.motion.stage.named, repeated(motion, found.settled.predictions), ratio_interval(found, d.motion.stage),
+        others=others, without=d.baseline.without,
     )  # fmt: skip
 
 

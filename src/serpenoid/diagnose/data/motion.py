@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -74,7 +75,10 @@ class Motion:
     @cached_property
     def white(self) -> tuple[White, ...]:
         """What makes values of each track's windows white."""
-        return tuple(White(t, self.noise.chance(t), self.noise.memory) for t in self.tracks)
+        repeats = Counter(t.recording.setting for t in self.tracks)
+        return tuple(
+            White(t, self.noise.chance(t), self.noise.memory, repeats=repeats[t.recording.setting]) for t in self.tracks
+        )
 
     @property
     def unrepeated(self) -> bool:

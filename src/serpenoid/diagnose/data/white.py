@@ -23,11 +23,14 @@ from serpenoid.diagnose.data.windows import Track
 
 class White:
     """What makes values of a track's windows white; chance (W, 3): SD, and how long it lasts; doubt of the baseline
-    stands beside it. times (W, 3): of how many repeats the values are means."""
+    stands beside it. times (W, 3): of how many repeats the values are means. repeats: how many trials share the doubt:
+    so much more of it in each is as much in their mean as what they share."""
 
-    def __init__(self, track: Track, chance: Floats, memory: Memory, times: Floats | float = 1.0) -> None:
+    def __init__(
+        self, track: Track, chance: Floats, memory: Memory, times: Floats | float = 1.0, repeats: int = 1
+    ) -> None:
         self.track, self.chance, self.memory = track, chance, memory
-        self.doubt = np.broadcast_to(track.doubt, chance.shape)
+        self.doubt = np.sqrt(repeats) * np.broadcast_to(track.doubt, chance.shape)
         self.repeated = np.sqrt(np.broadcast_to(times, chance.shape))
         self._found: dict[bytes, list[tuple[slice, Floats]]] = {}
 

@@ -38,6 +38,11 @@ UNSEEN = {
 
 def meaning(record: Record) -> str:
     """The verdict in a sentence. Beside a reference nothing is said of the model's own errors."""
+    if record["verdict"] == "explained" and not record["effects"]:
+        return (
+            f"the anisotropy ratio alone has changed since the reference: it is {_grown(record)} there, which accounts "
+            "for all beyond chance"
+        )
     if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
         return UNREPEATED[record["verdict"]]
     if record["verdict"] == "nothing" and record["reference"]:
@@ -199,20 +204,19 @@ def ratio(record: Record) -> str:
 
 
 def ratio_change(record: Record) -> list[str]:
-    """Where the interval of eps and the reference's are apart: how much larger or smaller it is now."""
-    now, then = record["anisotropy_ratio"], (record["reference"] or {}).get("anisotropy_ratio")
-    if then is None:
+    """Where eps is another than in the reference: how much larger or smaller it is now."""
+    change = record["anisotropy_ratio"].get("change")  # none in older answers
+    if change is None:
         return []
-    taken = _told_beside(record)
-    low, high = min(*then["interval"], taken), max(*then["interval"], taken)
-    if now["interval"][0] <= high and low <= now["interval"][1]:
-        return []
-    grown = now["after"] / taken
-    factor = f"{grown:.3g} times as large as" if grown > 1 else f"smaller by a factor of {1 / grown:.3g} than"
     return [
-        f"the anisotropy ratio is {factor} in the reference, beyond both intervals: what all wheels or scales have in "
-        "common has changed, or eps makes up for a change that has no name"
+        f"the anisotropy ratio is {_grown(record)} in the reference ({times(change['strength_over_noise'])}): what all "
+        "wheels or scales have in common has changed, or eps makes up for a change that has no name"
     ]
+
+
+def _grown(record: Record) -> str:
+    factor = record["anisotropy_ratio"]["change"]["factor"]
+    return f"{factor:.3g} times as large as" if factor > 1 else f"smaller by a factor of {1 / factor:.3g} than"
 
 
 def seconds(record: Record) -> str:

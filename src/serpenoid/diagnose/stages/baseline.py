@@ -53,6 +53,10 @@ class Baseline:
         """eps, where it was measured before; the calibration still begins at the model's."""
         return None
 
+    def ratio_ends(self, tracks: Sequence[Track]) -> tuple[float, float] | None:
+        """Between which eps of an earlier campaign counts as the same on these tracks; None without one."""
+        return None
+
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
         """Whether rows of tables are held, as they were in an earlier campaign; None without one, or where commands of
         these recordings say it."""

@@ -74,12 +74,17 @@ def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
 
 
 def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
-    """95 % interval of eps with what is there. Names that may be stand-ins may take a part of what resists, or
-    give it: then eps is known no better than with and without them."""
-    unsure = not stage.unlike and any(n.stand_in for n in stage.named)
-    fits = [found.settled, found.null] if unsure else [found.settled]
-    low, high = zip(*(_ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
+    """95 % interval of eps with what is there."""
+    fits = fits_of_ratio(found, stage)
+    low, high = zip(*(ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
     return min(low), max(high)
+
+
+def fits_of_ratio(found: Selection, stage: Stage) -> list[Fit]:
+    """By which eps is told. Names that may be stand-ins may take a part of what resists, or give it: then eps is known
+    no better than with and without them."""
+    unsure = not stage.unlike and any(n.stand_in for n in stage.named)
+    return [found.settled, found.null] if unsure else [found.settled]
 
 
 def ratio_beside(parts: Differing, settled: Fit) -> tuple[float, float]:
@@ -88,10 +93,11 @@ def ratio_beside(parts: Differing, settled: Fit) -> tuple[float, float]:
     return _clipped(parts.ratio.value - half, *limits), _clipped(parts.ratio.value + half, *limits)
 
 
-def _ratio_ends(motion: Motion, found: Fit) -> tuple[float, float]:
-    """From the curvature and what gaits disagree about, within the bounds of eps."""
+def ratio_ends(motion: Motion, found: Fit, reach: float = NORMAL) -> tuple[float, float]:
+    """From the curvature and what gaits disagree about, so many standard deviations either way, within the bounds of
+    eps."""
     eps, low_high = found.model.medium.anisotropy_ratio, found.model.medium.limits(LEAST_EPS, MOST_EPS)
-    half = NORMAL * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
+    half = reach * float(deviations(motion, found, hold=not ratio_at_bound(found.model))[0]) + RELATIVE * eps
     return _clipped(eps - half, *low_high), _clipped(eps + half, *low_high)
 
 
