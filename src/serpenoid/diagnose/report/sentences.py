@@ -65,6 +65,11 @@ def inadequacy(record: Record) -> list[str]:
     said = []
     if moves and record["discrepancy_m"] == 0 and seen:
         said.append("names of the floor that are marked as stand-ins rest on markers whose errors are not understood")
+    elif moves and record["discrepancy_m"] == 0 and record["verdict"] not in SETTLED and not _beside_wrong(record):
+        said.append(
+            "paths stray by more than chance beside what is named: names marked as stand-ins take a part of that away, "
+            "but may be there for a cause that the catalogue does not hold"
+        )
     elif moves and record["discrepancy_m"] == 0 and record.get("parts_differ_by"):
         said.append(
             f"parts that each differ a little (`{record['parts_differ_by']}`) do as well as names of the floor that "
@@ -86,6 +91,11 @@ def inadequacy(record: Record) -> list[str]:
         parts = "is a part" if len(seen) == 1 else "are parts"
         said.append(f"{', '.join(seen)} {parts} of what markers show beside the servos: its law is another")
     return said
+
+
+def _beside_wrong(record: Record) -> bool:
+    """Whether the reference followed a law that the catalogue does not hold."""
+    return bool(record["reference"]) and record["reference"]["verdict"] not in SETTLED
 
 
 def rival_law(record: Record) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.paths import PathNoise
 from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.untold import Untold, untold
 from serpenoid.diagnose.data.used import length_unit
@@ -41,7 +42,7 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
     if room is not None:
         words.append(laid_otherwise(room))
     noise = calm(motion, predictions, left, pushes)
-    if after_m > noise.farthest * noise.level_m:
+    if _astray(noise, after_m):
         words.append(f"paths stray from the measured ones by {after_m / noise.level_m:.1f} times the noise")
     if trace(motion, predictions, pushes) > VISIBLE * noise.level_m:
         words.append(
@@ -49,6 +50,16 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
             f"{where_pushed(motion, pushes)}"
         )
     return tuple(words)
+
+
+def astray(motion: Motion, predictions: Sequence[Prediction], after_m: float) -> bool:
+    """Whether paths stray from the measured ones by more than chance makes them. after_m: RMS of paths."""
+    left = residuals(motion.tracks, predictions)
+    return _astray(calm(motion, predictions, left, pushed(motion, left)), after_m)
+
+
+def _astray(noise: PathNoise, after_m: float) -> bool:
+    return after_m > noise.farthest * noise.level_m
 
 
 def laid_otherwise(room: Untold) -> str:

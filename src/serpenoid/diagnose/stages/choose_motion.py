@@ -35,7 +35,7 @@ from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
 from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
-from serpenoid.diagnose.residuals.residual_words import pattern
+from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
 from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside
@@ -197,6 +197,8 @@ def finding(
     elsewhere = {a.effect.key for a in alone}
     named = [replace(n, stand_in=True) if n.effect.key in elsewhere else n for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
+    if named and not wrong and astray(motion, _predicted(found, parts), after):  # by paths alone: few windows show less
+        named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
     # from which share on names mend windows of a law that is wrong, and not the path
     most = 1.0 if motion.ratio is None else LAW_ERROR
     if wrong and left_of(before, after, noise_level) >= most:
