@@ -6,7 +6,7 @@ all that was found is named, names.py says.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -40,6 +40,7 @@ from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import Parameter
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes, meanwhile
 
@@ -102,6 +103,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         tries = attempts(motion, best, promising)
         if (not level or motion.unrepeated) and all(off_by(motion, t.fit) > FAR for t in tries):
             tries += attempts(motion, best, from_typical(motion, best))
+        tries += attempts(motion, best, at_other_places(best, tries))
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
             tries += beside(motion, rival, FULL_FITS[level])
@@ -292,6 +294,24 @@ def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
     absent = (c for c in candidates_of(base) if c.place is None and c.name not in barred)
     typical = [ActiveEffect.typical(c.name) for c in absent if not c.effect.remembers]
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
+
+
+def at_other_places(base: Fit, tries: Sequence[Try]) -> list[Ranked]:
+    """The likeliest effect, from as much of it, at all places where it was not tried, if more is left than chance and
+    it is larger than a moderate one: where neutral ones are too far off to tell, they do not tell places either."""
+    likely = min(tries, key=lambda t: t.fit.chi2, default=None)
+    if likely is None or likely.added.place is None or not unclear(likely.fit):
+        return []
+    fitted, tried = likely.fitted, {t.added.key for t in tries}
+    if not any(abs(x - p.resting) > abs(p.coordinate(p.typical) - p.resting) for x, p in _numbers(fitted)):
+        return []
+    others = [c for c in candidates_of(base) if c.name == fitted.name and c.key not in tried]
+    return [(c, 0.0, np.concatenate([base.coordinates, fitted.coordinates[:-1]])) for c in others]
+
+
+def _numbers(effect: ActiveEffect) -> Iterator[tuple[float, Parameter]]:
+    """Coordinates and what they are of."""
+    return zip(effect.coordinates, effect.effect.parameters, strict=False)
 
 
 def finished(motion: Motion, t: Try, steps: int = STEPS) -> Try:
