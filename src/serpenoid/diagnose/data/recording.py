@@ -44,6 +44,7 @@ class Recording:
     the campaign promises, but for unplayed_cycles, of which the log says that they were not begun; asked_cycle_s: what
     the campaign promises of a cycle's duration, where that is another.
     strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
+    goals: whether commands that jump are taken as goals, each run to until the next is given.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Recording:
     told: Told | None = None
     asked_cycle_s: float | None = None
     strays: tuple[tuple[int, float], ...] = ()
+    goals: bool = False
 
     @property
     def held_as_told(self) -> bool | None:
@@ -129,6 +131,16 @@ class Recording:
     def later(self, late_s: float) -> Recording:
         """The same with t0 so much later on the film's clock [s]."""
         return replace(self, time=self.time - late_s, log_time=self.log_time - late_s * (1 + self.clock.rate))
+
+    def due_later(self, goals: bool) -> float:
+        """By how much [s] rows are due later where commands that jump are goals (or are none): a goal is given when
+        the row before it is due."""
+        return self.schedule.row_s * (bool(goals and self.held_as_told) - self.goals)
+
+    def taken(self, held: bool, goals: bool) -> Recording:
+        """With rows that are held or run; goals: commands that jump are these, and t0 is when the first is reached."""
+        schedule, late = replace(self.schedule, held=held), self.due_later(goals)
+        return replace(self.later(late), schedule=schedule, goals=bool(goals and self.held_as_told))
 
     @property
     def end(self) -> float:
