@@ -1,6 +1,7 @@
 """What a log's own commands say of a trial: when it began, and whether rows are held or run through on straight lines.
 
-Commands and readings are on one clock. Between two rows of a slow log the table is known better than the commands are.
+Rows that are held as commands may be goals (`set_points`), due one row later. Commands and readings are on one clock.
+Between two rows of a slow log the table is known better than the commands are.
 """
 
 from __future__ import annotations
