@@ -141,6 +141,21 @@ def begins_s(r: Recording) -> float:
     return float(-r.log_time[0])
 
 
+def test_held_rows_may_be_goals_unless_labels_say_that_they_were_due_as_they_were_commanded() -> None:
+    plan = square(2, held=True)
+    log, asked = logged(plan, 50), replace(plan, start_s=0.0, held=False)
+
+    def goals(labelled: float | None, log: ServoLog = log) -> bool:
+        told = told_by_commands(log, asked, 0.0, labelled)
+        assert told is not None
+        return told.goals
+
+    assert goals(None)
+    assert goals(START_S + plan.row_s)
+    assert not goals(START_S + 0.02)  # late by a row of the log
+    assert not goals(START_S + plan.row_s, logged(square(2), 50))  # commands that run
+
+
 @pytest.mark.parametrize(("hertz", "missing"), [(50, 0.0), (20, 0.0), (20, 0.2)])
 def test_commands_may_be_goals_that_are_run_to_until_the_next(trial: Recording, hertz: float, missing: float) -> None:
     lag, told = 0.03, told_goals(trial, hertz, 0.03, missing=missing)

@@ -74,6 +74,11 @@ class Recording:
         return None if self.told is None else self.told.held
 
     @property
+    def may_be_goals(self) -> bool:
+        """Whether its commands may be goals, for all that a log says."""
+        return self.told is not None and self.told.goals
+
+    @property
     def length_unit(self) -> str:
         """A robot's links are known in metres."""
         return "m"
@@ -135,12 +140,12 @@ class Recording:
     def due_later(self, goals: bool) -> float:
         """By how much [s] rows are due later where commands that jump are goals (or are none): a goal is given when
         the row before it is due."""
-        return self.schedule.row_s * (bool(goals and self.held_as_told) - self.goals)
+        return self.schedule.row_s * ((goals and self.may_be_goals) - self.goals)
 
     def taken(self, held: bool, goals: bool) -> Recording:
         """With rows that are held or run; goals: commands that jump are these, and t0 is when the first is reached."""
         schedule, late = replace(self.schedule, held=held), self.due_later(goals)
-        return replace(self.later(late), schedule=schedule, goals=bool(goals and self.held_as_told))
+        return replace(self.later(late), schedule=schedule, goals=goals and self.may_be_goals)
 
     @property
     def end(self) -> float:

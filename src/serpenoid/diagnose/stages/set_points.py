@@ -36,7 +36,7 @@ def ways(recordings: Sequence[Recording], held: bool | None = None) -> Iterator[
     yield _plays(jumping, told=False)
     if all(r.commands is not None for r in recordings):
         yield _plays(jumping, told=True)
-    if any(r.held_as_told for r in recordings):
+    if any(r.may_be_goals for r in recordings):
         yield _plays([r.taken(held=False, goals=True) for r in recordings], told=False)
 
 
