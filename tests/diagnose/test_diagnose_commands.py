@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.told import Distances, told_by_commands
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.expected import carried, expected
 from serpenoid.diagnose.stages.set_points import ways
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.campaign import load_campaign_file
@@ -114,6 +115,101 @@ def test_servos_are_followed_between_the_rows_of_a_slow_log_that_does_not_say_wh
     data, lag = next(ways([recorded])), 0.05
     left = data.left(data.realised([ActiveEffect.of("servo_lag", None, lag=lag)]))
     np.testing.assert_allclose(left.std(), TICK, rtol=0.05)  # the noise of a reading
+
+
+def told_goals(r: Recording, hertz: float, lag: float, runs: bool = True, missing: float = 0.0) -> Recording:
+    """A trial whose log has row i + 1 as commanded when row i is due, and servos that run there until the next is, or
+    (not `runs`) jump at once; missing: a share of what was read, and of what was commanded."""
+    plan = square(r.body.joint_count)
+    given = replace(plan, held=True, start_s=START_S - plan.row_s)
+    log, fine = logged(given, hertz), np.arange(0, plan.end_s + 1, FINE_S)
+    late = lagged(fine, (plan if runs else given).commanded(fine), np.full(len(fine) - 1, lag))
+    read = np.stack([np.interp(log.time_s, fine, c) for c in late.T], axis=1)
+    random = np.random.default_rng(4)
+    read = np.where(random.random(read.shape) < missing, np.nan, read + random.normal(0, TICK, read.shape))
+    log = replace(log, command=np.where(random.random((len(read), 1)) < missing, np.nan, log.command))
+    told = told_by_commands(log, replace(plan, start_s=0.0), 0.0, START_S)
+    assert told is not None
+    return replace(
+        r, schedule=replace(plan, start_s=0.0), time=r.time - r.time[0], log_time=log.time_s - told.start_s,
+        position=read, t0_spread=told.spread_s, commands=log.command, told=told, asked_cycle_s=None,
+    )  # fmt: skip
+
+
+def begins_s(r: Recording) -> float:
+    """t0 on the log's clock, whose first row is at 0."""
+    return float(-r.log_time[0])
+
+
+def test_held_rows_may_be_goals_unless_labels_say_that_they_were_due_as_they_were_commanded() -> None:
+    plan = square(2, held=True)
+    log, asked = logged(plan, 50), replace(plan, start_s=0.0, held=False)
+
+    def goals(labelled: float | None, log: ServoLog = log) -> bool:
+        told = told_by_commands(log, asked, 0.0, labelled)
+        assert told is not None
+        return told.goals
+
+    assert goals(None)
+    assert goals(START_S + plan.row_s)
+    assert not goals(START_S + 0.02)  # late by a row of the log
+    assert not goals(START_S + plan.row_s, logged(square(2), 50))  # commands that run
+
+
+@pytest.mark.parametrize(("hertz", "missing"), [(50, 0.0), (20, 0.0), (20, 0.2)])
+def test_commands_may_be_goals_that_are_run_to_until_the_next(trial: Recording, hertz: float, missing: float) -> None:
+    lag, told = 0.03, told_goals(trial, hertz, 0.03, missing=missing)
+    assert told.held_as_told
+    data = plays([told])
+    assert data.goals
+    assert not data.held
+    (named,) = choose_actuation(data).named
+    assert named.effect.key == ("servo_lag", None)
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < lag < high
+    (found,) = carried([told], data, [named.effect])
+    assert begins_s(found) == pytest.approx(START_S, abs=told.unsure_start)
+    assert found.schedule == replace(told.schedule, held=False)
+
+
+def test_goals_are_taken_once_and_back(trial: Recording) -> None:
+    told = told_goals(trial, 50, 0.03)
+    once = told.taken(held=False, goals=True)
+    np.testing.assert_allclose(told.read_at - once.read_at, told.schedule.row_s, rtol=1e-9)  # rounding
+    np.testing.assert_allclose(told.time - once.time, told.schedule.row_s, rtol=1e-9)
+    np.testing.assert_array_equal(once.taken(held=False, goals=True).log_time, once.log_time)
+    np.testing.assert_allclose(once.taken(held=True, goals=False).time, told.time, atol=1e-12)  # rounding
+    untold = replace(told, told=None)  # nothing says that its commands jump
+    np.testing.assert_array_equal(untold.taken(held=False, goals=True).log_time, told.log_time)
+
+
+def test_what_servos_are_expected_to_do_is_on_the_clock_of_the_recordings_it_is_asked_of(trial: Recording) -> None:
+    told = told_goals(trial, 50, 0.03)
+    data = plays([told])
+    effects = [n.effect for n in choose_actuation(data).named]
+    (found,), (course,) = carried([told], data, effects), expected([told], data, effects)
+    (later,) = expected([found], data, effects)
+    np.testing.assert_allclose(course.at(told.read_at), later.at(found.read_at), atol=TICK / 10)  # t0 met again
+    inside = (found.read_at > 0) & (found.read_at < found.schedule.moving_s)
+    assert np.std(told.position[inside] - course.at(told.read_at)[inside]) < 1.5 * TICK  # the noise of a reading
+
+
+@pytest.mark.parametrize(
+    ("hertz", "lag", "missing"), [(20, 0.06, 0.0), (50, 0.02, 0.0), (50, 0.06, 0.0), (50, 0.06, 0.2)]
+)
+def test_rows_that_are_held_as_commanded_are_no_goals(
+    trial: Recording, hertz: float, lag: float, missing: float
+) -> None:
+    told = told_goals(trial, hertz, lag, runs=False, missing=missing)
+    data = plays([told])
+    assert data.held
+    assert not data.goals
+    (named,) = choose_actuation(data).named
+    assert named.effect.key == ("servo_lag", None)
+    (found,) = carried([told], data, [named.effect])
+    assert begins_s(found) == pytest.approx(START_S - told.schedule.row_s, abs=told.unsure_start)
 
 
 @pytest.mark.parametrize("held", [False, True])

@@ -129,6 +129,7 @@ def test_it_is_told_how_rows_were_taken_and_who_said_so() -> None:
         "held until the next is due (what servos read fits this best)"
     ]
     assert "the log's commands" in rows({"rows_held": False, "rows_from": "commands"})[0]
+    assert "are goals" in rows({"rows_held": False, "rows_from": "goals"})[0]
     assert "the reference" in rows({"rows_held": True, "rows_from": "reference"})[0]
     assert "what markers show" in rows({"rows_held": True, "rows_from": "markers"})[0]  # no servo log
     assert not rows({"rows_held": False, "rows_from": None})  # of an animal

@@ -218,14 +218,15 @@ def _scored(scores: Sequence[tuple[str, int | None, float]]) -> list[tuple[str, 
 
 
 def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]:
-    """Whether the tables' rows are held, and who says so: the logs' commands, a reference, or what servos follow best.
-    One player plays all trials: what the commands of one say, those of others that are no clear word do not take
-    back."""
+    """Whether the tables' rows are held, and who says so: the logs' commands, which may be goals, a reference, or what
+    servos follow best. One player plays all trials: what the commands of one say, those of others that are no clear
+    word do not take back."""
     held = any(r.schedule.held for r in recordings)
     told = {r.held_as_told for r in recordings} - {None} == {held}
     before = baseline.rows_held(recordings) is not None
     shown = "readings" if any(r.by_servos for r in recordings) else "markers"
     who = "commands" if told else "reference" if before else shown
+    who = "goals" if any(r.goals for r in recordings) else who
     source = who if recordings else None
     untold = any(r.lag_untold for r in recordings) and not told and not (before and baseline.rows_said)
     return {"rows_held": held, "rows_from": source, "lag_untold": untold}

@@ -44,6 +44,7 @@ class Recording:
     the campaign promises, but for unplayed_cycles, of which the log says that they were not begun; asked_cycle_s: what
     the campaign promises of a cycle's duration, where that is another.
     strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
+    goals: whether commands that jump are taken as goals, each run to until the next is given.
     """
 
     name: str
@@ -65,11 +66,17 @@ class Recording:
     told: Told | None = None
     asked_cycle_s: float | None = None
     strays: tuple[tuple[int, float], ...] = ()
+    goals: bool = False
 
     @property
     def held_as_told(self) -> bool | None:
         """Whether commands hold the table's rows; None where they do not say."""
         return None if self.told is None else self.told.held
+
+    @property
+    def may_be_goals(self) -> bool:
+        """Whether its commands may be goals, for all that a log says."""
+        return self.told is not None and self.told.goals
 
     @property
     def length_unit(self) -> str:
@@ -129,6 +136,16 @@ class Recording:
     def later(self, late_s: float) -> Recording:
         """The same with t0 so much later on the film's clock [s]."""
         return replace(self, time=self.time - late_s, log_time=self.log_time - late_s * (1 + self.clock.rate))
+
+    def due_later(self, goals: bool) -> float:
+        """By how much [s] rows are due later where commands that jump are goals (or are none): a goal is given when
+        the row before it is due."""
+        return self.schedule.row_s * ((goals and self.may_be_goals) - self.goals)
+
+    def taken(self, held: bool, goals: bool) -> Recording:
+        """With rows that are held or run; goals: commands that jump are these, and t0 is when the first is reached."""
+        schedule, late = replace(self.schedule, held=held), self.due_later(goals)
+        return replace(self.later(late), schedule=schedule, goals=goals and self.may_be_goals)
 
     @property
     def end(self) -> float:

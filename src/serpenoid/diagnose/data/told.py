@@ -1,5 +1,6 @@
 """What a log's own commands say of a trial: when it began, and whether rows are held or run through on straight lines.
 
+Commands that hold rows may be goals (`set_points`), due one row later, unless labels say that they were due at once.
 Commands and readings are on one clock. Between two rows of a slow log the table is known better than the commands are.
 """
 
@@ -22,12 +23,14 @@ LEAST_ROWS = 8
 @dataclass(frozen=True)
 class Told:
     """start_s: t0 on the servos' clock; spread_s: half of what is left open of it; held: rows stay until the next;
-    by_log: rows were due by the log's clock, for all that the commands say, and else by the cameras'."""
+    by_log: rows were due by the log's clock, for all that the commands say, and else by the cameras'; goals: held rows
+    may be goals."""
 
     start_s: float
     spread_s: float
     held: bool
     by_log: bool
+    goals: bool = False
 
 
 def told_by_commands(log: ServoLog, schedule: Schedule, rate: float, labelled: float | None = None) -> Told | None:
@@ -60,7 +63,9 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float, labelled: f
         if least <= size * TICK**2:
             left = [way for way in ways if way[0] <= least + _slack(least, size)]
             first, last = min(low for _, low, _ in left), max(high for _, _, high in left)
-            found.append(Told((first + last) / 2, (last - first) / 2, held, ways[0] in left))
+            start = (first + last) / 2
+            goals = held and (labelled is None or labelled - start > row / 2)
+            found.append(Told(start, (last - first) / 2, held, ways[0] in left, goals))
     return found[0] if len(found) == 1 else None
 
 

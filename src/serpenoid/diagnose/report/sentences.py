@@ -240,6 +240,7 @@ def rows(record: Record) -> list[str]:
         return []
     who = {
         "commands": "the log's commands say so",
+        "goals": "the log's commands are goals, each run to until the next is given: what servos read fits this best",
         "reference": "as in the reference",
         "readings": "what servos read fits this best",
         "markers": "what markers show of the joints fits this best",

@@ -27,14 +27,21 @@ def carried(recordings: Sequence[Recording], found: Plays, effects: Sequence[Act
 
 def expected(recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]) -> tuple[Course, ...]:
     """What servos are expected to do, trial by trial, with these effects beside the known ones."""
-    return tuple(Course(course.time + late, course.angles) for _, late, course in _met(recordings, found, effects))
+    met = zip(recordings, _met(recordings, found, effects), strict=True)
+    return tuple(_moved(course, late + r.due_later(found.goals)) for r, (_, late, course) in met)
+
+
+def _moved(course: Course, late: float) -> Course:
+    """So much later [s]: times that differ by rounding alone may be one then."""
+    time, first = np.unique(course.time + late, return_index=True)
+    return Course(time, course.angles[first])
 
 
 def _met(
     recordings: Sequence[Recording], found: Plays, effects: Sequence[ActiveEffect]
 ) -> list[tuple[Recording, float, Course]]:
     """Recordings, how late their trials began [s] as far as that is open, and what servos do from there on."""
-    recordings = [replace(r, schedule=replace(r.schedule, held=found.held)) for r in recordings]
+    recordings = [r.taken(found.held, found.goals) for r in recordings]
     model = found.model(effects)
     between = [_between(r) if model.actuation_effects else np.zeros(1) for r in recordings]  # known ones among them
     meshes = [np.unique(np.concatenate([corners(r.schedule), t])) for r, t in zip(recordings, between, strict=True)]

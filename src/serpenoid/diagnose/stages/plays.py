@@ -60,6 +60,11 @@ class Plays:
         """Whether the rows of the tables jump."""
         return self.recordings[0].schedule.held
 
+    @property
+    def goals(self) -> bool:
+        """Whether commands that jump are taken as goals."""
+        return any(r.goals for r in self.recordings)
+
     def unsure_start(self, r: Recording) -> float:
         """How far what a trial was told may be off in time [s]: the log's own commands have the readings' clock."""
         return ACTED_ON_S if self.told else r.unsure_start

@@ -1,7 +1,8 @@
 """The ways to take what was commanded: the set-points that servos may have followed.
 
-A log's own word of what servos were told, rows of a table that are joined by lines, or rows that jump. A repeat that
-tells no more of the servos than the trial it repeats is left out.
+A log's own word of what servos were told, rows of a table that are joined by lines, or rows that jump; commands that
+jump may be goals, each run to until the next is given. A repeat that tells no more of the servos than the trial it
+repeats is left out.
 """
 
 from __future__ import annotations
@@ -31,10 +32,12 @@ def ways(recordings: Sequence[Recording], held: bool | None = None) -> Iterator[
     # commands that jump may be goals of a profile, which runs; those that run leave no doubt
     if held is False or all(r.held_as_told is False for r in recordings):
         return
-    jumping = [replace(r, schedule=replace(r.schedule, held=True)) for r in recordings]
+    jumping = [r.taken(held=True, goals=False) for r in recordings]
     yield _plays(jumping, told=False)
     if all(r.commands is not None for r in recordings):
         yield _plays(jumping, told=True)
+    if any(r.may_be_goals for r in recordings):
+        yield _plays([r.taken(held=False, goals=True) for r in recordings], told=False)
 
 
 def by_table(recordings: Sequence[Recording], held: bool) -> Plays:
