@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,8 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
-from serpenoid.diagnose.inference.select import calibrated, likeliest
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps
+from serpenoid.diagnose.inference.select import at_other_places, attempts, calibrated, likeliest
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
@@ -27,9 +28,9 @@ HEAP = [WHEEL, ("load", 2), ("load", 9)]
 LAW = Effect("rolling_resistance", None, {"crossover_speed": 0.02})
 
 
-def explanations(folder: Path, law: Sequence[Effect]) -> tuple[Motion, list[Fit]]:
+def explanations(folder: Path, law: Sequence[Effect], seizure: float = 0.5) -> tuple[Motion, list[Fit]]:
     """The motion of a robot with a worn wheel, and fits of the wheel, and of a heap, without the law."""
-    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": 0.5})], "law", COMBINATIONS[:4])
+    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": seizure})], "law", COMBINATIONS[:4])
     write(campaign, folder)
     recordings = read_recordings(folder)[1]
     body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
@@ -53,6 +54,24 @@ def test_beside_a_law_that_is_wrong_the_cause_is_likelier_than_a_heap(tmp_path: 
     assert [e.key for e in found.effects] == [WHEEL]
     assert found.coordinates[1] == pytest.approx(0.5, abs=0.05)
     assert likeliest(motion, alone, [alone, heap]) is alone
+
+
+def test_of_an_effect_that_is_large_all_places_are_tried_from_where_it_was_fitted(tmp_path: Path) -> None:
+    """First order about neutral tells neither how much a seized wheel does nor which one it is."""
+    motion, (alone, _) = explanations(tmp_path, [LAW], seizure=0.98)
+    null = fit_eps(motion, replace(alone.model, effects=()))
+    near = ActiveEffect.neutral("worn_wheel", 5)
+    start = np.array([null.coordinates[0], 0.9])
+    (found,) = attempts(motion, null, [(near, 0.0, start)])
+    assert found.fitted.parameters["seizure"] > 0.5
+    others = at_other_places(null, [found])
+    assert {e.place for e, _, _ in others} == {*range(12)} - {5}
+    assert all(e.name == "worn_wheel" and x[1] == found.fitted.coordinates[0] for e, _, x in others)
+    best = min(attempts(motion, null, others), key=lambda t: t.fit.chi2)
+    assert best.fitted.key == WHEEL
+    assert at_other_places(null, []) == []
+    little = replace(found, fit=fit(motion, null.model, [near], np.array([start[0], 0.1]), 0))
+    assert at_other_places(null, [little]) == []
 
 
 def test_where_the_law_is_right_the_search_has_the_last_word(tmp_path: Path) -> None:

@@ -74,6 +74,16 @@ def test_means_of_repeats_are_white_by_as_many_as_they_are_of() -> None:
     np.testing.assert_allclose(two, 2 * one)
 
 
+def test_doubt_that_repeats_share_is_in_their_mean_once() -> None:
+    """Repeats of their own chance c and one doubt d tell their mean to c^2 / k + d^2, as k that are independent do with
+    k d^2 each."""
+    t, repeats = track(6), 3
+    t.doubt = 0.7
+    chance = np.random.default_rng(0).uniform(0.6, 2, (6, 3))
+    each = White(t, chance, Memory(), repeats=repeats).deviations  # type: ignore[arg-type]
+    np.testing.assert_allclose(each**2 / repeats, chance**2 / repeats + 0.7**2)
+
+
 def columns(rng: np.random.Generator, cycles: int) -> np.ndarray:
     """What candidates do to the windows of a gait (W, 3, CANDIDATES): all the time, and by phase."""
     angle = 2 * np.pi * np.tile((np.arange(PHASES) + 0.5) / PHASES, cycles)

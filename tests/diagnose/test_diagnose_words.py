@@ -107,7 +107,13 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
 
 @pytest.mark.parametrize("verdict", ["nothing", "explained"])
 def test_a_verdict_says_that_a_cause_may_hide_in_chance_that_is_no_noise_of_the_markers(verdict: str) -> None:
-    record = {"verdict": verdict, "reference": None, "noise_from": "trials", "law": {"name": "viscous"}}
+    record = {
+        "verdict": verdict,
+        "reference": None,
+        "noise_from": "trials",
+        "law": {"name": "viscous"},
+        "effects": [{}],
+    }
     assert "hides in it" in meaning(record | {"noise_over_markers": 12.0})
     assert "hides" not in meaning(record | {"noise_over_markers": 1.1}) + meaning(record | {"noise_over_markers": None})
 
@@ -168,7 +174,9 @@ def test_names_that_do_not_carry_over_to_other_gaits_are_told(after: float, effe
 
 @pytest.mark.parametrize("verdict", ["nothing", "explained"])
 def test_where_nothing_was_played_twice_nobody_is_told_that_the_rest_is_chance(verdict: str) -> None:
-    assert "nobody can tell" in meaning({"verdict": verdict, "reference": None, "noise_from": "residuals"})
+    assert "nobody can tell" in meaning(
+        {"verdict": verdict, "reference": None, "noise_from": "residuals", "effects": [{}]}
+    )
 
 
 def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_fits_better() -> None:
