@@ -186,7 +186,8 @@ def _changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]
     def marker(rng: np.random.Generator) -> Hidden:
         v = int(rng.integers(1, last))
         along = sign(rng) * float(rng.uniform(0.005, 0.015)) * size
-        return one("displaced_marker", ("marker_offset_ahead", v), vertex=v, along_m=along)
+        # its site is on the link ahead of the joint; one name for each link it may be on
+        return one("displaced_marker", ("marker_offset_ahead", v), ("marker_offset", v), vertex=v, along_m=along)
 
     def weak(rng: np.random.Generator) -> Hidden:
         return one("weak_servo", joint=joint(rng), factor=0.15)
