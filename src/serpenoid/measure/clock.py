@@ -133,8 +133,12 @@ def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s:
         for shift in shifts[k] + FINE_S
     }
     own, (cost, shift, _) = min(c for c, _, k in left if k == best), min(left)
-    gain = FREEDOM / 2 * np.log(own / max(cost, TINY))
-    return shift if gain > np.log(1 / EARLY - 1) else float(shifts[best])
+    return shift if far_likelier(cost, own) else float(shifts[best])
+
+
+def far_likelier(cost: float, other: float) -> bool:
+    """Whether a mean square difference explains so much more than another as what is as rare as a short log must."""
+    return bool(FREEDOM / 2 * np.log(max(other, TINY) / max(cost, TINY)) > np.log(1 / EARLY - 1))
 
 
 def _cut(t: Floats, signal: Floats, other_s: Floats, other: Floats) -> bool:
