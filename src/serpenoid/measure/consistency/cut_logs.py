@@ -27,5 +27,6 @@ def unsure_by_cycles(claim: Claim) -> str | None:
     more = f" and {counted(len(others) - NAMED, 'other')}" if len(others) > NAMED else ""
     return (
         f"its servo log is cut where the motion repeats: its clock is laid by {found.offset_s:+.3f} s, and "
-        f"{shown}{more} would do as well, so it may be whole cycles off. Give the whole log, or leave `servo_log` out of this trial"
+        f"{shown}{more} would do as well, so it may be whole cycles off. Give the whole log, or leave `servo_log` "
+        "out of this trial"
     )
