@@ -214,10 +214,11 @@ def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path
     file = tmp_path / "campaign.toml"
     file.write_text(re.sub("^cycles = .*", "cycles = 100000", file.read_text(), flags=re.MULTILINE))
     said = read_recordings(tmp_path)[1][0].remarks
-    assert said == ("2 of 100000 promised cycles were played, say the log's labels or the film",)
+    assert said == ("2 of 100000 promised cycles were played, say the log's labels",)
     for log in tmp_path.glob("*/servo.csv"):  # a log that does not say it
         log.write_text(log.read_text().replace(",phase,", ",said,", 1))
-    assert read_recordings(tmp_path)[1][0].remarks[-1:] == said  # but the film, unless it ends amid motion
+    said = ("2 of 100000 promised cycles were played, say the film and what servos read",)
+    assert read_recordings(tmp_path)[1][0].remarks[-1:] == said  # unless they end amid motion
     ends = f"to_s = {1.5 * whole.schedule.period_s - whole.time[0]}\nmotion ="
     file.write_text(re.sub("^motion =", ends, file.read_text(), flags=re.MULTILINE))
     recordings = read_recordings(tmp_path)[1]
@@ -293,4 +294,4 @@ def test_a_cycle_that_the_recording_does_not_show_is_said(tmp_path: Path) -> Non
     for log in tmp_path.glob("*/servo.csv"):  # nothing labels cycles
         log.write_text(log.read_text().replace(",phase,", ",said,", 1))
     for r in read_recordings(tmp_path)[1]:
-        assert "2 of 3 promised cycles were played, say the log's labels or the film" in r.remarks
+        assert "2 of 3 promised cycles were played, say the film and what servos read" in r.remarks

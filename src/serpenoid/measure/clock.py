@@ -133,8 +133,32 @@ def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s:
         for shift in shifts[k] + FINE_S
     }
     own, (cost, shift, _) = min(c for c, _, k in left if k == best), min(left)
-    gain = FREEDOM / 2 * np.log(own / max(cost, TINY))
-    return shift if gain > np.log(1 / EARLY - 1) else float(shifts[best])
+    return shift if far_likelier(cost, own) else float(shifts[best])
+
+
+def as_likely(
+    found: Offset, period_s: float, reference_s: Floats, reference: Floats, other_s: Floats, other: Floats
+) -> list[float]:
+    """Offsets whole periods away from the one found at which two signals (R, m) agree about as well, half of the
+    shorter record in common, where the other is cut; none where it is whole, for then its ends tell."""
+    keep = np.isfinite(reference).all(axis=1)
+    t, signal = reference_s[keep], reference[keep]
+    if not _cut(t, signal, other_s, other):
+        return []
+    half = 0.5 * min(t[-1] - t[0], other_s[-1] - other_s[0])
+    low, high = t[0] - other_s[-1] + half, t[-1] - other_s[0] - half
+    first, last = np.ceil((low - found.offset_s) / period_s), np.floor((high - found.offset_s) / period_s)
+    own, likely = _cost(found.offset_s, t, signal, other_s, other), []
+    for shift in found.offset_s + period_s * np.arange(first, last + 1):
+        cost, best = min((_cost(at, t, signal, other_s, other), float(at)) for at in shift + FINE_S)
+        if abs(shift - found.offset_s) > period_s / 2 and not far_likelier(own, cost):
+            likely.append(best)
+    return likely
+
+
+def far_likelier(cost: float, other: float) -> bool:
+    """Whether a mean square difference explains so much more than another as what is as rare as a short log must."""
+    return bool(FREEDOM / 2 * np.log(max(other, TINY) / max(cost, TINY)) > np.log(1 / EARLY - 1))
 
 
 def _cut(t: Floats, signal: Floats, other_s: Floats, other: Floats) -> bool:

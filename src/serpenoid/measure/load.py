@@ -158,7 +158,8 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
     if metres is not None and body.odd_length is not None:
         notes = [*notes, body.odd_length]
     if schedule is not None and motion is not None:
-        promised, schedule = schedule.cycles, as_filmed(schedule, motion.time_s, motion.joint_angles)
+        promised = schedule.cycles
+        schedule = as_filmed(schedule, motion.time_s, motion.joint_angles, files.servo_log)
         notes += [unplayed(promised, schedule.cycles)] if schedule.cycles < promised else []
     if schedule is not None:
         schedule, source, complaints = schedule_start(schedule, files.servo_log, servo, motion)

@@ -59,7 +59,9 @@ def _aligned(
         own = files[entry.name]
         found = remember(lambda: read_recording(file, own), "recording", file, own)
         _refuse_short(found)
-        return replace(found, remarks=(*said.get(entry.name, ()), *_missing(found), *_assumed(found), *_unread(own)))
+        return replace(
+            found, remarks=(*said.get(entry.name, ()), *_missing(found, own), *_assumed(found), *_unread(own))
+        )
 
     return at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
 
@@ -72,7 +74,7 @@ def _unread(files: Files) -> list[str]:
     return [said] if files.servo_log is not None and files.servo_log.repeats_commands else []
 
 
-def _missing(r: Recording) -> list[str]:
+def _missing(r: Recording, files: Files) -> list[str]:
     """Cycles that were promised and are over before anything is recorded, or not even begun while it is, or never."""
     s = r.schedule
     promised = s.cycles + r.missing_cycles
@@ -87,8 +89,15 @@ def _missing(r: Recording) -> list[str]:
         said.append(f"of {promised} promised cycles, {r.missing_cycles} would begin after the recording: left out")
     if r.unplayed_cycles:
         of = promised + r.unplayed_cycles
-        said.append(f"{promised} of {of} promised cycles were played, say the log's labels or the film")
+        said.append(f"{promised} of {of} promised cycles were played, {_who_says(files, promised)}")
     return said
+
+
+def _who_says(files: Files, played: int) -> str:
+    """Whence so many cycles are known, fewer than promised."""
+    log, schedule = files.servo_log, files.schedule
+    by_labels = log is not None and schedule is not None and as_played(log, schedule).cycles == played
+    return "say the log's labels" if by_labels else "say the film and what servos read"
 
 
 def _assumed(r: Recording) -> list[str]:
@@ -132,7 +141,7 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
     if log is None or log.repeats_commands:
         return replace(_by_markers(file, entry, schedule, tracks.time_s, markers), strays=strays)
     clock = align(file.body, tracks.time_s, markers, log)
-    filmed = as_filmed(schedule, tracks.time_s, marker_angles(file.body, markers))
+    filmed = as_filmed(schedule, tracks.time_s, marker_angles(file.body, markers), log)
     promised, schedule = schedule.cycles, as_played(log, filmed)
     labelled = start_on_log(log, schedule, clock.rate)
     told = told_by_commands(log, schedule, clock.rate, labelled[0] if labelled else None)

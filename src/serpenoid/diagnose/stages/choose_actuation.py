@@ -22,6 +22,7 @@ from serpenoid.diagnose.stages.actuation import (
     needed,
     slopes_of,
 )
+from serpenoid.diagnose.stages.displaced_markers import displaced_marker
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.trials_astray import trials_astray
 from serpenoid.effects.active import ActiveEffect
@@ -82,13 +83,25 @@ def choose_actuation(data: Plays) -> Stage:
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
     words: tuple[str, ...] = ()
     if squares[worst] > VISIBLE**2:
-        words = (f"joint {worst + 1} follows its command no better than {left:.1f} times {_missed(best, worst)}",)
+        words = (_unlike(best, worst, left),)
         words += (*trials_astray(data, best.angles, worst), *refused)
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words)
+
+
+def _unlike(best: Played, joint: int, left: float) -> str:
+    """That a joint (0 .. m - 1) is so many times the noise from what it is told, or what shows it so."""
+    recordings = best.data.recordings
+    marker = None if recordings[0].by_servos else displaced_marker(recordings, joint + 1)
+    if marker is None:
+        return f"joint {joint + 1} follows its command no better than {left:.1f} times {_missed(best, joint)}"
+    return (
+        f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and no "
+        f"servo need be the cause: {marker.words}"
+    )
 
 
 def _missed(best: Played, joint: int) -> str:

@@ -1,5 +1,8 @@
 """In which trials a joint strays from what is found of it: a law would act in all of them.
 
+It strays in some alone if what those leave is far more than what the others do (`LAW_ERROR`): where all leave about as
+much as noise, it is chance which leave a little more.
+
 Legend: R log rows of all trials, T trials, m joints.
 """
 
@@ -13,19 +16,26 @@ from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.measure.cells import listed
 
+MOSTLY = 0.5  # of what is left: less is no matter of how far a joint goes
+TINY = 1e-12  # rad^2: of joints that are told nothing
+
 
 def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
     """What is said of the trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others,
     or does by less and less."""
     left = data.left(played)
     trials = [data.trials == t for t in range(len(data.recordings))]
-    astray = np.array([data.structure_of(left, mine) for mine in trials]) > VISIBLE**2
+    squares = np.array([data.structure_of(left, mine) for mine in trials])
+    astray = squares > VISIBLE**2
     mine = astray[:, joint]
     if mine.all():
         return _trend(data, played, left, joint)
     if not mine.any():
         return ()
-    alike = [j for j in range(astray.shape[1]) if (astray[:, j] == mine).all()]
+    clear = squares[~mine].max(axis=0) <= LAW_ERROR**2 * squares[mine].min(axis=0)
+    if not clear[joint]:
+        return ()
+    alike = [j for j in np.flatnonzero(clear).tolist() if (astray[:, j] == mine).all()]
     who = f"joint{'s' if len(alike) > 1 else ''} {listed([str(j + 1) for j in alike])}"
     who = "all joints" if len(alike) == astray.shape[1] > 1 else who
     one = len(alike) == 1
@@ -33,8 +43,9 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
         return (f"{who} {'follows its command' if one else 'follow their commands'} in {_named(data, ~mine)} alone",)
     if len(alike) == 2 and _exchanged(data, played, left, mine[data.trials], alike):
         return (f"{who} do what the other is told in {_named(data, mine)} alone: wires or numbers exchanged?",)
-    far = float(_gains(played, left, mine[data.trials])[alike].mean())
-    return (f"{who} {'strays' if one else 'stray'} in {_named(data, mine)} alone, {far:.2f} times as far as told",)
+    gains, shares = (x[alike] for x in _gains(played, left, mine[data.trials]))
+    far = f", {gains.mean():.2f} times as far as told" if shares.mean() > MOSTLY else ""
+    return (f"{who} {'strays' if one else 'stray'} in {_named(data, mine)} alone{far}",)
 
 
 def _exchanged(data: Plays, played: Floats, left: Floats, rows: np.ndarray, two: list[int]) -> bool:
@@ -46,7 +57,7 @@ def _exchanged(data: Plays, played: Floats, left: Floats, rows: np.ndarray, two:
 
 def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> tuple[str, ...]:
     """Where a straight line over the trials' order is nearly all that its gains differ by."""
-    gains = np.array([_gains(played, left, data.trials == t)[joint] for t in range(len(data.recordings))])
+    gains = np.array([_gains(played, left, data.trials == t)[0][joint] for t in range(len(data.recordings))])
     order = np.arange(len(gains)) - (len(gains) - 1) / 2
     if len(gains) < 4:  # three points lie nearly on a line by chance
         return ()
@@ -60,10 +71,12 @@ def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> tuple[str, 
             f"{gains[-1]:.2f} times in `{last}`",)  # fmt: skip
 
 
-def _gains(played: Floats, left: Floats, rows: np.ndarray) -> Floats:
-    """How far each joint (m,) goes about its middle over how far it is told, in these rows (R,)."""
+def _gains(played: Floats, left: Floats, rows: np.ndarray) -> tuple[Floats, Floats]:
+    """How far each joint (m,) goes about its middle over how far it is told, in these rows (R,), and which share (m,)
+    of what is left that is."""
     swing, missed = (x[rows] - x[rows].mean(axis=0) for x in (played, left))
-    return np.asarray(1 + (swing * missed).sum(axis=0) / np.maximum((swing**2).sum(axis=0), 1e-12))
+    together, told = (swing * missed).sum(axis=0), np.maximum((swing**2).sum(axis=0), TINY)
+    return np.asarray(1 + together / told), np.asarray(together**2 / told / np.maximum((missed**2).sum(axis=0), TINY))
 
 
 def _named(data: Plays, chosen: np.ndarray) -> str:

@@ -19,6 +19,7 @@ from serpenoid.measure.clock import find_offset
 from serpenoid.measure.consistency.blame import TIED, Contradiction, certain
 from serpenoid.measure.consistency.claim import Claim, logged, same_joints
 from serpenoid.measure.consistency.clock_steps import without_step
+from serpenoid.measure.consistency.cut_logs import unsure_by_cycles
 from serpenoid.measure.consistency.hypotheses import (
     KINDS,
     NEAR,
@@ -155,6 +156,8 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
             lost += _unexplained(claim, one)
             remarks += [*_weakness(claim, one.contract, one.witness), *one.doubts]
     remarks += [(claim.trial, place.said) for place in torn]
+    cut = unsure_by_cycles(claim)
+    remarks += [(claim.trial, cut)] if cut else []
     leaning = _leaning(claim, rivals)
     return Verdict(
         tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {}, {claim.trial: leaning}

@@ -24,6 +24,7 @@ from serpenoid.measure.consistency.fallen import fallen
 from serpenoid.measure.consistency.films import Films, films_of, wrong_edges
 from serpenoid.measure.consistency.frozen import frozen, frozen_said, hung, hung_said
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
+from serpenoid.measure.consistency.hanging import hanging, hanging_unmoved
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.leaps import leap
 from serpenoid.measure.consistency.lengths import other_bodies
@@ -71,6 +72,7 @@ def believe(
             + "\nThe campaign contradicts itself, so nothing is computed from it. Mend campaign.toml, or set "
             "`believe = true` in a trial to go on regardless."
         )
+    hang = {one.trial for one in verdict.contradictions if one.kind == "hanging"}
     remarks: dict[str, list[str]] = defaultdict(list)
     for trial, remark in verdict.remarks:
         remarks[trial].append(remark)
@@ -90,6 +92,8 @@ def believe(
         if files.labelled is not None and files.tracks is not None:
             stops = hung_said(hung(files.labelled.vertices), files.tracks.time_s)
             remarks[files.entry.name] += [stops] if stops else []
+            stands = hanging_unmoved(files.labelled.vertices, files.tracks.time_s)
+            remarks[files.entry.name] += [stands.said] if stands and files.entry.name not in hang else []
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
         for trial, words in films.said.items():
             remarks[trial].append(words)
@@ -149,6 +153,9 @@ def _seen(file: CampaignFile, body: Body, files: Files) -> tuple[list[Contradict
     if faults:
         return faults, None
     claim = _claim(body, files, file.servo_log.angle_unit)
+    stands = None if files.labelled is None else hanging(claim, files.labelled.vertices)
+    if stands is not None:
+        return [Contradiction(claim.trial, "hanging", stands.words, stands.cure, np.inf)], None
     for signal in (claim.servos, claim.film):
         if signal is not None and signal.enough:
             _ = signal.period_s  # goes with it

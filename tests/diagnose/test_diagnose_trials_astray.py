@@ -1,0 +1,62 @@
+"""Trials in which a joint strays are told where the others do not; which of many leave a little more than noise is
+chance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from serpenoid.diagnose.stages.trials_astray import trials_astray
+
+ROWS = 200
+TOLD = np.sin(np.linspace(0, 4 * np.pi, ROWS))[:, None] * np.array([1.0, 0.7, 0.4])
+
+
+@dataclass(frozen=True)
+class Left:
+    """Four trials of one gait each; what is left of each is stated, its mean square is its structure."""
+
+    each: tuple[np.ndarray, ...]
+
+    @property
+    def recordings(self):
+        return [SimpleNamespace(name=f"g{n}-1", gait=f"g{n}") for n in range(len(self.each))]
+
+    @property
+    def trials(self):
+        return np.repeat(np.arange(len(self.each)), ROWS)
+
+    def left(self, played):
+        return np.concatenate(self.each)
+
+    def structure_of(self, left, rows=slice(None)):
+        return (left[rows] ** 2).mean(axis=0)
+
+
+def wave(size: float) -> np.ndarray:
+    """Of this RMS at all joints, beside what is told of quarter a period."""
+    return size * np.sqrt(2) * np.cos(np.linspace(0, 4 * np.pi, ROWS))[:, None] * np.ones(3)
+
+
+def said(*each: np.ndarray) -> tuple[str, ...]:
+    return trials_astray(Left(each), np.tile(TOLD, (len(each), 1)), 0)
+
+
+def test_what_all_trials_leave_about_as_much_of_as_noise_is_told_of_none():
+    assert said(wave(1.12), wave(1.41), wave(0.63), wave(1.16)) == ()
+    assert said(wave(0.8), wave(1.24)) == ()
+
+
+def test_a_trial_that_strays_far_is_told_and_so_is_one_that_alone_follows():
+    assert said(wave(0.5), wave(0.3), wave(4.0), wave(0.0)) == ("all joints stray in `g2` alone",)
+    assert said(wave(3.0), wave(4.0), wave(0.2), wave(3.0)) == ("all joints follow their commands in `g2` alone",)
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.75, 1.5])
+def test_how_far_joints_go_is_told_where_that_is_what_they_stray_by(gain):
+    told = 20 * (gain - 1) * TOLD
+    (words,) = trials_astray(Left((wave(0.1), wave(0.1), told)), 20 * np.tile(TOLD, (3, 1)), 0)
+    assert words == f"all joints stray in `g2` alone, {gain:.2f} times as far as told"
