@@ -29,7 +29,7 @@ from serpenoid.diagnose.report.sentences import (
     within_chance,
 )
 from serpenoid.diagnose.report.summary import lines
-from serpenoid.diagnose.report.words import own_place, parameter, shown, times, title
+from serpenoid.diagnose.report.words import in_sample, own_place, parameter, shown, times, title, unseen
 from serpenoid.diagnose.stages.choose_motion import finding, refusals
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
@@ -421,3 +421,14 @@ def test_parameters_are_in_units_of_the_law_and_of_the_recordings_lengths(
     name: str, law: str, length: str, unit: str
 ) -> None:
     assert parameter_unit(find(name).parameters[0], law, length) == unit
+
+
+@pytest.mark.parametrize(
+    ("held_out", "said"), [("gaits", "gaits"), ("settings", "settings"), ("trials", "trials"), ("nothing", "trials")]
+)
+def test_what_is_held_out_is_said_as_it_is(held_out: str, said: str) -> None:
+    record = {"held_out": held_out, "drag_ratio": None}
+    assert unseen(record) == said
+    assert in_sample(record) == (held_out == "nothing")
+    assert unseen({"drag_ratio": None}) == "gaits"  # of an older answer
+    assert unseen({"drag_ratio": (8.0, 7.9, 8.1)}) == "parts"

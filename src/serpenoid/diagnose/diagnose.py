@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -232,6 +233,17 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
     return {"rows_held": held, "rows_from": source, "lag_untold": untold}
 
 
+def _held_out(d: Diagnosis) -> str:
+    """What is predicted by fits to the others (`recording.held_out_labels`)."""
+    motion = d.motion.selection.motion
+    if len(set(motion.labels)) == 1:
+        return "nothing"
+    if d.drag_ratio is not None:
+        return "parts"
+    gaits, settings = ({of(t.recording) for t in motion.tracks} for of in (attrgetter("gait"), attrgetter("setting")))
+    return "gaits" if len(gaits) > 1 else "settings" if len(settings) > 1 else "trials"
+
+
 def _ratio_interval(d: Diagnosis) -> tuple[float, float]:
     """95 % of eps; of an animal that drag alone moves, over both ways to tell it: windows of smoothed points, and frame
     by frame (`drag_ratio`), which noise of close points shifts less."""
@@ -272,6 +284,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "parts_differ_by": d.motion.stage.unlike or None,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
+        "held_out": _held_out(d),
         "left_open_m": total(open_m), "left_open_by_gait_m": of_each_gait(found.motion, open_m),
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),

@@ -13,7 +13,18 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     unreliable,
 )
-from serpenoid.diagnose.report.words import Record, advice, law, own_place, parameter, shown, times, title, unseen
+from serpenoid.diagnose.report.words import (
+    Record,
+    advice,
+    in_sample,
+    law,
+    own_place,
+    parameter,
+    shown,
+    times,
+    title,
+    unseen,
+)
 from serpenoid.report.pages import Card
 
 GAINS = {
@@ -23,6 +34,7 @@ GAINS = {
 }  # fmt: skip
 WORSE = 1.02  # an error that does not come closer
 NOT_WORSE = {False: "Nothing became worse.", True: "Nothing became visibly worse."}
+IN_SAMPLE = "Of one trial nothing can be held out: it is predicted from the fit to itself."
 NO_ADVICE = "It may stand in for another cause: change nothing for its sake."
 
 
@@ -68,7 +80,8 @@ def _placed(effect: Record, record: Record) -> str:
 def _gain(record: Record) -> Card:
     rows = [(GAINS[key][0].partition(",")[0].partition(" (")[0], _change(record, key)) for key in GAINS]
     rows.append(("noise level", shown(record["noise_level_m"], record["length_unit"])))
-    said = [f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
+    alone = in_sample(record)
+    said = [IN_SAMPLE if alone else f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
     said += _left_open(record)
     bad = worse(record)
     unsure = _overlap(record["gain"]["path_rms_m"])
@@ -77,7 +90,8 @@ def _gain(record: Record) -> Card:
     said.append(f"Worse with the extension: {', '.join(bad)}." if bad else NOT_WORSE[unsure])
     said += [f"{text[0].upper()}{text[1:]}." for text in unreliable(record)]
     answer = f"path RMS {_change(record, 'path_rms_m')}"
-    return Card(f"Gain on unseen {unseen(record)}", answer, said, rows, "warn" if bad or unsure else "good")
+    asks = "Gain in sample" if alone else f"Gain on unseen {unseen(record)}"
+    return Card(asks, answer, said, rows, "warn" if bad or unsure else "good")
 
 
 def _left_open(record: Record) -> list[str]:

@@ -21,7 +21,7 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     untestable,
 )
-from serpenoid.diagnose.report.words import Record, ends, shown, title, unseen
+from serpenoid.diagnose.report.words import Record, ends, in_sample, shown, title, unseen
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
 from serpenoid.report.pages import Picture, Table, prepare, write_page
@@ -114,7 +114,8 @@ def _gain(record: Record) -> Table:
     for key, (name, _) in GAINS.items():
         g = record["gain"][key]
         rows.append([name, *(_with_interval(g, side, unit_of(key, record)) for side in ("before", "after"))])
-    return Table([f"on held-out {unseen(record)}", "before (95 %)", "after (95 %)"], rows)
+    where = "in sample" if in_sample(record) else f"on held-out {unseen(record)}"
+    return Table([where, "before (95 %)", "after (95 %)"], rows)
 
 
 def _with_interval(g: Record, side: str, unit: str) -> str:

@@ -27,6 +27,7 @@ from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,
     alternative,
+    in_sample,
     own_place,
     parameter,
     shown,
@@ -64,8 +65,12 @@ def lines(record: Record) -> list[str]:
     found += [f"note              {LINKS if text.startswith(WHOLE_LINKS) else text}" for text in record["remarks"]]
     rms = record["gain"]["path_rms_m"]
     before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
-    found.append(f"held-out {unseen(record)}    path RMS {before} -> {after}{left_open(record)}")
-    found += [f"held-out {unseen(record)}    {text}" for text in unreliable(record)]
+    if in_sample(record):
+        found.append(f"in sample         path RMS {before} -> {after}: of one trial nothing can be held out")
+    else:
+        held = f"held-out {unseen(record):9}"
+        found.append(f"{held}path RMS {before} -> {after}{left_open(record)}")
+        found += [f"{held}{text}" for text in unreliable(record)]
     found.append(f"anisotropy ratio  {ratio(record)}")
     found += [f"since then        {text}" for text in ratio_change(record)]
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []

@@ -88,5 +88,11 @@ def times(ratio: float) -> str:
 
 
 def unseen(record: Record) -> str:
-    """What is held out: gaits, or the parts of an animal's recording."""
-    return "gaits" if record["drag_ratio"] is None else "parts"
+    """What is held out: gaits, settings, trials, or the parts of an animal's recording."""
+    known = record.get("held_out") or ("gaits" if record["drag_ratio"] is None else "parts")  # none in older answers
+    return "trials" if known == "nothing" else str(known)
+
+
+def in_sample(record: Record) -> bool:
+    """Whether there is nothing that could be held out."""
+    return record.get("held_out") == "nothing"
