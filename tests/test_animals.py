@@ -159,6 +159,7 @@ def test_what_holds_a_vertex_back_is_a_wheel_or_a_skin_and_in_water_neither() ->
     for kind, name in (("wheeled robot", "worn_wheel"), ("crawling robot", "rough_skin"), ("crawler", "rough_skin")):
         offered = {"worn_wheel", "rough_skin"} - not_on_offer(Body(kind=kind, vertices=5))
         assert offered == {name}, kind
+        assert Body(kind=kind, vertices=5).other_surface not in find(name).needs
     for kind in ("swimming robot", "swimmer"):
         assert {"worn_wheel", "rough_skin"} <= not_on_offer(Body(kind=kind, vertices=5))
 

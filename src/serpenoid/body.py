@@ -181,6 +181,11 @@ class Body(Record):
         """What it has, and what is around it: where nobody says, everything that goes with wheels."""
         return frozenset(get_args(Part)) - {"skin"} if self.kind is None else PARTS[self.kind]
 
+    @property
+    def other_surface(self) -> Part:
+        """What it does not meet the ground with: what is a worn wheel of one body is a rough skin of another."""
+        return "wheels" if "skin" in self.parts else "skin"
+
     def uniform(self) -> Body:
         """The same body with its weight spread evenly along its length, half an edge's at either end of it."""
         ends = np.concatenate([[0.0], self.edges, [0.0]])
