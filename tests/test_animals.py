@@ -151,8 +151,17 @@ def test_an_animal_is_offered_no_wheels_and_advised_of_no_tyres(kind: str) -> No
         assert part not in said.replace("material", ""), part
 
 
-def test_a_body_of_no_stated_kind_is_offered_everything() -> None:
-    assert not not_on_offer(Body(vertices=5))
+def test_a_body_of_no_stated_kind_is_offered_everything_that_goes_with_wheels() -> None:
+    assert not_on_offer(Body(vertices=5)) == {"rough_skin"}
+
+
+def test_what_holds_a_vertex_back_is_a_wheel_or_a_skin_and_in_water_neither() -> None:
+    for kind, name in (("wheeled robot", "worn_wheel"), ("crawling robot", "rough_skin"), ("crawler", "rough_skin")):
+        offered = {"worn_wheel", "rough_skin"} - not_on_offer(Body(kind=kind, vertices=5))
+        assert offered == {name}, kind
+        assert Body(kind=kind, vertices=5).other_surface not in find(name).needs
+    for kind in ("swimming robot", "swimmer"):
+        assert {"worn_wheel", "rough_skin"} <= not_on_offer(Body(kind=kind, vertices=5))
 
 
 def test_a_swimming_robot_has_servos_and_water_and_no_wheels(tmp_path: Path) -> None:

@@ -33,13 +33,13 @@ CUT = "Cut links into more edges (`vertices`, `joints`; n a link leave out 1 / n
 WHOLE_LINKS = "every link is one edge"
 SPARSE = 0.02  # of a straight body's resistance to turning: ten equal edges, as in the paper, leave out 0.01
 Kind = Literal["wheeled robot", "crawling robot", "swimming robot", "swimmer", "crawler"]
-Part = Literal["servos", "wheels", "ground", "water"]
+Part = Literal["servos", "wheels", "skin", "ground", "water"]  # skin: what meets the ground where no wheels do
 PARTS: dict[Kind, frozenset[Part]] = {
     "wheeled robot": frozenset({"servos", "wheels", "ground"}),
-    "crawling robot": frozenset({"servos", "ground"}),  # on scales, on a skin, through sand
+    "crawling robot": frozenset({"servos", "skin", "ground"}),  # on scales, on a skin, through sand
     "swimming robot": frozenset({"servos", "water"}),
     "swimmer": frozenset({"water"}),
-    "crawler": frozenset({"ground"}),
+    "crawler": frozenset({"skin", "ground"}),
 }
 
 
@@ -178,8 +178,13 @@ class Body(Record):
 
     @property
     def parts(self) -> frozenset[Part]:
-        """What it has, and what is around it: everything, where nobody says."""
-        return frozenset(get_args(Part)) if self.kind is None else PARTS[self.kind]
+        """What it has, and what is around it: where nobody says, everything that goes with wheels."""
+        return frozenset(get_args(Part)) - {"skin"} if self.kind is None else PARTS[self.kind]
+
+    @property
+    def other_surface(self) -> Part:
+        """What it does not meet the ground with: what is a worn wheel of one body is a rough skin of another."""
+        return "wheels" if "skin" in self.parts else "skin"
 
     def uniform(self) -> Body:
         """The same body with its weight spread evenly along its length, half an edge's at either end of it."""

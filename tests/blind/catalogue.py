@@ -100,6 +100,10 @@ def _load(rng: np.random.Generator, place: int | None, robot: Robot) -> Paramete
     return {"share": -carried * _log(rng, 0.1, 1.0) if lighter else _log(rng, 0.01, 0.4)}
 
 
+def _rough(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
+    return {"roughness": _log(rng, 0.2, 4.0) if rng.uniform() < 0.5 else -_log(rng, 0.2, 0.9)}
+
+
 def _patch(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
     strength = _log(rng, 0.2, 4.0) if rng.uniform() < 0.5 else -_log(rng, 0.2, 0.9)
     x, y = rng.uniform(-0.35, 0.35, 2)
@@ -142,6 +146,7 @@ CATALOGUE: dict[str, Kind] = {
         ACTUATION, AT_JOINT, _one("max_speed", 0.2, 2.0), _servos(speeds=lambda k, p: {k: p["max_speed"]})
     ),
     "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.15, 1.0), _ground(seizure=lambda k, p: {k: p["seizure"]})),
+    "rough_skin": Kind(MEDIUM, AT_VERTEX, _rough, _ground(roughness=lambda k, p: {k: p["roughness"]})),
     "load": Kind(MEDIUM, AT_VERTEX, _load, _ground(share=lambda k, p: {k: p["share"]})),
     "dry_friction": Kind(
         MEDIUM, GLOBAL, _one("crossover_speed", 0.003, 0.5), _ground(crossover_speed=lambda k, p: p["crossover_speed"])
@@ -216,6 +221,9 @@ CATALOGUE: dict[str, Kind] = {
 }
 
 
+# Of bodies without wheels: the robots of the studies have some, on which a worn one does the same.
+WITHOUT_WHEELS = ("rough_skin",)
+ON_WHEELS = tuple(n for n in CATALOGUE if n not in WITHOUT_WHEELS)
 # Added when keys were in use: a campaign of an earlier key has one of these in few cases, and else what it had.
 NEWER = ("lagging_joint", "slow_joint", "marker_offset_ahead")
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
@@ -245,8 +253,8 @@ def drawn(rng: np.random.Generator, name: str, place: int | None, robot: Robot =
 def draw(
     rng: np.random.Generator, count: int, robot: Robot = SNAKE10, among: Sequence[str] | None = None
 ) -> list[Effect]:
-    """`count` effects with different names, uniform over the catalogue (or some), places uniform over the robot."""
-    pool = sorted(among or CATALOGUE)
+    """`count` effects with different names, uniform over those of wheels (or some), places uniform over the robot."""
+    pool = sorted(among or ON_WHEELS)
     earlier = rng.choice([n for n in pool if n not in NEWER], size=count, replace=False)
     today = rng.spawn(1)[0].choice(pool, size=count, replace=False)  # does not move what rng draws next
     found = []

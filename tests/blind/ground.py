@@ -46,6 +46,7 @@ class Ground:
     robot: Robot = SNAKE10
     creep: float = CREEP
     seizure: dict[int, float] = field(default_factory=dict)
+    roughness: dict[int, float] = field(default_factory=dict)
     share: dict[int, float] = field(default_factory=dict)
     crossover_speed: float = 0.0
     rolling_crossover: float = 0.0
@@ -98,7 +99,10 @@ class Ground:
 
     def rolling(self, time: Floats) -> Floats:
         """Tangential coefficient of the part of each wheel that rolls, (S, N)."""
-        return self.eps * np.exp(self.drift_rate * time[..., None]) * (1 - self.locked)
+        rough = np.ones(self.robot.vertices)
+        for vertex, more in self.roughness.items():
+            rough[vertex] += more
+        return self.eps * rough * np.exp(self.drift_rate * time[..., None]) * (1 - self.locked)
 
     def level(self, world: Floats, phase: Floats) -> Floats:
         """Weight of each contact (S, N): load, patch, gradient, phase slip."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from blind.campaign import COMBINATIONS, Campaign, Hide, make
-from blind.catalogue import CATALOGUE, Effect
+from blind.catalogue import ON_WHEELS, Effect
 from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
 from blind.near import draw_near, short
 from blind.protocol import usual
@@ -70,7 +70,7 @@ def _another_physics(index: int, seed: int, identity: str) -> Case:
     parameter, low, high = LAWS[law]
     rng = np.random.default_rng([seed, 7])
     base = [Effect(law, None, {parameter: float(np.exp(rng.uniform(np.log(low), np.log(high))))})]
-    among = sorted(set(CATALOGUE) - {law})
+    among = sorted(set(ON_WHEELS) - {law})
     changed = (index // len(LAWS)) % 3 > 0
     hide: Hide = int(changed)
     found = make(seed, hide, identity, protocol=usual(seed), base=base, among=among)

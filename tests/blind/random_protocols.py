@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from blind.cameras import Instruments
-from blind.catalogue import CATALOGUE
+from blind.catalogue import ON_WHEELS
 from blind.gaits import progress
 from blind.protocol import Protocol, Setting
 from blind.schedule import Plan
@@ -74,7 +74,7 @@ def laid_anew(protocol: Protocol, seed: int) -> Protocol:
 
 def effects_that_show(protocol: Protocol) -> list[str]:
     """Names that can be hidden in recordings of this kind."""
-    return sorted(n for n in CATALOGUE if protocol.instruments.log_hertz or n not in NEEDS_A_LOG)
+    return sorted(n for n in ON_WHEELS if protocol.instruments.log_hertz or n not in NEEDS_A_LOG)
 
 
 def _robot(rng: np.random.Generator) -> Robot:

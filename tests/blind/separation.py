@@ -52,6 +52,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "lagging_joint": [{"lag": 0.03}],
     "slow_joint": [{"max_speed": 0.6}, {"max_speed": 1.0}],
     "worn_wheel": [{"seizure": 0.3}],
+    "rough_skin": [{"roughness": 0.0}],
     "load": [{"share": 0.0}],
     "dry_friction": [{"crossover_speed": 0.02}, {"crossover_speed": 0.2}],
     "rolling_resistance": [{"crossover_speed": 0.02}, {"crossover_speed": 0.2}],
@@ -86,7 +87,7 @@ def _bounds(name: str, parameter: str, place: int | None, robot: Robot) -> tuple
         return -1.0, 1.0
     if parameter == "share":
         return -float(robot.weights[place or 0]), 1.0
-    if parameter == "strength":
+    if parameter in ("strength", "roughness"):
         return -0.95, 20.0
     if name.endswith("asymmetry"):
         return -0.99, 0.99

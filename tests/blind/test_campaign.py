@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from blind.campaign import COMBINATIONS, Campaign, make, with_experiment
-from blind.catalogue import CATALOGUE, Effect, draw
+from blind.catalogue import CATALOGUE, ON_WHEELS, Effect, draw
 from blind.folder import write
 from blind.gaits import progress
 from blind.outside import OUTSIDE
@@ -108,9 +108,10 @@ def test_every_outside_cause_changes_the_motion(name: str, null: Campaign) -> No
 def test_names_and_places_are_drawn_uniformly() -> None:
     rng = np.random.default_rng(0)
     drawn = [draw(rng, 1)[0] for _ in range(3200)]
-    counts = np.array([sum(e.name == n for e in drawn) for n in CATALOGUE])
+    counts = np.array([sum(e.name == n for e in drawn) for n in ON_WHEELS])
     assert counts.min() > 60  # expected 100, standard deviation 10
     assert {e.place for e in drawn if e.name == "load"} == set(range(12))
+    assert {e.name for e in drawn} == set(ON_WHEELS)
 
 
 def test_an_experiment_is_played_in_the_same_world() -> None:

@@ -34,6 +34,7 @@ def path(ground: Ground, **kwargs: object) -> Floats:
 
 MODERATE: dict[str, dict[str, Any]] = {
     "worn_wheel": {"seizure": {4: 0.5}},
+    "rough_skin": {"roughness": {4: 1.0}},
     "load": {"share": {3: 0.1}},
     "dry_friction": {"crossover_speed": 0.05},
     "rolling_resistance": {"rolling_crossover": 0.05},
@@ -54,6 +55,7 @@ MODERATE: dict[str, dict[str, Any]] = {
 }
 ZERO = {
     "worn_wheel": {"seizure": {4: 0.0}},
+    "rough_skin": {"roughness": {4: 0.0}},
     "load": {"share": {3: 0.0}},
     "rolling_resistance": {"rolling_crossover": 1e-12},
     "grip_saturation": {"saturation_speed": 1e12},
@@ -221,7 +223,7 @@ def left_over(ground: Ground, d: Drive) -> Floats:
     d = (speed / POWER_SPEED) ** (ground.exponent - 1) + ground.crossover_speed / speed
     grip = 1 / np.sqrt(1 + (v_n**2 + s**2 + (z * v_t) ** 2) / ground.saturation_speed**2)
     sided = 1 + ground.left_right * v_n / np.sqrt(v_n**2 + CREEP**2)
-    e = EPS * np.exp(ground.drift_rate * time[:, None])
+    e = EPS * np.exp(ground.drift_rate * time[:, None]) * [1 + ground.roughness.get(k, 0.0) for k in range(12)]
     e = e * (1 - ground.forward_backward * v_t / np.sqrt(v_t**2 + CREEP**2))
     rolls = (1 - z) * e * (d + ground.rolling_crossover / np.sqrt(v_t**2 + CREEP**2))
     force = -w * (rolls * v_t + d * grip * z * v_t + 1j * d * grip * sided * v_n) * along
@@ -240,6 +242,7 @@ TOGETHER = [
     ("track_width", "left_right_asymmetry", "grip_saturation"),
     ("wheel_mount", "toe", "contact_offset", "track_width"),
     ("track_width", "friction_gradient", "anisotropy_drift"),
+    ("rough_skin", "grip_saturation", "anisotropy_drift"),
 ]
 
 

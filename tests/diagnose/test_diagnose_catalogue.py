@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from blind.campaign import COMBINATIONS, make
-from blind.catalogue import Effect
+from blind.catalogue import WITHOUT_WHEELS, Effect
 from blind.folder import write
 from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.motion import Motion
@@ -54,6 +54,7 @@ MARKERS = (
 )
 MOTION = (
     Effect("worn_wheel", 8, {"seizure": 0.6}),
+    Effect("rough_skin", 8, {"roughness": 1.0}),
     Effect("load", 2, {"share": 0.2}),
     Effect("dry_friction", None, {"crossover_speed": 0.02}),
     Effect("grip_saturation", None, {"saturation_speed": 0.3}),
@@ -78,6 +79,9 @@ JUMPS, CLOCK = Effect("position_jumps", None, {"size": 0.012}), Effect("clock_of
 
 def recorded(folder: Path, effect: Effect, settings: int = SETTINGS) -> tuple[Recording, ...]:
     write(make(5, [effect], "short", COMBINATIONS[:settings]), folder)
+    if effect.name in WITHOUT_WHEELS:
+        file = folder / "campaign.toml"
+        file.write_text(file.read_text().replace("[body]\n", '[body]\nkind = "crawling robot"\n'))
     return read_recordings(folder)[1]
 
 

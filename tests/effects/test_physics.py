@@ -18,6 +18,7 @@ MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium
 KNOW_SIDES = {"left_right_asymmetry", "toe", "slope", "friction_patch", "friction_gradient"}
 HOMOGENEOUS = [
     "worn_wheel",
+    "rough_skin",
     "load",
     "toe",
     "contact_offset",
@@ -168,6 +169,38 @@ def test_a_seized_chain_is_isotropic_and_stays_where_it_is(problem: Problem, tab
     effects = [ActiveEffect.of("worn_wheel", k, seizure=1.0) for k in range(12)]
     motion = played(extended(problem, *effects), table)
     np.testing.assert_allclose(motion.poses[:, :2], 0, atol=1e-12)
+
+
+def test_skin_that_is_as_rough_everywhere_is_another_anisotropy_ratio(problem: Problem, table: np.ndarray) -> None:
+    rough = extended(problem, *(ActiveEffect.of("rough_skin", k, roughness=0.6) for k in range(12)))
+    medium = problem.medium.model_copy(update={"anisotropy_ratio": 1.6 * problem.medium.anisotropy_ratio})
+    other = Model(problem.body, medium, (), 5.0)
+    np.testing.assert_allclose(played(rough, table).poses, played(other, table).poses, atol=1e-10)
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.9])
+def test_in_linear_drag_a_rough_skin_resists_as_a_worn_wheel(ratio: float, problem: Problem, table: np.ndarray) -> None:
+    """eps (1 + roughness) = eps + seizure (1 - eps)."""
+    seizure = 0.4
+    medium = problem.medium.model_copy(update={"anisotropy_ratio": ratio})
+    effects = [
+        ActiveEffect.of("worn_wheel", 4, seizure=seizure),
+        ActiveEffect.of("rough_skin", 4, roughness=seizure * (1 - ratio) / ratio),
+    ]
+    wheel, skin = (played(Model(problem.body, medium, (e,), 5.0), table).poses for e in effects)
+    np.testing.assert_allclose(skin, wheel, atol=1e-10)
+
+
+def test_skin_that_rubs_along_as_across_can_be_rough_or_smooth_at_a_vertex(problem: Problem, table: np.ndarray) -> None:
+    """Where a seizure says nothing, the ratio being one: a body that stays where it is moves, to either side."""
+    medium = problem.medium.model_copy(update={"anisotropy_ratio": 1.0})
+    none, rough, smooth = (
+        net(played(Model(problem.body, medium, (ActiveEffect.of("rough_skin", 4, roughness=r),), 5.0), table))
+        for r in (0.0, 0.1, -0.1)
+    )
+    np.testing.assert_allclose(none[:2], 0, atol=1e-12)
+    np.testing.assert_allclose(rough - none, none - smooth, rtol=0.2)  # but for what grows with the square
+    assert np.abs(rough[:2]).max() > 1e-4
 
 
 def test_a_patch_wider_than_the_arena_changes_nothing_but_the_drag_level(problem: Problem, table: np.ndarray) -> None:

@@ -90,10 +90,12 @@ def test_derivatives_for_fits_agree_with_differences_for_eps_and_an_effect() -> 
     np.testing.assert_allclose(found.jacobian[:, :, 1], by_load, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["worn_wheel", "load", "toe", "slope", "inertia", "track_width", "contact_offset"])
+@pytest.mark.parametrize(
+    "name", ["worn_wheel", "rough_skin", "load", "toe", "slope", "inertia", "track_width", "contact_offset"]
+)
 def test_effects_act_on_friction_and_grow_from_nothing(name: str) -> None:
     table = serpenoid_table(reference(), 20)
-    typical = ActiveEffect.typical(name, 4 if name in ("worn_wheel", "load") else None)
+    typical = ActiveEffect.typical(name, 4 if name in ("worn_wheel", "rough_skin", "load") else None)
     resting = [p.resting for p in typical.effect.parameters]
     plain = simulate_joint_angles(friction(cycle_duration_s=5.0), table)
     away = []

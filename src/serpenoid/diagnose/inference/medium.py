@@ -221,11 +221,12 @@ def coordinates_of(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
 
 
 def candidates_of(base: Fit) -> list[ActiveEffect]:
-    """Every effect that the motion shows, at every place, neutral; those held, as they are; not those fitted."""
+    """Every effect that the motion shows, at every place, neutral; those held, as they are; not those fitted, nor what
+    is the same under another name on another kind of body."""
     model, held = base.model, base.model.effects[: base.held]
     found, present = list(held), {e.key for e in model.effects}
     for kind in motion_effects():
-        if kind.scan is None:
+        if kind.scan is None and model.body.other_surface not in kind.needs:
             found += [
                 ActiveEffect.neutral(kind.name, p) for p in places(kind, model.body) if (kind.name, p) not in present
             ]
