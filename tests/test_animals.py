@@ -155,12 +155,12 @@ def test_a_body_of_no_stated_kind_is_offered_everything_that_goes_with_wheels() 
     assert not_on_offer(Body(vertices=5)) == {"rough_skin"}
 
 
-def test_what_holds_a_vertex_back_is_a_wheel_or_a_skin_and_in_water_neither() -> None:
-    for kind, name in (("wheeled robot", "worn_wheel"), ("crawling robot", "rough_skin"), ("crawler", "rough_skin")):
+def test_what_holds_a_vertex_back_is_a_wheel_or_a_skin_and_of_swimmers_and_animals_neither() -> None:
+    for kind, name in (("wheeled robot", "worn_wheel"), ("crawling robot", "rough_skin")):
         offered = {"worn_wheel", "rough_skin"} - not_on_offer(Body(kind=kind, vertices=5))
         assert offered == {name}, kind
         assert Body(kind=kind, vertices=5).other_surface not in find(name).needs
-    for kind in ("swimming robot", "swimmer"):
+    for kind in ("swimming robot", "swimmer", "crawler"):
         assert {"worn_wheel", "rough_skin"} <= not_on_offer(Body(kind=kind, vertices=5))
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Element
 
 
@@ -32,10 +32,6 @@ EFFECT = RoughSkin(
     looks_like="the body is held back and turns about one vertex (> 0), or slides more easily there (< 0), in every "
     "gait and at every speed alike",
     what_to_do="look there for skin, scales or feet that are torn, worn or loose, for glue, a raised screw or hair",
-    needs=frozenset({"skin"}),
-    of_animals=Advice(
-        looks_like="one part rubs more along the body than the others (> 0) or less (< 0), at every speed alike",
-        what_to_do="look there for scales or bristles that stand out, a wound, dirt or mucus",
-    ),
+    needs=frozenset({"servos", "skin"}),  # of animals, whose parts all differ a little, it makes eps less sure
     rank=20,
 )
