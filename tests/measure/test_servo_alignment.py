@@ -199,7 +199,7 @@ def test_a_log_is_whole_that_is_as_long_as_the_motion_and_at_rest_at_its_ends(
     time = np.arange(0.0, 17.0, 0.02)
     seen = schedule.commanded(time) + 0.003 * np.random.default_rng(0).normal(size=(len(time), 10))
     at = np.arange(since, until, 0.03)
-    assert clock._cut(time, seen, 1.0064 * at + 100, schedule.commanded(at)) == cut
+    assert clock.is_cut(time, seen, 1.0064 * at + 100, schedule.commanded(at)) == cut
 
 
 LATE, EARLY = "begins 1.5 s after the first command", "ends 2 s before the last"

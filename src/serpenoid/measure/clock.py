@@ -123,7 +123,7 @@ def _not_held(shifts: Floats, costs: Floats, t: Floats, signal: Floats, other_s:
     difference), columns counted as one.
     """
     best = int(np.argmin(costs))
-    if not _cut(t, signal, other_s, other):
+    if not is_cut(t, signal, other_s, other):
         return float(shifts[best])
     inner = 1 + np.flatnonzero((costs[1:-1] <= costs[:-2]) & (costs[1:-1] <= costs[2:]))
     some = np.unique([best, *inner[np.argsort(costs[inner], kind="stable")][:MOST_SHIFTS]])
@@ -141,10 +141,10 @@ def as_likely(
 ) -> list[float]:
     """Offsets whole periods away from the one found at which two signals (R, m) agree about as well, half of the
     shorter record in common, where the other is cut; none where it is whole, for then its ends tell."""
+    if not is_cut(reference_s, reference, other_s, other):
+        return []
     keep = np.isfinite(reference).all(axis=1)
     t, signal = reference_s[keep], reference[keep]
-    if not _cut(t, signal, other_s, other):
-        return []
     half = 0.5 * min(t[-1] - t[0], other_s[-1] - other_s[0])
     low, high = t[0] - other_s[-1] + half, t[-1] - other_s[0] - half
     first, last = np.ceil((low - found.offset_s) / period_s), np.floor((high - found.offset_s) / period_s)
@@ -161,9 +161,10 @@ def far_likelier(cost: float, other: float) -> bool:
     return bool(FREEDOM / 2 * np.log(max(other, TINY) / max(cost, TINY)) > np.log(1 / EARLY - 1))
 
 
-def _cut(t: Floats, signal: Floats, other_s: Floats, other: Floats) -> bool:
-    """Whether a record is shorter than the motion that the signal shows, or begins or ends amid motion."""
-    begin, quick = _quick(t, signal)
+def is_cut(reference_s: Floats, reference: Floats, other_s: Floats, other: Floats) -> bool:
+    """Whether the other record (R, m) is shorter than the motion that the first shows, or begins or ends amid it."""
+    keep = np.isfinite(reference).all(axis=1)
+    begin, quick = _quick(reference_s[keep], reference[keep])
     span = begin[quick][-1] - begin[quick][0]
     own = _quick(other_s, other)[1]
     return bool(own[0] or own[-1] or other_s[-1] - other_s[0] < span)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from serpenoid.measure.clock import as_likely, find_offset
+from serpenoid.measure.clock import as_likely, find_offset, is_cut
 from serpenoid.measure.consistency.claim import Claim, same_joints
 from serpenoid.measure.servo_alignment import MIN_CORRELATION
 from serpenoid.wording import counted
@@ -17,8 +17,10 @@ def unsure_by_cycles(claim: Claim) -> str | None:
         return None
     period_s = cameras.period_s or (None if schedule is None else schedule.period_s)
     log_s, read = servos.time_s[servos.known], servos.values[servos.known]
+    if period_s is None or not is_cut(cameras.time_s, cameras.values, log_s, read):
+        return None
     found = find_offset(cameras.time_s, cameras.values, log_s, read)
-    if period_s is None or found is None or found.correlation < MIN_CORRELATION:
+    if found is None or found.correlation < MIN_CORRELATION:
         return None
     others = as_likely(found, period_s, cameras.time_s, cameras.values, log_s, read)
     if not others:
