@@ -120,7 +120,7 @@ def protocol_text(drawn: Drawn, name: str, seed: int, hidden: Hidden) -> str:
     return "\n".join([*top, *gaits, *rest, hidden.toml])
 
 
-def _changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]:
+def changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]:
     """What may be hidden, in sizes of this robot; see `arena.hidden` for what may be said of it."""
     robot, size = drawn.protocol.robot, drawn.size
     last, length = robot.vertices - 1, robot.length
@@ -205,10 +205,10 @@ def _changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]
     return {each.__name__: each for each in drawn_by}
 
 
-def hidden_of(key: str, number: int, drawn: Drawn) -> dict[str, Hidden]:
+def hidden_of(drawn: Drawn) -> dict[str, Hidden]:
     """What is hidden in the campaigns of a robot: nothing, and some changes."""
     rng = np.random.default_rng([drawn.seed, 21])
-    kinds = _changes(drawn)
+    kinds = changes(drawn)
     some = rng.choice(sorted(kinds), CHANGES, replace=False)
     return {"nothing": Hidden()} | {str(kind): kinds[str(kind)](rng) for kind in some}
 
@@ -228,7 +228,7 @@ def play(work: Path, drawn: Drawn, name: str, key: str, hidden: Hidden) -> Path:
 def run_robot(key: str, number: int, work: Path, out: Path) -> None:
     """All campaigns of one robot, as far as they are not in the table."""
     drawn = draw(key, number)
-    hidden = hidden_of(key, number, drawn)
+    hidden = hidden_of(drawn)
     done = {(r["robot"], r["name"]) for r in table.read(out / TABLE)[1]}
     if all((number, name) in done for name in ("healthy", *hidden)):
         return

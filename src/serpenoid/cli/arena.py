@@ -1,7 +1,7 @@
 """The virtual laboratory: play gaits on the simulated robot and write a campaign folder.
 
     serpenoid arena run PROTOCOL.toml --out campaigns/mats
-    serpenoid arena use results/mats PROTOCOL.toml    # what is the diagnosis worth?
+    serpenoid arena use results/mats/diagnosis-1a2b3c4d PROTOCOL.toml    # what is the diagnosis worth?
 
 `use` finds the optimal gait under the diagnosis' baseline and under its extended model, and plays both on the robot of
 the protocol, with the changes that are in it. Run the same command again to continue after an interruption.
@@ -32,7 +32,7 @@ power.csv. A trial takes some seconds. Ctrl-C keeps whole trials; the same comma
 
 USE = """What a diagnosis is worth: the optimal gaits before and after its extension, both played on one robot.
 
-    serpenoid arena use results/mats PROTOCOL.toml --problem problems/snake10.toml"""
+    serpenoid arena use results/mats/diagnosis-1a2b3c4d PROTOCOL.toml --problem problems/snake10.toml"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
+from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, total
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import Recording, held_out_by
 from serpenoid.diagnose.data.relaid import relaid
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
@@ -234,14 +234,16 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
 
 
 def _held_out(d: Diagnosis) -> str:
-    """What is predicted by fits to the others (`recording.held_out_labels`)."""
+    """What is predicted by fits to the others."""
     motion = d.motion.selection.motion
     if len(set(motion.labels)) == 1:
         return "nothing"
-    if d.drag_ratio is not None:
-        return "parts"
-    gaits, settings = ({of(t.recording) for t in motion.tracks} for of in (attrgetter("gait"), attrgetter("setting")))
-    return "gaits" if len(gaits) > 1 else "settings" if len(settings) > 1 else "trials"
+    return held_out_by(_read(motion)) if d.drag_ratio is None else "parts"
+
+
+def _read(motion: Motion) -> list[Recording]:
+    """The recordings of a robot; of an animal none."""
+    return [t.recording for t in motion.tracks if isinstance(t.recording, Recording)]
 
 
 def _ratio_interval(d: Diagnosis) -> tuple[float, float]:
@@ -289,7 +291,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "noise_level_m": found.noise_level_m,
         "noise_from": chance_from(found.motion.tracks),
         "noise_over_markers": over_markers(found.motion),
-        **_rows([t.recording for t in found.motion.tracks if isinstance(t.recording, Recording)], d.baseline),
+        **_rows(_read(found.motion), d.baseline),
         "left": {stage.name: None if stage.skipped else stage.left for stage in d.stages},
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},

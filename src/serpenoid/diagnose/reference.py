@@ -125,7 +125,7 @@ class Reference(Baseline):
         """The earlier campaign's."""
         return self.model.medium.anisotropy_ratio
 
-    def ratio_ends(self, tracks: Sequence[Track]) -> tuple[float, float]:
+    def ratio_before(self, tracks: Sequence[Track]) -> tuple[float, float]:
         """The model's, where all gaits were played before: what is wrong with it is in what it left."""
         taken = self.ratio
         if all(np.isfinite(self.explained[0].error(t)[0][t.playing & t.usable]).all() for t in tracks):

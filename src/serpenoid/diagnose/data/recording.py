@@ -6,7 +6,7 @@ readings: `by_servos` is False.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -222,9 +222,17 @@ class Recording:
         return self.shape.at(time)
 
 
-def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+HELD_OUT: dict[str, Callable[[Recording], object]] = {"gaits": lambda r: r.gait, "settings": lambda r: r.setting}
+
+
+def held_out_by(recordings: Sequence[Recording]) -> str:
     """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
-    kinds: list[list[object]] = [[r.gait for r in recordings], [r.setting for r in recordings]]
-    names = next((k for k in kinds if len(set(k)) > 1), list(range(len(recordings))))
+    return next((kind for kind, of in HELD_OUT.items() if len({of(r) for r in recordings}) > 1), "trials")
+
+
+def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """A number for all that is held out together."""
+    of = HELD_OUT.get(held_out_by(recordings))
+    names = list(range(len(recordings))) if of is None else [of(r) for r in recordings]
     numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
     return tuple(numbers[name] for name in names)

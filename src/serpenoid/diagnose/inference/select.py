@@ -6,7 +6,7 @@ all that was found is named, names.py says.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -40,7 +40,6 @@ from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.scans import Ranked
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.base import Parameter
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes, meanwhile
 
@@ -303,15 +302,11 @@ def at_other_places(base: Fit, tries: Sequence[Try]) -> list[Ranked]:
     if likely is None or likely.added.place is None or not unclear(likely.fit):
         return []
     fitted, tried = likely.fitted, {t.added.key for t in tries}
-    if not any(abs(x - p.resting) > abs(p.coordinate(p.typical) - p.resting) for x, p in _numbers(fitted)):
+    numbers = zip(fitted.coordinates, fitted.effect.parameters, strict=False)
+    if not any(abs(x - p.resting) > abs(p.coordinate(p.typical) - p.resting) for x, p in numbers):
         return []
     others = [c for c in candidates_of(base) if c.name == fitted.name and c.key not in tried]
     return [(c, 0.0, np.concatenate([base.coordinates, fitted.coordinates[:-1]])) for c in others]
-
-
-def _numbers(effect: ActiveEffect) -> Iterator[tuple[float, Parameter]]:
-    """Coordinates and what they are of."""
-    return zip(effect.coordinates, effect.effect.parameters, strict=False)
 
 
 def finished(motion: Motion, t: Try, steps: int = STEPS) -> Try:

@@ -53,7 +53,7 @@ class Baseline:
         """eps, where it was measured before; the calibration still begins at the model's."""
         return None
 
-    def ratio_ends(self, tracks: Sequence[Track]) -> tuple[float, float] | None:
+    def ratio_before(self, tracks: Sequence[Track]) -> tuple[float, float] | None:
         """Between which eps of an earlier campaign counts as the same on these tracks; None without one."""
         return None
 

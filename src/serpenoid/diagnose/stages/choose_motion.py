@@ -197,7 +197,9 @@ def finding(
     elsewhere = {a.effect.key for a in alone}
     named = [replace(n, stand_in=True) if n.effect.key in elsewhere else n for n in named]
     after = strayed(found, parts, jumps is not None and jumps in named)
-    if named and not wrong and astray(motion, _predicted(found, parts), after):  # by paths alone: few windows show less
+    if (
+        words and named and not wrong and astray(motion, _predicted(found, parts), after)
+    ):  # by paths alone: few windows show less
         named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
     # from which share on names mend windows of a law that is wrong, and not the path
     most = 1.0 if motion.ratio is None else LAW_ERROR

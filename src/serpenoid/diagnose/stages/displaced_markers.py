@@ -19,9 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from serpenoid.body import Body, Floats
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.measure.trial_files import stated_between
 
 MOST_FRAMES = 4000
 LEAST_FRAMES = 40
@@ -52,7 +53,7 @@ def displaced_marker(recordings: Sequence[Recording], joint: int) -> DisplacedMa
     points = np.concatenate([r.markers[:, body.corners] for r in recordings])
     points = points[np.isfinite(points).all(axis=(1, 2))]
     points = points[:: 1 + len(points) // MOST_FRAMES]
-    lengths = _between_corners(body)
+    lengths = stated_between(body.corners, body.edges_m, body)
     if len(points) < LEAST_FRAMES or len(lengths) < LEAST_LINKS:
         return None
     shown = np.linalg.norm(np.diff(points, axis=1), axis=2)
@@ -70,12 +71,6 @@ def displaced_marker(recordings: Sequence[Recording], joint: int) -> DisplacedMa
     noise = np.sqrt(own) / 2  # of a coordinate: a distance has twice its variance
     most = stated.sum() - left > (1 - LAW_ERROR**2) * (stated.sum() - min(left, other))
     return DisplacedMarker(k, distance, left <= other) if most and distance > noise else None
-
-
-def _between_corners(body: Body) -> Floats:
-    """Stated distances (K - 1,) [m] of the chain's corners."""
-    along = np.concatenate([[0.0], np.cumsum(body.edges_m)])
-    return np.diff(along[list(body.corners)])
 
 
 def _beside(points: Floats, lengths: Floats) -> tuple[float, float]:

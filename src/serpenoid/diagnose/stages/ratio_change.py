@@ -41,7 +41,7 @@ def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | Non
     """By more than chance makes of it at the stated error, with and without names that may be stand-ins, and visibly;
     None where it is not, or without a reference."""
     motion, settled = found.selection.motion, found.selection.settled
-    then = baseline.ratio_ends(motion.tracks)
+    then = baseline.ratio_before(motion.tracks)
     if then is None:
         return None
     far = float(ndtri(1 - ERROR / 2))
