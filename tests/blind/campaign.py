@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from blind import catalogue, outside
 from blind.cameras import Clocks, Film, ServoLog, film, servo_log
 from blind.catalogue import Effect, ServoFault, World
+from blind.ground import Ground
 from blind.motion import Drive
 from blind.protocol import COMBINATIONS, REPEATS, Combination, Protocol, Setting, usual
 from blind.schedule import Plan, grid, realise, steps_of
@@ -21,6 +23,7 @@ from blind.snake import Floats
 
 SLIP_PER_CYCLE = np.array([1e-3, 0.8e-3, 2.5e-3])  # m forwards, m sideways, rad: standard deviations
 SLIP_BLOCK_S = 0.1
+WEATHER = (0.005, 0.05)  # SD of ln eps and of the wheels' drag from trial to trial
 Hide = str | int | Sequence[Effect]
 
 
@@ -53,6 +56,11 @@ class Campaign:
     @property
     def eps(self) -> float:
         return self.protocol.eps
+
+    @property
+    def law(self) -> World:
+        """The world as trials have it in the mean."""
+        return replace(self.world, weather=None)
 
 
 def _slips(rng: np.random.Generator, plan: Plan, time: Floats, playing: np.ndarray, scale: float) -> Floats:
@@ -91,6 +99,16 @@ def _perform(
     return trials
 
 
+def _weather(seed: int, chance: Sequence[int], ground: Ground, trial: int) -> Ground:
+    """The floor of one trial; how much trials differ is the campaign's."""
+    size = float(np.exp(np.random.default_rng([seed, 9]).uniform(*np.log(WEATHER))))
+    rng = np.random.default_rng([seed, 10, trial, *chance])
+    eps = ground.eps * float(np.exp(rng.normal(0, size)))
+    more = ground.robot.weights * rng.normal(0, size, ground.robot.vertices)
+    share = {v: ground.share.get(v, 0.0) + float(extra) for v, extra in enumerate(more)}
+    return replace(ground, eps=eps, share=share)
+
+
 def _hidden(
     seed: int, hide: Hide, protocol: Protocol, base: Sequence[Effect], among: Sequence[str] | None
 ) -> tuple[tuple[Effect, ...], World]:
@@ -112,15 +130,17 @@ def make(
     among: Sequence[str] | None = None,
     chance: Sequence[int] = (),
     fault: ServoFault | None = None,
+    weather: bool = False,
 ) -> Campaign:
     """`hide`: how many catalogue effects to draw (`among`: some), given effects, `outside`, or the name of one outside.
 
     protocol: by default the usual one of this seed. base: effects that are there and no news. chance: numbers that make
     slips, hands and noise others than those of the same campaign without them. fault: of servos, beside the effects.
+    weather: in each trial eps and what each wheel weighs in the drag are a little different, all through the trial.
     """
     protocol = protocol or usual(seed, combinations)
     effects, world = _hidden(seed, hide, protocol, base, among)
-    world = replace(world, fault=fault)
+    world = replace(world, fault=fault, weather=partial(_weather, seed, chance) if weather else None)
     settings = [_played(s, protocol, world) for s in protocol.settings]
     plays = protocol.plays
     planned = [(i * plays + r, f"{s.label}-{r + 1}", s) for i, s in enumerate(settings) for r in range(plays)]

@@ -41,14 +41,18 @@ class World:
     cameras: Cameras = Cameras()
     gust: Callable[[int], ExternalForce] | None = None
     fault: ServoFault | None = None
+    weather: Callable[[Ground, int], Ground] | None = None
 
     def paths(self, drives: Sequence[Drive], trials: Sequence[int] | None = None) -> list[Floats]:
-        """Poses of each trial; a gust needs to know which trials they are (default 0, 1, ...)."""
-        if self.gust is None:
+        """Poses of each trial; gusts and weather need to know which trials they are (default 0, 1, ...)."""
+        if self.gust is None and self.weather is None:
             return paths(self.ground, list(drives))
         numbers = trials if trials is not None else range(len(drives))
-        grounds = [replace(self.ground, external=(self.gust(i),)) for i in numbers]
-        return [paths(g, [d])[0] for g, d in zip(grounds, drives, strict=True)]
+        return [paths(self._ground(i), [d])[0] for i, d in zip(numbers, drives, strict=True)]
+
+    def _ground(self, trial: int) -> Ground:
+        ground = self.ground if self.weather is None else self.weather(self.ground, trial)
+        return ground if self.gust is None else replace(ground, external=(self.gust(trial),))
 
 
 Draw = Callable[[np.random.Generator, int | None, Robot], Parameters]

@@ -5,14 +5,16 @@ followup, handful         see near.py and handful.py
 random                    protocols drawn at random; of six, two hide nothing, two one effect, one two, one a cause
                           outside the catalogue
 laid                      the same six; every setting is played at least twice, each time laid anew
+weather                   the same six; eps and each wheel's drag differ a little from trial to trial
 physics                   a law of the generator's floor is taken out of the catalogue; of three campaigns of a law,
                           one is healthy, and two are changed, with the healthy one as their reference
 same                      healthy, and as the reference the same gaits on another day
+days                      the same of any protocol that plays gaits twice, on floors that differ from trial to trial
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,7 +36,9 @@ LAWS: dict[str, tuple[str, float, float]] = {
     "dry_friction": ("crossover_speed", 0.5, 2.0),  # far above the speeds of a body: Coulomb's law
 }
 ANOTHER_DAY = (1,)
-KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "physics", "same")
+DAYS = (("now", ()), ("before", ANOTHER_DAY))
+RANDOM = ("random", "laid", "weather", "days")
+KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "same", "days")
 
 
 @dataclass(frozen=True)
@@ -54,10 +58,15 @@ def case(kind: str, index: int, seed: int, identity: str) -> Case:
         return Case(short(seed, draw_near(seed), identity), "one")
     if kind == "handful":
         return Case(make(seed, HANDFUL[index], identity, COMBINATIONS[:HANDFUL_COMBINATIONS]), "one")
-    if kind in ("random", "laid"):
-        cause = SIX[index % len(SIX)]
-        protocol = draw_protocol(seed) if kind == "random" else laid_anew(draw_protocol(seed), seed)
-        return Case(make(seed, HIDDEN[cause], identity, protocol=protocol, among=effects_that_show(protocol)), cause)
+    if kind == "days":
+        again = replace(draw_protocol(seed), plays=2)
+        now, before = (make(seed, 0, name, protocol=again, chance=day, weather=True) for name, day in DAYS)
+        return Case(replace(now, identity=identity), "null", before)
+    if kind in RANDOM:
+        cause, protocol = SIX[index % len(SIX)], draw_protocol(seed)
+        protocol = laid_anew(protocol, seed) if kind == "laid" else protocol
+        among, weather = effects_that_show(protocol), kind == "weather"
+        return Case(make(seed, HIDDEN[cause], identity, protocol=protocol, among=among, weather=weather), cause)
     if kind == "physics":
         return _another_physics(index, seed, identity)
     if kind == "same":

@@ -23,8 +23,10 @@ TITLES = {
     "followup": "Next experiment, after a first campaign of one gait",
     "random": "Random protocols",
     "laid": "Random protocols, each trial laid anew",
+    "weather": "Random protocols, a floor that differs a little from trial to trial",
     "physics": "Another physics",
     "same": "Healthy against healthy",
+    "days": "Healthy against healthy, floors that differ a little from trial to trial",
 }
 TARGETS = {"one": "95 %", "null": "98 %", "two": "80 %", "outside": "95 %"}
 CAUSES = ("null", "one", "two", "outside")

@@ -1,6 +1,7 @@
 """Floor F and strength S of what is hidden in a campaign, as the issue on diagnosis words them.
 
-F: start-aligned path RMS between the measurement and the true law driven by the true shapes [m].
+F: start-aligned path RMS between the measurement and the true law, as trials have it in the mean, driven by the true
+   shapes [m].
 S: what the effect leaves of the true (noise-free, slip-free) path after eps and the start pose are refitted, over F.
 Effects on shapes and on markers are judged on their own stage (`shape_signature`): the worst joint's or link's RMS,
 over that stage's floor.
@@ -38,7 +39,7 @@ def path_rms(differences: Sequence[Floats]) -> float:
 def floor(c: Campaign) -> float:
     """F [m]."""
     records = [record(c.world, t) for t in c.trials]
-    predicted = c.world.paths([r.drive for r in records])
+    predicted = c.law.paths([r.drive for r in records])
     seen = [resample(r.time, r.drive.time, p) for p, r in zip(predicted, records, strict=True)]
     return path_rms([p[:, :2] - r.pose[:, :2] for p, r in zip(seen, records, strict=True)])
 
@@ -77,7 +78,7 @@ def clean_drives(c: Campaign, one_per_setting: bool = False) -> list[Drive]:
 def clean_paths(c: Campaign, drives: Sequence[Drive], trials: Sequence[int]) -> list[Floats]:
     """Noise-free poses (F, 3) as the cameras' frame shows them."""
     found = []
-    for d, p, i in zip(drives, c.world.paths(drives, trials), trials, strict=True):
+    for d, p, i in zip(drives, c.law.paths(drives, trials), trials, strict=True):
         film = c.trials[i].film
         moved = d.time[:, None] * np.array(c.world.cameras.drift) + resample(d.time, film.time, film.jumps)
         found.append(p + np.column_stack([moved, np.zeros(len(moved))]))

@@ -30,7 +30,7 @@ from blind.campaign import Campaign
 from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
 from blind.follow_up import follow_up
-from blind.kinds import KINDS, Case, case
+from blind.kinds import KINDS, RANDOM, Case, case
 from blind.known_law import known_law
 from blind.pages import write_page
 from blind.score import REQUIRED, Answer, Name, answer, errors, judge, odds
@@ -239,7 +239,7 @@ def main() -> None:
     p.add_argument("--cluster", help="a Dask scheduler's address, or local:N")
     p.add_argument("--keep", action="store_true", help="keep the campaign folders")
     a = p.parse_args()
-    model = a.model or (None if a.kind in ("random", "laid") else "problems/snake10.toml")
+    model = a.model or (None if a.kind in RANDOM else "problems/snake10.toml")
     run(Study(a.kind, a.out, model, a.diagnose, a.key, keep=a.keep), a.count, Workers(a.jobs, a.cluster))
 
 
