@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.memory import _likelihood, covariance, roots
+from serpenoid.diagnose.data.memory import Memory, _likelihood, _scattered, covariance, roots
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.paths import path_error, path_noise, repeated
@@ -108,11 +108,11 @@ def test_of_several_times_covariance_and_likelihood_are_those_of_each() -> None:
     rng = np.random.default_rng(0)
     size, windows = 1e-3 * rng.uniform(1, 2, size=(80, 3)), np.flatnonzero(rng.uniform(size=80) > 0.05)
     values = 1e-3 * rng.normal(size=(len(windows), 3))
-    together = _likelihood(values, roots(partial(covariance, track, size, times), windows))
+    together = _likelihood(values, roots(partial(covariance, track, size, times, 0.0), windows))
     for i, time in enumerate(times):
-        one = covariance(track, size, float(time), windows)
-        np.testing.assert_allclose(covariance(track, size, times, windows)[i], one, rtol=1e-12, atol=0)
-        alone = _likelihood(values, roots(partial(covariance, track, size, float(time)), windows))
+        one = covariance(track, size, float(time), windows=windows)
+        np.testing.assert_allclose(covariance(track, size, times, windows=windows)[i], one, rtol=1e-12, atol=0)
+        alone = _likelihood(values, roots(partial(covariance, track, size, float(time), 0.0), windows))
         assert together[i] == pytest.approx(float(alone), rel=1e-10)
 
 
@@ -123,6 +123,51 @@ def test_the_time_in_which_pushes_are_forgotten_is_told_by_repeats() -> None:
         assert mean == pytest.approx(time, rel=0.5)  # times are tried in factors of about two
     found = campaign(1, 0.0)[0].noise.memory
     assert np.dot(found.times, found.weights) < WINDOW_S / 3
+
+
+def test_what_comes_again_in_every_cycle_is_told_by_repeats() -> None:
+    """A floor that carries the body farther in one trial than in another does so in all its cycles: variance of a
+    window 0.05 STEP beside PUSH and POSE."""
+    for seed in range(4):
+        found = campaign(seed, 0.0, cycles=12, floors=0.05)[0].noise.memory
+        share = float(np.dot(found.recurring, found.weights))
+        pushes = PUSH**2 * np.ones(3)
+        true = ((0.05 * STEP) ** 2 / ((0.05 * STEP) ** 2 + pushes)).mean()
+        assert share == pytest.approx(true, abs=0.2)
+        assert found.lasts
+        still = campaign(seed, 0.0, cycles=12)[0].noise.memory
+        assert np.dot(still.recurring, still.weights) < 0.1
+        assert still.fewer == 1
+
+
+def test_covariance_of_what_comes_again() -> None:
+    """One number for each phase, in every cycle; beside it what is forgotten at once."""
+    track = campaign(0, 0.0, cycles=3, settings=1)[0].tracks[0]
+    size = np.full((3 * PHASES, 3), 1e-3)
+    pushes = 1e-6 - LEAST**2
+    found = covariance(track, size, 0.0, 0.6)[1]
+    np.testing.assert_allclose(np.diag(found), 1e-6, rtol=1e-6)
+    np.testing.assert_allclose(found[0, PHASES::PHASES], 0.6 * pushes, rtol=1e-9)
+    np.testing.assert_allclose(found[0, 2:PHASES], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("degrees", [24, 6, 3])
+def test_how_many_numbers_a_trial_is_worth_is_told_by_sums_and_differences(degrees: int) -> None:
+    rng = np.random.default_rng(degrees)
+    told = []
+    for _ in range(20):
+        drawn = 2.5 * rng.chisquare(degrees, (2, 24)) / degrees  # what repeats share makes sums larger alike
+        drawn[1] /= 2.5
+        told.append(Memory(scattered=_scattered(drawn, np.full(24, 24.0))).fewer)
+    assert np.mean(told) == pytest.approx(24 / degrees, rel=0.3)
+
+
+def test_what_an_earlier_campaign_told_counts_too() -> None:
+    few = _scattered(np.array([[9.0, 0.2], [0.3, 5.0]]), np.full(2, 24.0))
+    alone = Memory(scattered=few)
+    assert alone.beside(()) == alone
+    assert Memory().beside(few).fewer == alone.fewer
+    assert alone.beside(few).fewer > alone.fewer
 
 
 @pytest.mark.parametrize("time", [0.0, 0.25, 1.0])
@@ -149,7 +194,8 @@ def test_floors_that_differ_from_trial_to_trial_raise_no_doubt() -> None:
         after = path_error(motion, predictions)
         doubts += bool(pattern(motion, predictions, after))
         ratios.append(after / path_noise(motion, predictions).level_m)
-        alone += strays(unrepeated(motion), predictions, after)
+        forgotten = replace(motion, noise=replace(motion.noise, memory=Memory()))
+        alone += strays(unrepeated(forgotten), predictions, after)
     assert doubts <= 1
     assert np.median(ratios) == pytest.approx(1, abs=0.2)
     assert alone > 8
@@ -157,6 +203,7 @@ def test_floors_that_differ_from_trial_to_trial_raise_no_doubt() -> None:
 
 def test_what_paths_of_an_earlier_campaign_differed_by_is_chance_of_this_one() -> None:
     motion, predictions = campaign(1, 0.0, cycles=12, floors=0.05)
+    motion = replace(motion, noise=replace(motion.noise, memory=Memory()))  # as if it were not seen that they recur
     then, alone = repeated(motion, predictions), campaign(2, 0.0, cycles=12)[0]
     assert then.square > 4
     assert then.pairs == 6

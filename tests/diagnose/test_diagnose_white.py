@@ -18,13 +18,13 @@ from serpenoid.diagnose.inference.medium import of_windows
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 
 CANDIDATES, CAMPAIGNS = 20, 20
-LASTING = Memory((0.0, 1.0), (0.0, 1.0))
+LASTING = Memory((0.0, 1.0), (0.0, 1.0), (0.0, 0.0))
 
 
 def track(count: int, least: float = 0.5) -> SimpleNamespace:
     return SimpleNamespace(
         least=np.full((count, 3), least), doubt=0.0, playing=np.ones(count, dtype=bool),
-        boundaries=np.arange(count + 1), time=WINDOW_S * np.arange(count + 1),
+        boundaries=np.arange(count + 1), time=WINDOW_S * np.arange(count + 1), phase=np.arange(count) % PHASES,
     )  # fmt: skip
 
 
@@ -38,7 +38,7 @@ def test_where_chance_does_not_last_values_are_divided_by_their_deviations_and_n
     t, chance, known = track(12), rng.uniform(0.6, 2, (12, 3)), rng.random(12) > 0.2
     t.doubt = rng.uniform(0, 1, (12, 3))
     values, deviations = rng.normal(size=(12, 3, 4)), np.hypot(chance, t.doubt)
-    for memory in (Memory(), Memory((0.0, 1.0), (0.1, 0.9))):  # independent windows are not excluded
+    for memory in (Memory(), Memory((0.0, 1.0), (0.1, 0.9), (0.0, 0.0))):  # independent windows are not excluded
         white = White(t, chance, memory)  # type: ignore[arg-type]
         assert np.array_equal(white.of(values, known), (values / deviations[..., None])[known].reshape(-1, 4))
         assert np.array_equal(white.spreads(known), deviations[known].ravel())

@@ -1,24 +1,31 @@
 """How long chance lasts: covariance of a window's chance with that of the other windows of its trial.
 
-A window holds the noise of the poses at its ends, which its neighbours share with the other sign, and pushes that are
-forgotten in time tau: of what pushes add up to over windows i before j, a gap apart,
+A window holds the noise of the poses at its ends, which its neighbours share with the other sign, and pushes. Of their
+variance a share s is of a law that is another in this trial (a floor that grips more, a wheel that runs harder): it
+comes again in every cycle, at the same phase. The rest is forgotten in time tau: of what such pushes add up to over
+windows i before j, a gap apart,
 
     cov(i, j) ~ a_i a_j exp(-gap / tau),   var(i) ~ 2 (w_i / tau - a_i),   a_i = 1 - exp(-w_i / tau)
 
 (the integrated Ornstein-Uhlenbeck process). How large chance is, repeats tell (noise.py), and how large the markers'
-part of it; tau, too: each of a range of times has the likelihood of the repeats' differences. None is chosen: draws are
-made with each as often as it is likely, so that what repeats leave open about tau is in the draws.
+part of it; tau and s, too: each pair of a range has the likelihood of the repeats' differences. None is chosen: draws
+are made with each as often as it is likely, so that what repeats leave open about it is in the draws. Cycles of one
+trial share what comes again: where only cycles were repeated s is not known, and taken for 0.
 
-Legend: W windows of a track, M times.
+What comes again does so in a pattern of its own, which nobody knows: of all windows of a cycle it may be a few numbers
+only. How many, sums of squares of pairs of trials tell: they scatter the more, the fewer they are.
+
+Legend: W windows of a track, M pairs of a time and a share.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
+from scipy.special import betaln
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import ERROR
@@ -29,21 +36,26 @@ BLOCK = 64  # windows, eight cycles: of a long trial, what is seen at once
 FINER = 4.0  # the shortest time that is tried is so much shorter than a window: as good as none
 ROUNDING = 1e-9  # of a variance
 NEVER = 1e-4  # how likely a time is that is left out
+RECURRING = (0.0, 0.3, 0.6, 0.9)  # that are tried
 NEIGHBOURS = 1 + 2 * 0.5**2  # where nothing is known: neighbours correlate by -1/2 at most, by their pose
 
 
 @dataclass(frozen=True)
 class Memory:
-    """Times in which pushes are forgotten (M,) [s], and how likely each is (M,). No times: windows are independent.
+    """Times in which pushes are forgotten (M,) [s], shares of them that come again in every cycle (M,), and how likely
+    each pair is (M,). No times: windows are independent.
 
-    likelihood: ln of the differences' own, but for a constant, the mean over all times. shared (3,): variance of what
-    repeats share over that of chance, by direction.
+    likelihood: ln of the differences' own, but for a constant, the mean over all pairs. shared (3,): variance of what
+    repeats share over that of chance, by direction. scattered: ln likelihood of each factor of two (1, 2, ..) by which
+    a trial's windows are worth fewer numbers than their covariance says.
     """
 
     times: tuple[float, ...] = ()
     weights: tuple[float, ...] = ()
+    recurring: tuple[float, ...] = ()
     likelihood: float = 0.0
     shared: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    scattered: tuple[float, ...] = ()
 
     @classmethod
     def told(
@@ -52,36 +64,69 @@ class Memory:
         """By differences between repeats of residuals (W, 3) of each track, whose chance is (W, 3) each."""
         shortest = min(float(t.duration[t.playing].min()) for t in tracks if t.playing.any())
         longest = max(float(t.duration.sum()) for t in tracks)
-        times = [0.0, *np.geomspace(shortest / FINER, longest, 2 + int(np.log2(FINER * longest / shortest)))]
+        lasting = [0.0, *np.geomspace(shortest / FINER, longest, 2 + int(np.log2(FINER * longest / shortest)))]
+        in_trials = all(r.one != r.other for r in again)
+        times, recurring = np.array([(t, s) for s in (RECURRING if in_trials else RECURRING[:1]) for t in lasting]).T
         logs, own, both = np.zeros(len(times)), np.zeros(3), np.zeros(3)
+        squares, counts = [], []
         for repeat in again:
             track, (one, other) = tracks[repeat.one], repeat.both(left)
             d = (one - other) / np.sqrt(2)
             use = track.playing[repeat.here] & np.isfinite(d).all(axis=1)
             if use.any():
                 here = repeat.here[use]
-                own += (d[use] ** 2 / chance[repeat.one][here] ** 2).sum(axis=0)
-                both += ((one * other)[use] / chance[repeat.one][here] ** 2).sum(axis=0)
-                of = partial(covariance, track, chance[repeat.one], np.array(times))
+                size = chance[repeat.one][here]
+                squares.append([((x[use] / size) ** 2).sum(axis=0) for x in (one + other, d)])
+                counts.append((repeat.one, len(here)))
+                own += squares[-1][1]
+                both += ((one * other)[use] / size**2).sum(axis=0)
+                of = partial(covariance, track, chance[repeat.one], times, recurring)
                 logs += _likelihood(d[use], roots(of, here))
         weights = np.exp(logs - logs.max())
         likelihood = float(logs.max() + np.log(weights.mean()))
         shared = np.maximum(both, 0.0) / np.where(own > 0, own, 1.0)
-        return cls(tuple(times), tuple(weights / weights.sum()), likelihood, tuple(shared.tolist()))
+        likely = tuple((weights / weights.sum()).tolist())
+        found = cls(tuple(times.tolist()), likely, tuple(recurring.tolist()), likelihood, tuple(shared.tolist()))
+        if not in_trials or not squares:
+            return found
+        worth = [count / found.common(tracks[i], chance[i]) for i, count in counts]
+        return replace(found, scattered=_scattered(np.concatenate(squares, axis=1), np.repeat(worth, 3)))
+
+    def beside(self, scattered: Sequence[float]) -> Memory:
+        """By what repeats of an earlier campaign tell of the same, too."""
+        count = min(len(self.scattered), len(scattered)) if self.scattered else len(scattered)
+        both = [sum(x) for x in zip(self.scattered or (0.0,) * count, scattered[:count], strict=False)]
+        return replace(self, scattered=tuple(both)) if both else self
+
+    @cached_property
+    def fewer(self) -> float:
+        """How many times fewer: the mean, each factor as often as it is likely; 1 where that is not excluded."""
+        if not self.scattered:
+            return 1.0
+        likely = np.exp(np.array(self.scattered) - max(self.scattered))
+        likely = likely / likely.sum()
+        return float(likely @ 2.0 ** np.arange(len(likely))) if likely[0] * len(likely) < ERROR else 1.0
 
     @property
     def lasts(self) -> bool:
-        """Whether repeats exclude that pushes are forgotten at once: the mean likelihood of all times over that of none
+        """Whether repeats exclude that pushes are forgotten at once: the mean likelihood of all pairs over that of none
         exceeds 1 / ERROR, by chance, with no more than this probability (Markov's inequality)."""
         return bool(self.times) and self.weights[0] * len(self.times) < ERROR
 
     def covariance(self, track: Track, chance: Floats, windows: np.ndarray) -> Floats:
-        """(3, W, W) of some windows of a track, by index, SD (W, 3) each: the mean over what times are likely."""
-        likely = [(t, w) for t, w in zip(self.times, self.weights, strict=True) if w > NEVER]
-        return np.asarray(sum(w * covariance(track, chance, t, windows) for t, w in likely) / sum(w for _, w in likely))
+        """(3, W, W) of some windows of a track, by index, SD (W, 3) each: the mean over what pairs are likely."""
+        likely = self._likely
+        total = sum(w * covariance(track, chance, t, s, windows) for t, s, w in likely)
+        return np.asarray(total / sum(w for *_, w in likely))
+
+    @property
+    def _likely(self) -> list[tuple[float, float, float]]:
+        """(time, share, how likely) of pairs that may be."""
+        pairs = zip(self.times, self.recurring, self.weights, strict=True)
+        return [(t, s, w) for t, s, w in pairs if w > NEVER]
 
     def draws(self, track: Track, chance: Floats, rng: np.random.Generator, count: int) -> Floats:
-        """Chance of a track's windows (count, W, 3) with SD (W, 3), each time as often as it is likely."""
+        """Chance of a track's windows (count, W, 3) with SD (W, 3), each pair as often as it is likely."""
         white = rng.normal(size=(count, *chance.shape))
         if not self.times:
             return white * chance
@@ -89,7 +134,7 @@ class Memory:
         every = np.arange(len(chance))
         for i in np.unique(which):
             mine = white[which == i].transpose(2, 1, 0)
-            for span, inverse in roots(partial(covariance, track, chance, self.times[i]), every):
+            for span, inverse in roots(partial(covariance, track, chance, self.times[i], self.recurring[i]), every):
                 rows = inverse.shape[1]
                 told = inverse[:, :, :-rows] @ mine[:, span][:, :-rows]
                 mine[:, span.stop - BLOCK : span.stop] = np.linalg.solve(
@@ -100,27 +145,30 @@ class Memory:
 
     def common(self, track: Track, chance: Floats) -> float:
         """Variance of a sum of squares of a track's windows in units of their chance (W, 3), over that of as many
-        independent ones: 1 and the squares of each window's correlations, of all times as likely as they are."""
+        independent ones: 1 and the squares of each window's correlations, of all pairs as likely as they are."""
         if not self.times:
             return NEIGHBOURS
         squares = 0.0
-        for time, weight in zip(self.times, self.weights, strict=True):
-            if weight > NEVER:
-                found = covariance(track, chance, time) / (chance.T[:, :, None] * chance.T[:, None])
-                squares += weight * float((found**2).sum())
-        return squares / chance.size
+        for time, share, weight in self._likely:
+            found = covariance(track, chance, time, share) / (chance.T[:, :, None] * chance.T[:, None])
+            squares += weight * float((found**2).sum())
+        return squares / chance.size * self.fewer
 
 
-def covariance(track: Track, chance: Floats, time: float | Floats, windows: np.ndarray | None = None) -> Floats:
-    """(3, W, W) of windows (all, or some by index), SD (W, 3) each, if pushes are forgotten in `time` [s]; (M, 3, W, W)
-    of several times."""
+def covariance(
+    track: Track, chance: Floats, time: float | Floats, share: float | Floats = 0.0, windows: np.ndarray | None = None
+) -> Floats:
+    """(3, W, W) of windows (all, or some by index), SD (W, 3) each, if `share` of the pushes comes again in every cycle
+    and the rest is forgotten in `time` [s]; (M, 3, W, W) of several of each."""
     own = np.arange(len(chance)) if windows is None else windows
     poses = np.broadcast_to(track.least, chance.shape)[own].T
     pushes = np.sqrt(np.maximum(chance[own].T ** 2 - poses**2, 0.0))
     apart = own[None] - own[:, None]
     shared = (apart == 0) - 0.5 * (np.abs(apart) == 1)
     playing = track.playing[own]
-    lasting = np.where(playing[:, None] & playing[None], _lasting(track, own, np.asarray(time)), apart == 0)
+    again, recurring = track.phase[own][:, None] == track.phase[own][None], np.asarray(share)[..., None, None]
+    pushed = (1 - recurring) * _lasting(track, own, np.asarray(time)) + recurring * again
+    lasting = np.where(playing[:, None] & playing[None], pushed, apart == 0)
     alone = shared * poses[:, :, None] * poses[:, None]
     alone = alone + ROUNDING * np.einsum("ki,ij->kij", chance[own].T ** 2, np.eye(len(own)))
     return np.asarray(alone + lasting[..., None, :, :] * (pushes[:, :, None] * pushes[:, None]))
@@ -150,6 +198,20 @@ def roots(of: Callable[[np.ndarray], Floats], windows: np.ndarray) -> Iterator[t
     for begin in range(0, max(len(windows), 1), BLOCK):
         span = slice(max(begin - BLOCK, 0), begin + BLOCK)
         yield span, np.linalg.inv(np.linalg.cholesky(of(windows[span])))[..., begin - span.start :, :]
+
+
+def _scattered(squares: Floats, degrees: Floats) -> tuple[float, ...]:
+    """ln likelihood of each factor of two by which the sum and the difference of two repeats have fewer degrees of
+    freedom than by their covariance (K,).
+
+    squares (2, K): of the sum and of the difference. Where chance alone is in both, their ratio is Fisher's F; what
+    repeats share makes all ratios larger, and their mean logarithm is not looked at.
+    """
+    factors = 2.0 ** np.arange(1 + int(np.log2(max(float(degrees.max()), 1.0))))
+    shape = degrees / factors[:, None] / 2
+    z = np.log(squares[0] / squares[1])
+    z = z - z.mean()
+    return tuple((shape * z - 2 * shape * np.logaddexp(0.0, z) - betaln(shape, shape)).sum(axis=1).tolist())
 
 
 def _likelihood(values: Floats, found: Iterable[tuple[slice, Floats]]) -> Floats:

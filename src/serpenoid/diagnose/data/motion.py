@@ -44,15 +44,17 @@ class Noise:
 
 class Repeated(NamedTuple):
     """How far apart paths of repeats are, over what the noise of their windows adds up to, squared; how many pairs tell
-    that."""
+    that; how many numbers their windows are worth (`Memory.scattered`)."""
 
     square: float = 1.0
     pairs: int = 0
+    scattered: tuple[float, ...] = ()
 
     def beside(self, other: Repeated) -> Repeated:
         """Told by both."""
         pairs = self.pairs + other.pairs
-        return Repeated((self.pairs * self.square + other.pairs * other.square) / pairs, pairs) if pairs else self
+        square = (self.pairs * self.square + other.pairs * other.square) / max(pairs, 1)
+        return self._replace(square=square, pairs=pairs) if pairs else self
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ Window noise: SD of the difference of two repeats' residuals over sqrt 2 (repeat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -57,7 +57,8 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
     moved = np.concatenate(list(differences.values()))
     noise = Noise(_sd(moved, least), np.hypot(_sd(_finite(rests), least), creep), _each(differences, least))
     memory = Memory.told(tracks, again, left, [noise.chance(t) for t in tracks])
-    return replace(noise, memory=memory), moved
+    alone = {t.recording.setting: 1 / memory.common(t, noise.chance(t)) for t in tracks}
+    return replace(noise, by_setting=_each(differences, least, alone), memory=memory), moved
 
 
 def over_markers(motion: Motion) -> float | None:
@@ -92,16 +93,19 @@ def _sd(values: Floats, least: Floats) -> Floats:
     return np.maximum(np.sqrt((values**2).mean(axis=0)), least)
 
 
-def _each(differences: dict[tuple[str, float], Floats], least: Floats) -> dict[tuple[str, float], Floats]:
+def _each(
+    differences: dict[tuple[str, float], Floats], least: Floats, alone: Mapping[tuple[str, float], float] | None = None
+) -> dict[tuple[str, float], Floats]:
     """Noise of each setting (3,): its own mean square drawn to that of all, as far as settings are alike.
 
     Settings whose true variances scatter by tau (of their logarithm) are worth 2 / tau^2 degrees of freedom to one
-    another; what scatters more than chance, 2 / n, tells tau.
+    another; what scatters more than chance, 2 / n, tells tau. alone: how many independent numbers one of a setting's is
+    worth (1).
     """
     many = {setting: d for setting, d in differences.items() if len(d) >= FEW}
     if len(many) < 2:
         return {}
-    counts = np.array([len(d) for d in many.values()], dtype=float)
+    counts = np.array([len(d) * (alone[setting] if alone else 1.0) for setting, d in many.items()])
     squares = np.maximum([(d**2).mean(axis=0) for d in many.values()], least**2)
     pooled = (counts[:, None] * squares).sum(axis=0) / counts.sum()
     scatter = ((np.log(squares) - np.log(squares).mean(axis=0)) ** 2).sum() / (3 * (len(many) - 1))

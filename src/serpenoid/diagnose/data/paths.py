@@ -83,8 +83,9 @@ def path_noise(motion: Motion, predictions: Sequence[Prediction], left: Sequence
 
 
 def repeated(motion: Motion, predictions: Sequence[Prediction]) -> Repeated:
-    """What paths of trials that were laid alike tell."""
-    return _of_windows(motion, predictions, residuals(motion.tracks, predictions))[2]
+    """What trials that were laid alike tell."""
+    by_paths = _of_windows(motion, predictions, residuals(motion.tracks, predictions))[2]
+    return by_paths._replace(scattered=motion.noise.memory.scattered)
 
 
 def _of_windows(

@@ -13,7 +13,7 @@ Legend: W windows of a track, P columns of an effect.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,7 +52,13 @@ class Told:
 
 
 def chance(motion: Motion, base: Fit) -> Noise:
-    """Noise by what repeats differ by about a fit, beside what effects of the room that it has not explain of that."""
+    """Noise by what repeats differ by about a fit, beside what effects of the room that it has not explain of that, and
+    by what an earlier campaign's differed by."""
+    noise = _chance(motion, base)
+    return replace(noise, memory=noise.memory.beside(motion.earlier.scattered))
+
+
+def _chance(motion: Motion, base: Fit) -> Noise:
     left = residuals(motion.tracks, base.predictions)
     found = Told(window_noise(motion.tracks, left)[0], left, 0)
     candidates = [c for c in candidates_of(base) if c.effect.of_the_room and c.name not in motion.untestable]
