@@ -27,7 +27,7 @@ from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.point_order import along_body
 from serpenoid.measure.scores import sure
-from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, upright
+from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, no_time, upright
 
 MOST_CELLS = 200_000_000
 SEVERAL = " Of several animals? Then `columns` needs `individual`, and the trial names one: `individual`."
@@ -49,7 +49,7 @@ def read_long(
     found = {role: find_column(header, name, role, path) for role, name in columns.items()}
     clock = "time" if "time" in columns else "frame"
     if clock == "frame" and not frames_per_second:
-        raise InputError(f"{path}: has no time column: give `frames_per_second` in [motion].")
+        raise no_time(path, "has no time column")
     roles = [clock, "point", "x", "y"]
     refuse_other_unit([columns[clock]], time_unit, SECONDS if clock == "time" else (), "time_unit", path)
     refuse_other_unit([columns["x"], columns["y"]], length_unit, METRES, "length_unit", path)
@@ -108,7 +108,7 @@ def read_sleap(
     if "frame_idx" not in header:
         raise InputError(f"{path}: row 1: a SLEAP export has a column `frame_idx`; it has {', '.join(header[:6])}...")
     if not frames_per_second:
-        raise InputError(f"{path}: SLEAP files carry no time: give `frames_per_second` in [motion].")
+        raise no_time(path, "SLEAP files carry no time")
     names = [cell[:-2] for cell in header if cell.endswith(".x")]
     if not names:
         raise InputError(f"{path}: row 1: no column ends in `.x`: not a SLEAP export.")

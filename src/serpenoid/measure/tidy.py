@@ -9,7 +9,7 @@ from pathlib import Path
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
 from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, refuse_other_unit, shown
-from serpenoid.measure.tracks import METRES, Tracks, in_places, upright
+from serpenoid.measure.tracks import METRES, Tracks, in_places, no_time, upright
 
 OWN_NAMES = (
     'Own names: `columns = { time = "Time (s)", x = "M*_x", y = "M*_y" }` in [motion], `*` where the numbers of the '
@@ -39,7 +39,7 @@ def read_tidy(
     places = _tidy_places(header, path) if columns is None else _own_places(header, columns, path)
     counts = header[0] == "frame" if columns is None else columns.time is None
     if counts and not frames_per_second:
-        raise InputError(f"{path}: counts frames: give `frames_per_second` in [motion].")
+        raise no_time(path, "counts frames")
     called = [header[c] for c in places]
     data = block(rows, 1, places, called, path)
     refuse_other_unit(called[:1], time_unit, () if counts else SECONDS, "time_unit", path)

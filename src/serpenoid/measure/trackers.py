@@ -22,7 +22,7 @@ from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.matlab import OF_IDTRACKER, read_mat
 from serpenoid.measure.scores import sure
-from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, upright
+from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, no_time, upright
 
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
 
@@ -147,7 +147,7 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     if skeletons.ndim != 3 or skeletons.shape[2] != 2:
         raise InputError(f"{path}: `coordinates/skeletons` must be (frames, points, 2), got {skeletons.shape}.")
     if not rate:
-        raise InputError(f"{path}: does not say how many frames a second: give `frames_per_second` in [motion].")
+        raise no_time(path, "does not say how many frames a second")
     return as_tracks(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
 
 
@@ -169,7 +169,7 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
     elif timing.frames_per_second:
         times = arrays.get("frame", np.arange(len(points), dtype=float)).ravel() / timing.frames_per_second
     else:
-        raise InputError(f"{path}: has no `t_s`: give `frames_per_second` in [motion].")
+        raise no_time(path, "has no `t_s`")
     unit = timing.length_unit or "m"
     return as_tracks(path, times, upright(points, unit), unit)
 
@@ -191,7 +191,7 @@ def read_npz(path: Path) -> dict[str, Floats]:
 def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
     """Pixels and frame numbers as tracks."""
     if not timing.frames_per_second:
-        raise InputError(f"{path}: carries no time: give `frames_per_second` in [motion].")
+        raise no_time(path, "carries no time")
     unit = timing.length_unit or "px"
     return _tracks(path, frames / timing.frames_per_second, names, floor * DOWN, unit)
 

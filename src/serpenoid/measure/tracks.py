@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,15 @@ LengthUnit = Literal["m", "cm", "mm", "um", "px", "bl"]
 
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
 METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "px": 1.0, "bl": 1.0}
+
+
+class NoTime(InputError):
+    """A track file that does not say when its frames were taken."""
+
+
+def no_time(path: Path, why: str) -> NoTime:
+    """With the remedy."""
+    return NoTime(f"{path}: {why}: give `frames_per_second` in [motion].")
 
 
 def upright(floor: Floats, unit: str) -> Floats:

@@ -17,7 +17,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, read_rows
 from serpenoid.measure.trackers import Timing, as_tracks, read_npz
-from serpenoid.measure.tracks import DOWN, Tracks
+from serpenoid.measure.tracks import DOWN, Tracks, no_time
 
 POSE = re.compile(r"poseX(\d+)$")
 NOT_POINTS = (
@@ -113,5 +113,5 @@ def _frames(path: Path, arrays: dict[str, Floats], name: str) -> Floats:
 
 def _rate(path: Path, timing: Timing) -> float:
     if not timing.frames_per_second:
-        raise InputError(f"{path}: counts frames: give `frames_per_second` in [motion].")
+        raise no_time(path, "counts frames")
     return timing.frames_per_second

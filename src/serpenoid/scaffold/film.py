@@ -12,7 +12,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.schema import plain_name, validate
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.readers import READERS
-from serpenoid.measure.tracks import Tracks
+from serpenoid.measure.tracks import NoTime, Tracks
 from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty
 
 FILM = Question("film", "Track file of an animal, the first trial (empty: a robot)", "", existing)
@@ -106,10 +106,8 @@ def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:
 
     try:
         return said, read({})
-    except InputError as error:
-        if "frames_per_second" not in str(error):
-            raise
-    return said | rate, read(rate)
+    except NoTime:
+        return said | rate, read(rate)
 
 
 def _toml(value: Any) -> str:
