@@ -13,6 +13,7 @@ from blind.folder import write
 from blind.protocol import usual
 from serpenoid.cli.main import main
 from serpenoid.diagnose.report.sentences import meaning
+from serpenoid.diagnose.report.summary import lines
 
 SEED, FEW = 61, COMBINATIONS[:2]
 
@@ -35,3 +36,6 @@ def test_a_ratio_that_has_changed_is_no_verdict_of_nothing(factor: float, tmp_pa
     assert change["factor"] == pytest.approx(factor, abs=0.03)
     assert change["strength_over_noise"] > 1
     assert "anisotropy ratio alone has changed" in meaning(said)
+    first, second, *_ = lines(said)
+    assert first.startswith("verdict")
+    assert second.startswith("since then")  # the news stands before what has long been known

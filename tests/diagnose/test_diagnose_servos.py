@@ -98,6 +98,19 @@ def test_an_effect_that_every_joint_has_is_tried_nowhere_else(recordings: tuple[
     assert len(fit_everywhere(data, "gain_loss", base[1:], [start])) == 1
 
 
+def test_a_joint_that_never_moves_is_stuck_and_has_no_gap_that_it_never_crosses(tmp_path: Path) -> None:
+    """A gap wider than all that is commanded leaves a joint where it was, and may be any wider."""
+    write(make(SEED, [Effect("stuck_joint", 4, {"angle": 0.1})], combinations=COMBINATIONS[:SETTINGS]), tmp_path)
+    data = plays(read_recordings(tmp_path)[1])
+    bare = float(data.chi2(data.realised([])).sum())
+    wide = np.full(data.readings.shape[1], 2.0)
+    (gap,) = (a for a in fit_everywhere(data, "backlash", [], [wide]) if a.effect.place == 4)
+    assert data.chi2(data.realised([gap.effect])).sum() < bare / 1000  # it reads what it read before, as a stuck one
+    assert gap.chi2.sum() == pytest.approx(bare)
+    (named,) = choose_actuation(data).named
+    assert named.effect.key == ("stuck_joint", 4)
+
+
 def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[Recording, ...]) -> None:
     rng, late = np.random.default_rng(1), 0.15  # s, at most: every third of a second another delay
 

@@ -28,6 +28,7 @@ HALF_AVERAGE_S, HALF_AVERAGE_FRAMES = 0.045, 2.5  # poses at a boundary: frames 
 MOST_OF_WINDOW = 0.4  # but neighbouring boundaries share none
 LEAST_SHARE = 1 / 3  # of these frames that must be seen
 FIRST = 5  # frames that say where a path begins
+STILL = 1e-9  # body lengths: what rounding moves a body by that nothing pulls
 GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
 
 
@@ -60,7 +61,7 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
         guess = _ran(r, model, vertices, time, compose(begun_at, inverse(ran)))
         at_frames = _at_frames(r, mesh, guess)
     miss = plan - at_frames
-    around, counts = _averaged(r, time[bounds], miss)
+    around, counts = _averaged(r, time[bounds], miss, waits=not _slides(model, vertices[0], guess[0]))
     gaps = _crossed(r.time[known], r.frame_s, time[bounds])
     path = guess + bridged(time[bounds], around, time)
     some = slice(None, None, COARSER)
@@ -96,18 +97,28 @@ def _mesh_error(
     return more * free, more * np.where(np.isfinite(begun), begun, free)
 
 
-def _averaged(r: Recording, times: Floats, miss: Floats) -> tuple[Floats, Floats]:
+def _slides(model: Model, resting: Floats, pose: Floats) -> bool:
+    """Whether something pulls a body that does not bend (N, 2) away from a pose, as a slope does."""
+    if not model.knows("place"):
+        return False
+    moved = predicted_path(model, np.stack([resting, resting]), np.array([0.0, HALF_AVERAGE_S]), pose)
+    return bool(np.hypot(*(moved[1] - moved[0])[:2]) > STILL * model.body.total_length_m)
+
+
+def _averaged(r: Recording, times: Floats, miss: Floats, waits: bool = True) -> tuple[Floats, Floats]:
     """Means (B, 3) of what frames (F, 3) miss about each boundary, NaN where too few are seen; their number (B,), where
     too few are seen that of a boundary at which enough are.
 
-    Frames after the last boundary are left out: what is done after its end, a trial does not promise.
+    Frames after the last boundary are left out: what is done after its end, a trial does not promise. Those before the
+    first are, too, of a body that does not wait where it was laid: it may slide by then, or be held until it begins.
     """
     half = half_average(r)
     needed = max(1.0, LEAST_SHARE * 2 * half / r.frame_s)
     around, counts = np.full((len(times), 3), np.nan), np.full(len(times), np.nan)
+    first = 0 if waits else int(np.searchsorted(r.time, times[0]))
     last = int(np.searchsorted(r.time, times[-1], side="right"))
     for i, t in enumerate(times):
-        a, b = np.searchsorted(r.time[:last], [t - half, t + half])
+        a, b = np.maximum(np.searchsorted(r.time[:last], [t - half, t + half]), first)
         good = np.isfinite(miss[a:b, 0])
         if good.sum() >= needed:
             around[i], counts[i] = miss[a:b][good].mean(axis=0), good.sum()

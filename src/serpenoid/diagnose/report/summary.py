@@ -47,6 +47,7 @@ def lines(record: Record) -> list[str]:
     found = [f"first             {text}" for text in inadequacy(record)]
     verdict = "nothing found" if record["verdict"] == "nothing" else record["verdict"]
     found.append(f"verdict           {verdict}: {meaning(record)}")
+    found += [f"since then        {text}" for text in ratio_change(record)]
     found += [f"law               {text}" for text in rival_law(record)]
     for e in record["effects"]:
         found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
@@ -72,7 +73,6 @@ def lines(record: Record) -> list[str]:
         found.append(f"{held}path RMS {before} -> {after}{left_open(record)}")
         found += [f"{held}{text}" for text in unreliable(record)]
     found.append(f"anisotropy ratio  {ratio(record)}")
-    found += [f"since then        {text}" for text in ratio_change(record)]
     found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
     if record["next_experiment"]:
         e = record["next_experiment"]

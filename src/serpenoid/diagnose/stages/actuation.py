@@ -157,6 +157,8 @@ def fit_everywhere(
         if np.abs(change).max() < 1e-4 * abs(parameter.typical):
             break
     cost, empty, joint = data.sizes(left), data.chi2(without), np.arange(data.readings.shape[1])
+    if isinstance(kind, ActuationEffect) and kind.memory:  # a gap that is never crossed may be any wider, and is none
+        cost = np.where((play(values + step_size) == best).all(axis=0), empty, cost)
     by_place = [cost if p is None else np.where(joint == p - 1, cost, empty) for p in places]
     pairs = zip(places, values, by_place, strict=True)
     return [Attempt(ActiveEffect.neutral(name, p).with_coordinates([v]), total) for p, v, total in pairs]
