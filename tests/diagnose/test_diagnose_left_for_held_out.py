@@ -14,6 +14,7 @@ from serpenoid.diagnose.inference.held_out import first_order, left_open, of_eac
 from serpenoid.diagnose.inference.medium import Fit, linearised, with_values
 from serpenoid.diagnose.report import sentences
 from serpenoid.diagnose.report.cards import cards
+from serpenoid.diagnose.report.words import shown
 
 DRAWS = 8
 
@@ -54,7 +55,14 @@ def test_where_no_gaits_are_held_out_none_is_named(diagnosed: tuple[Any, dict[st
     assert of_each_gait(each_trial, np.ones(len(motion.tracks))) == {}
 
 
-@pytest.mark.parametrize(("open_m", "said"), [(2e-3, " (2 mm expected: what the other gaits leave open)"), (5e-4, "")])
+@pytest.mark.parametrize(
+    ("open_m", "said"),
+    [
+        (2e-3, " (2 mm expected: what the other gaits leave open)"),
+        (5e-4, ""),
+        (4e9, " (more is expected: what the other gaits leave open)"),  # first order goes where nothing can
+    ],
+)
 def test_it_is_told_where_it_is_more_than_noise(open_m: float, said: str) -> None:
     assert sentences.left_open(opened(open_m)) == said
 
@@ -62,12 +70,18 @@ def test_it_is_told_where_it_is_more_than_noise(open_m: float, said: str) -> Non
 def opened(open_m: float, **by_gait: float) -> dict[str, Any]:
     """As much of a record as is read."""
     open_by = {"left_open_m": open_m, "left_open_by_gait_m": by_gait}
-    return open_by | {"noise_level_m": 1e-3, "length_unit": "m", "drag_ratio": None}
+    gain = {"path_rms_m": {"before": 1e-2, "after": 1e-3}}
+    return open_by | {"noise_level_m": 1e-3, "length_unit": "m", "drag_ratio": None, "gain": gain}
 
 
 def test_gaits_that_alone_tell_a_value_are_named(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
     record = opened(2e-3, tail=5e-3, head=4e-4)
     assert sentences.left_open(record) == " (2 mm expected: what the other gaits leave open of tail)"
-    told = "The others leave 5 mm open of tail: another one like it would tell."
-    assert told in cards(diagnosed[1] | record)[2].sentences
-    assert not any("leave" in text for text in cards(diagnosed[1] | opened(5e-4, tail=2e-3))[2].sentences)
+    record = diagnosed[1] | record | {"gain": diagnosed[1]["gain"]}
+    most = max(record["gain"]["path_rms_m"][side] for side in ("before", "after"))
+    for open_m, much in ((0.9 * most, shown(0.9 * most, "m")), (9 * most, "more than that")):
+        record |= {"left_open_m": 1.0, "left_open_by_gait_m": {"tail": open_m}, "noise_level_m": 1e-6}
+        told = f"The others leave {much} open of tail: another one like it would tell."
+        assert told in cards(record)[2].sentences
+    record |= {"left_open_m": 1e-7}
+    assert not any("leave" in text for text in cards(record)[2].sentences)

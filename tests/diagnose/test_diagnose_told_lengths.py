@@ -40,7 +40,9 @@ def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for
     stage = seen(tmp_path / "short", [], SNAKE10.edges * off)
     assert stage.named
     assert all(n.stand_in for n in stage.named)
-    (said,) = [w for w in stage.words if "edge_lengths" in w]
+    assert any("edges of other lengths than told" in w for w in stage.words)
+    said = stage.mend
+    assert "mend `edge_lengths`" in said
     found = np.array([float(x) for x in re.findall(r"[\d.]+", said[said.index("[") : said.index("]")])])
     np.testing.assert_allclose(found, 1e3 * SNAKE10.edges, atol=0.1)  # mm; the ruler is off by a millimetre
 
@@ -49,8 +51,9 @@ def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(tmp_path: Path) 
     drawn = draw_protocol(29)  # three joints, played twice, with a log
     edges = 0.15 * np.linspace(0.95, 1.05, 4)
     protocol = replace(drawn, robot=replace(drawn.robot, edges=edges))
-    (said,) = [w for w in seen(tmp_path / "short", [], edges[::-1], protocol).words if "edge_lengths" in w]
-    assert "from head to tail" in said
+    stage = seen(tmp_path / "short", [], edges[::-1], protocol)
+    assert any("read from head to tail" in w for w in stage.words)
+    assert "turn them round" in stage.mend
 
 
 @pytest.mark.parametrize(

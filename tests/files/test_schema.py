@@ -45,7 +45,7 @@ def test_a_record_is_read_and_cannot_be_changed(tmp_path: Path) -> None:
         ("[inner]\nnumber = 2\nqqqq = 1\n", r"\[inner\] qqqq: unknown key\. Known keys: number\."),
         ("nam = 'y'\n[inner]\nnumber = 2\n", r"file\.toml: nam: unknown key\. Did you mean `name`\?"),
         ("[inner]\n", r"\[inner\] number: is required and not there\."),
-        ("name = 'y'\n", r"file\.toml: inner: is required and not there\."),
+        ("name = 'y'\n", r"file\.toml: \[inner\]: is required and not there\."),
         ("[inner]\nnumber = nan\n", r"\[inner\] number: Input should be a finite number, got nan\."),
         ("[inner]\nnumber = inf\n", r"\[inner\] number: Input should be a finite number, got inf\."),
         ("[inner]\nnumber = -1\n", r"\[inner\] number: Input should be greater than 0, got -1\."),

@@ -296,6 +296,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},
         "residual_pattern": list(d.words),
+        "mend_first": [stage.mend for stage in d.stages if stage.mend],
         "used_s": usage.used_s,
         "dropped_s": usage.dropped_s,
         "remarks": list(remarks(found.motion.tracks)),

@@ -79,7 +79,8 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     try:
         text = data.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError as error:
-        cure = "" if b"\0" in data else ' Save it as UTF-8 (spreadsheets call that "CSV UTF-8").'
+        sheet = "" if str(path).endswith(".toml") else ' (spreadsheets call that "CSV UTF-8")'
+        cure = "" if b"\0" in data else f" Save it as UTF-8{sheet}."
         raise InputError(f"{path}: not a text file in UTF-8 ({error.reason} at byte {error.start}).{cure}") from None
     if "\0" in text:
         raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).")

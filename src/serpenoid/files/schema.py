@@ -8,7 +8,7 @@ import tomllib
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeVar, cast, get_args
+from typing import Annotated, Any, ClassVar, TypeVar, cast, get_args, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, StringConstraints, ValidationError
 from pydantic_core import CoreSchema
@@ -206,7 +206,7 @@ def _describe(schema: type[BaseModel], fault: Any) -> str:
     if fault["type"] == "extra_forbidden":
         return f"{place}: unknown key.{_suggest(schema, fault['loc'])}"
     if fault["type"] == "missing":
-        return f"{place}: is required and not there."
+        return f"{_heading(schema, fault['loc']) or place}: is required and not there."
     if fault["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return f"{_section(where)} {_tag_fault(fault['ctx'])}"
     shown = "" if isinstance(fault["input"], dict) else f", got {_short(fault['input'])}"
@@ -268,6 +268,13 @@ def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:
         return f" Did you mean `{meant}`?"
     close = _close(str(location[-1]), known)
     return f" Did you mean `{close}`?" if close is not None else f" Known keys: {', '.join(known)}."
+
+
+def _heading(schema: type[BaseModel], location: tuple[Any, ...]) -> str:
+    """How a section that is missing from the top of a file begins there; empty of a key."""
+    if len(location) != 1 or not _models(annotation := schema.model_fields[location[0]].annotation):
+        return ""
+    return f"[[{location[0]}]]" if get_origin(annotation) in (tuple, list) else f"[{location[0]}]"
 
 
 def _close(word: str, known: list[str]) -> str | None:

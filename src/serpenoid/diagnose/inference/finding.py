@@ -89,6 +89,7 @@ class Stage:
     better.
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
+    mend: what to mend in the campaign before the rest is believed.
     """
 
     name: str
@@ -105,6 +106,7 @@ class Stage:
     unlike: str = ""
     ratio: tuple[float, float] | None = None
     squares: tuple[float, ...] = ()
+    mend: str = ""
 
     @property
     def settled(self) -> bool:

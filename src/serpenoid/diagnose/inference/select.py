@@ -6,6 +6,7 @@ all that was found is named, names.py says.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,6 +20,7 @@ from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.discrepancy import deviance, information_criterion
+from serpenoid.diagnose.inference.evidence import SILENT
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
     STEPS,
@@ -130,7 +132,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
             hidden = (*hidden, added.key)
         if idle == IDLE:
             break
-    for better in (partial(likeliest, passed=passed), partial(all_at_once, tries=len(candidates_of(null)))):
+    everywhere = partial(all_at_once, tries=len(candidates_of(null)))
+    for better in (partial(likeliest, passed=passed), everywhere, one_for_several):
         other = better(motion, best)
         if other is not best:
             motion, best = settled(placed(retracked(motion, retrack, other.model), other), other, about, retrack)
@@ -151,6 +154,21 @@ def likeliest(motion: Motion, best: Fit, passed: Sequence[Fit]) -> Fit:
     whole = best.evidence.count.sum()
     several = [best, *(f for f in others if f.evidence.count.sum() >= whole)]
     return min(several, key=lambda f: information_criterion(motion, f))
+
+
+def one_for_several(motion: Motion, best: Fit) -> Fit:
+    """With one effect in the place of all of its name, if that is likelier, errors of the law included: a payload is
+    what takes the same share off all other vertices, and where the law is wrong these may have been found instead."""
+    names = Counter(e.name for e in best.effects if e.place is not None)
+    found = best
+    for name in sorted(name for name, count in names.items() if count > 1):
+        bare = best
+        for e in (e for e in best.effects if e.name == name):
+            bare = fit_without(motion, bare, e)
+        tries = attempts(motion, bare, [r for r in score(motion, bare) if r[0].name == name])
+        tries += attempts(motion, bare, at_other_places(bare, tries))
+        found = min([found, *(t.fit for t in tries)], key=lambda f: information_criterion(motion, f))
+    return found
 
 
 def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
@@ -178,29 +196,35 @@ def _foretold(found: Fit) -> float:
 
 
 def _told(motion: Motion, found: Fit, tries: int) -> Fit:
-    """Without effects that to first order gain no more than their price (prices.py) beside those that are left, the
-    least first."""
+    """Without effects that gain no more than their price (prices.py) beside those that are left, the least first: which
+    it is, to first order; the others are fitted again."""
+    while found.effects:
+        gains = _gained(found)
+        excess = [g - found.evidence.toll(len(e.effect.parameters)) for g, e in zip(gains, found.effects, strict=True)]
+        least = int(np.argmin(excess))
+        if excess[least] > gained_by_chance(tries):
+            break
+        found = fit_without(motion, found, found.effects[least])
+    return fit_guided(motion, found, TO_THE_END)
+
+
+def _gained(found: Fit) -> list[float]:
+    """Chi squared that each effect takes away beside the others, to first order, in units of what is left; of one that
+    its bound holds first order says nothing, and it stays."""
     resting = [p.resting for e in found.effects for p in e.effect.parameters]
     bare = found.evidence.about(
         found.coordinates - [found.coordinates[0], *resting]
     )  # chi squared of some, others none
     ends = np.cumsum([1, *(len(e.effect.parameters) for e in found.effects)])
-    columns = {e.key: range(a, b) for e, a, b in zip(found.effects, ends[:-1], ends[1:], strict=True)}
-    kept = list(found.effects)
-
-    def left(effects: Sequence[ActiveEffect]) -> float:
-        return bare.chi2([0, *(c for e in effects for c in columns[e.key])])
-
-    while kept:
-        now = left(kept)
-        spread = max(1.0, now / float(bare.count.sum()))
-        gains = [(left([other for other in kept if other is not e]) - now) / spread for e in kept]
-        excess = [gain - bare.toll(len(columns[e.key])) for gain, e in zip(gains, kept, strict=True)]
-        least = int(np.argmin(excess))
-        if excess[least] > gained_by_chance(tries):
-            break
-        del kept[least]
-    return fit(motion, found.model, kept, coordinates_of(found.model, kept), TO_THE_END, found.predictions)
+    columns = [list(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    silent = np.diagonal(bare.matrix.sum(axis=0)) < SILENT
+    every = [0, *(c for own in columns for c in own)]
+    now = bare.chi2(every)
+    spread, gains = max(1.0, now / float(bare.count.sum())), []
+    for own in columns:
+        held = bool(silent[own].all() and any(found.coordinates[c] != resting[c - 1] for c in own))
+        gains.append(np.inf if held else (bare.chi2([c for c in every if c not in own]) - now) / spread)
+    return gains
 
 
 def resited(motion: Motion, best: Fit) -> Fit:

@@ -44,7 +44,7 @@ def cards(record: Record) -> list[Card]:
 
 
 def _verdict(record: Record) -> Card:
-    said = [f"{text.capitalize()}." for text in inadequacy(record)]
+    said = [f"{text[0].upper()}{text[1:]}." for text in inadequacy(record)]
     said.append(f"{meaning(record).capitalize()}.")
     said += [f"{text[0].upper()}{text[1:]}." for text in (*rival_law(record), *ratio_change(record))]
     rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
@@ -98,8 +98,9 @@ def _left_open(record: Record) -> list[str]:
     """What the others leave open of single gaits, and what would tell."""
     said = []
     for name in open_gaits(record):
-        open_m = shown(record["left_open_by_gait_m"][name], record["length_unit"])
-        said.append(f"The others leave {open_m} open of {name}: another one like it would tell.")
+        open_m, rms = record["left_open_by_gait_m"][name], record["gain"]["path_rms_m"]
+        much = shown(open_m, record["length_unit"]) if open_m <= max(rms["before"], rms["after"]) else "more than that"
+        said.append(f"The others leave {much} open of {name}: another one like it would tell.")
     return said
 
 

@@ -58,11 +58,12 @@ def _stage(effect: Record) -> str:
 
 
 def inadequacy(record: Record) -> list[str]:
-    """Where names may be stand-ins: by how much the model is inadequate, before all else."""
+    """What is to be mended in the campaign, and where names may be stand-ins: by how much the model is inadequate;
+    before all else."""
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
     servos, seen = ([title(e) for e in stand_ins if _stage(e) == stage] for stage in ("actuation", "observation"))
     moves = len(stand_ins) > len(servos) + len(seen)
-    said = []
+    said = list(record.get("mend_first", []))
     if moves and record["discrepancy_m"] == 0 and seen:
         said.append("names of the floor that are marked as stand-ins rest on markers whose errors are not understood")
     elif moves and record["discrepancy_m"] == 0 and record["verdict"] not in SETTLED and not _beside_wrong(record):
@@ -284,9 +285,10 @@ def left_open(record: Record) -> str:
     """How far held-out paths are expected to stray for want of other gaits that tell, where that is more than noise."""
     if record["left_open_m"] <= record["noise_level_m"]:
         return ""
-    open_m, gaits = shown(record["left_open_m"], record["length_unit"]), open_gaits(record)
-    of = f" of {', '.join(gaits)}" if gaits else ""
-    return f" ({open_m} expected: what the other {unseen(record)} leave open{of})"
+    open_m, rms = record["left_open_m"], record["gain"]["path_rms_m"]
+    size = shown(open_m, record["length_unit"]) if open_m <= max(rms["before"], rms["after"]) else "more is"
+    of = f" of {', '.join(gaits)}" if (gaits := open_gaits(record)) else ""
+    return f" ({size} expected: what the other {unseen(record)} leave open{of})"
 
 
 def unreliable(record: Record) -> list[str]:

@@ -201,10 +201,15 @@ def finding(
         words and named and not wrong and astray(motion, _predicted(found, parts), after)
     ):  # by paths alone: few windows show less
         named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
-    # from which share on names mend windows of a law that is wrong, and not the path
+    # from which share on of what all names do, or one does, they mend windows of a law that is wrong, and not the path
     most = 1.0 if motion.ratio is None else LAW_ERROR
-    if wrong and left_of(before, after, noise_level) >= most:
-        named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
+    if wrong:
+        off = float(np.sqrt(max((after / noise_level) ** 2 - 1, 0.0)))
+        mends = left_of(before, after, noise_level) >= most
+        named = [
+            replace(n, stand_in=n.stand_in or (n.effect.effect.moves and (mends or off >= most * n.strength)))
+            for n in named
+        ]
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)

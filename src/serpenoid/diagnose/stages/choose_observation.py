@@ -64,10 +64,12 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares = _left_over(best, before)
-    words += () if other is None or not any(n.stand_in for n in named) else (other.words,)
+    mend = other if any(n.stand_in for n in named) else None
+    words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *refused)
-    return Stage("observation", named, rivals, undetected, left, words, squares=squares), best.now
+    first = "" if mend is None else mend.remedy
+    return Stage("observation", named, rivals, undetected, left, words, squares=squares, mend=first), best.now
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:

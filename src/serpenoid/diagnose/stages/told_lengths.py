@@ -35,16 +35,22 @@ class OtherLengths:
 
     @property
     def words(self) -> str:
-        """What to do."""
+        """What is found."""
+        told = "`edge_lengths`, read from head to tail," if self.turned else "edges of other lengths than told"
+        return f"{told} explain the markers better than markers beside their places or a scale"
+
+    @property
+    def remedy(self) -> str:
+        """What to do before the rest is believed."""
         if self.turned:
             return (
-                "`edge_lengths`, read from head to tail, explain the markers better than markers beside their places "
-                "or a scale: they run from tail to head. Turn them round, or see whether `markers` begin at the tail"
+                "`edge_lengths` run from head to tail, and should from tail to head: turn them round, or see whether "
+                "`markers` begin at the tail; then diagnose again"
             )
         lengths = ", ".join(f"{1e3 * e:.4g}" for e in self.edges)
         return (
-            "edges of other lengths than told explain the markers better than markers beside their places or a scale: "
-            f"[{lengths}] mm. Measure the links, and mend `edge_lengths`"
+            f"lengths of links are not those in `edge_lengths`: by the markers [{lengths}] mm. Measure the links, mend "
+            "`edge_lengths`, and diagnose again"
         )
 
 
