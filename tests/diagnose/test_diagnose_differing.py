@@ -21,7 +21,7 @@ from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.differing import _Drawn
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import TO_THE_END, candidates_of, fit
-from serpenoid.diagnose.inference.select import all_at_once, calibrated
+from serpenoid.diagnose.inference.select import all_at_once, calibrated, one_for_several
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
@@ -68,6 +68,25 @@ def test_a_healthy_robot_whose_wheels_differ_has_no_name_without_a_mark(tmp_path
     assert found.named
     assert all(n.stand_in or n.effect.name == "worn_wheel" for n in found.named)
     assert any("parts are not alike: `worn_wheel` varies" in w for w in found.words)
+
+
+def test_a_payload_takes_the_place_of_what_all_other_vertices_lack(tmp_path: Path) -> None:
+    """Forces count by shares: less weight everywhere else is a load."""
+    vertex, share = 4, 0.25
+    campaign = make(6, [Effect("load", vertex, {"share": share})], "short", COMBINATIONS[:3])
+    write(campaign, tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
+    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
+    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    weights, others = body.vertex_weights, [k for k in range(body.vertices) if k != vertex]
+    less = share / (weights[vertex] + share)  # of every other weight: then all are in proportion
+    lacking = [ActiveEffect.of("load", k, share=-less * weights[k]) for k in others]
+    start = np.array([campaign.eps, *(e.parameters["share"] for e in lacking)])
+    motion, begun = calibrated(motion, fit(motion, model, lacking, start, TO_THE_END))
+    (found,) = one_for_several(motion, begun).effects
+    assert found.key == ("load", vertex)
+    assert found.parameters["share"] == pytest.approx(share, rel=0.05)
 
 
 def test_several_worn_wheels_are_found_at_once_where_the_first_that_was_found_is_none_of_them(tmp_path: Path) -> None:

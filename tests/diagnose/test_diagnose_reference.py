@@ -24,6 +24,7 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.finding import Named, Stage
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles
 from serpenoid.diagnose.stages import choose_motion
@@ -252,3 +253,13 @@ def test_what_the_mesh_misses_is_that_of_the_model_whose_error_is_a_habit(follow
 )
 def test_what_remains_of_a_path_is_told_beyond_noise(before: float, after: float, remains: float) -> None:
     assert choose_motion.left_of(before, after, 5.0) == pytest.approx(remains, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("strength", "after", "left"),
+    [(4.0, 9.5, True), (72.0, 9.5, False), (3.0, 1.0, False), (3.0, np.sqrt(2.0), True), (3.01, np.sqrt(2.0), False)],
+)
+def test_a_name_that_leaves_a_third_of_its_own_trace_is_no_cause(strength: float, after: float, left: bool) -> None:
+    """Paths stray by 9.5 noise levels beside it: a load of 4 noise levels is not what has changed."""
+    named = Named(ActiveEffect.of("load", 3, share=0.02), {}, strength)
+    assert choose_motion.leaves(named, after, LAW_ERROR) is left

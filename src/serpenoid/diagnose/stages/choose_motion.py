@@ -204,10 +204,11 @@ def finding(
     # from which share on of what all names do, or one does, they mend windows of a law that is wrong, and not the path
     most = 1.0 if motion.ratio is None else LAW_ERROR
     if wrong:
-        off = float(np.sqrt(max((after / noise_level) ** 2 - 1, 0.0)))
         mends = left_of(before, after, noise_level) >= most
         named = [
-            replace(n, stand_in=n.stand_in or (n.effect.effect.moves and (mends or off >= most * n.strength)))
+            replace(
+                n, stand_in=n.stand_in or (n.effect.effect.moves and (mends or leaves(n, after / noise_level, most)))
+            )
             for n in named
         ]
     ends = None if parts is None else ratio_beside(parts, found.settled)
@@ -221,6 +222,11 @@ def left_of(before: float, after: float, noise: float) -> float:
     """How much of a path error remains, beyond noise."""
     was, remains = (float(np.sqrt(max(x**2 - noise**2, 0.0))) for x in (before, after))
     return remains / was if was > 0 else float(after >= before)
+
+
+def leaves(named: Named, after: float, most: float) -> bool:
+    """Whether more is left of the path than a share of what a name does there; after: in noise levels, chance in it."""
+    return float(np.sqrt(max(after**2 - 1, 0.0))) >= most * named.strength
 
 
 def of_a_law(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:
