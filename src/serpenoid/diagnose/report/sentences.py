@@ -167,11 +167,11 @@ def _otherwise(record: Record) -> list[str]:
     law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
     named = {_key(e) for e in record["reference"]["effects"]}
     guessed = [title(e) for e in taken["effects"] if _key(e) not in named]
-    which = "these" if len(guessed) == len(taken["effects"]) else f"of these {', '.join(guessed)}"
-    tried = f" ({which}: no findings, only what was tried for the error of the earlier campaign)" if guessed else ""
+    which = "" if len(guessed) == len(taken["effects"]) else f": {', '.join(guessed)}"
+    tried = f" (no findings, only stand-ins for the law of its floor{which})" if guessed else ""
     return [
-        f"what has changed is told beside another explanation of it, with which both are likelier: {law}, and an "
-        f"anisotropy ratio of {taken['anisotropy_ratio']:.4g}{tried}"
+        "the change is counted from another model of the earlier campaign than its own answer has, as both campaigns "
+        f"fit better with it: {law}, anisotropy ratio {taken['anisotropy_ratio']:.4g}{tried}"
     ]
 
 
