@@ -19,7 +19,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, shapes
 from serpenoid.diagnose.data.laid import Laid, Plan
 from serpenoid.errors import InputError
-from serpenoid.measure.clock import find_offset
+from serpenoid.measure.clock import bridged, find_offset
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.links import bends
 from serpenoid.measure.logs import ServoLog
@@ -28,6 +28,7 @@ from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN, seen_corne
 
 ITERATIONS = 5
 MOSTLY = 0.9  # of frames: where more tell the angles, it is not for hidden markers that they are too few
+HALF = 0.5  # of all angles: frames that show less do not tell where a log lies
 SEARCHED_HZ = 30.0  # frames a second in the search: a gait has no motion beyond
 
 
@@ -69,10 +70,10 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     """The clock of a servo log against markers (F, N, 2), NaN hidden, at camera times (F,)."""
     corners = _corners(body, markers)
     angles, read = bends(markers[:, corners]), _bends_of(body, log.position, corners)
-    cameras = Signal(camera, angles)
+    cameras = Signal(camera, mostly_seen(camera, angles))
     _refuse_still(cameras, Signal(log.time_s, log.position))
     some = np.flatnonzero(cameras.known)[:: max(1, round(1 / SEARCHED_HZ / np.median(np.diff(camera))))]
-    found = find_offset(camera[some], angles[some], log.time_s, read)
+    found = find_offset(camera[some], cameras.values[some], log.time_s, read)
     if found is None:
         raise InputError(
             f"the servo log ({np.ptp(log.time_s):.3g} s) and the recording ({np.ptp(camera):.3g} s) cannot be laid "
@@ -87,6 +88,13 @@ def align(body: Body, camera: Floats, markers: Floats, log: ServoLog) -> Clock:
     for _ in range(ITERATIONS):
         clock = _improved(clock, camera, Laid.by(camera, clock.servo(camera), angles, log.time_s, read, None))
     return clock
+
+
+def mostly_seen(camera: Floats, angles: Floats) -> Floats:
+    """Angles (F, m) in frames that show half of them or more, those that are hidden there bridged: of many markers one
+    may be hidden in every frame in which the robot moves."""
+    shown = np.isfinite(angles).mean(axis=1) >= HALF
+    return np.where(shown[:, None], bridged(camera, angles), np.nan)
 
 
 def beside_plan(clock: Clock, body: Body, camera: Floats, markers: Floats, log: ServoLog, plan: Plan | None) -> Clock:
