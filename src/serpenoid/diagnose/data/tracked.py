@@ -235,7 +235,10 @@ def _missed_by(model: Model, tracks: Sequence[Track], finer: Sequence[Track]) ->
 
 
 def _along_curve(model: Model, track: Track) -> Track:
-    """The track with what drag along the smooth curve through an animal's points adds, and what is not known of it."""
+    """The track with what drag along the smooth curve through an animal's points adds, and what is not known of it.
+
+    What effects do is computed on the links between the points, and off by the same share of it.
+    """
     if not model.body.is_animal:
         return track
     scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
@@ -243,7 +246,9 @@ def _along_curve(model: Model, track: Track) -> Track:
     curve, other = (simulate_curve(plain, chains, degree=degree).poses for degree in (SMOOTH, PLAIN))
     paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
     moved = [relative(p[:-1], p[1:]) for p in paths]
-    return replace(track, offset=track.offset + moved[1] - moved[0], doubt=np.abs(moved[2] - moved[1]))
+    added = moved[1] - moved[0]
+    coarse = float(np.sqrt((added[:, :2] ** 2).sum() / (moved[1][:, :2] ** 2).sum()))
+    return replace(track, offset=track.offset + added, doubt=np.abs(moved[2] - moved[1]), coarse=coarse)
 
 
 def _run(states: States, first: float, step: float, windows: int, finer: int = 1) -> Run:

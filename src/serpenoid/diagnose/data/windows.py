@@ -56,6 +56,7 @@ class Track:
     doubt: Floats | float = 0.0
     least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
     strayed: Floats | float = 0.0  # (B - 1, 3) what `offset` is more for who runs free from the first pose
+    coarse: float = 0.0  # share of the motion by which straight links between an animal's points are off
     shifted: Floats | float = 0.0  # (R, 3) [m, m, rad] how far cameras show the body from where it is on the floor
 
     @cached_property

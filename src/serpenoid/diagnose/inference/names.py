@@ -18,6 +18,7 @@ import numpy as np
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import path_error, path_noise, strength
+from serpenoid.diagnose.inference.by_trial import larger
 from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
@@ -116,7 +117,8 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
     while best.effects:
         bases = bases_of(motion, null, best)
         most = np.inf if outweighed(null.priced, best.priced) else needed(motion, best)
-        idle = least_idle(best.priced, [b.priced for b in bases], most, partial(causes, motion, best, bases))
+        among = partial(causes, motion, best, bases)
+        idle = least_idle(best.priced, [b.priced for b in bases], most, among, larger(motion, best))
         if idle is None:
             break
         base = bases[idle]

@@ -93,12 +93,17 @@ def earned(best: E, bare: E, each_without: Callable[[E], Sequence[E | None]], ne
 
 
 def least_idle(
-    best: Priced, bases: Sequence[Priced], needed: float, causes: Callable[[list[int]], Collection[int]] = frozenset
+    best: Priced,
+    bases: Sequence[Priced],
+    needed: float,
+    causes: Callable[[list[int]], Collection[int]] = frozenset,
+    larger: Sequence[float] | None = None,
 ) -> int | None:
     """Which effect of an explanation is no cause, by index; of several the one that takes away least. None: all are.
 
-    bases: without each; needed: chi squared that each must take away; causes: which of those that do are causes.
+    bases: without each; needed: chi squared that each must take away, larger: so many times; causes: which of those
+    that do are causes.
     """
-    gains = [b.chi2 - best.chi2 for b in bases]
+    gains = [(b.chi2 - best.chi2) / times for b, times in zip(bases, larger or [1.0] * len(bases), strict=True)]
     named = causes([i for i, gain in enumerate(gains) if gain > needed])
     return min((i for i in range(len(bases)) if i not in named), key=lambda i: gains[i], default=None)

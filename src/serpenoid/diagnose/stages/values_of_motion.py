@@ -34,13 +34,14 @@ def named_of(
             break
         at += len(fitted.effect.parameters)
     ends, bound, usual = {}, [], deviations(found.motion, settled)
+    coarse = float(np.sqrt(np.mean([t.coarse**2 for t in found.motion.tracks])))
     for i, p in enumerate(fitted.effect.parameters):
         x, value = fitted.coordinates[i], fitted.parameters[p.name]
         held = value <= p.lower + 1e-6 * abs(p.typical) or value >= p.upper - 1e-6 * abs(p.typical)
         if held:
             bound.append(p.name)
         sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
-        half = NORMAL * sd + RELATIVE * abs(x)
+        half = NORMAL * float(np.hypot(sd, coarse * abs(x - p.resting))) + RELATIVE * abs(x)
         low, high = x - half, x + half
         doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
         if doubtful is not None:

@@ -1,0 +1,72 @@
+"""How much more an effect's score differs from trial to trial than its windows say.
+
+A floor that grips a little more in one trial than in another shows in no window, and adds up along whatever effect
+looks like it: to a name, where windows count as independent. Of trials t of one setting that were laid alike, the
+scores of an effect beside the others,
+
+    u_t = J_t^T r_t,    var(u_t) = J_t^T J_t  (residuals r and derivatives J made white),
+
+tell by their differences, without any law of the floor, how large chance is along it (the clustered sandwich of
+Liang and Zeger, Biometrika 73, 13, 1986). Where repeats exclude that it is as large as windows say, at the stated
+error, an effect must take away so many times more.
+
+Legend: T trials, P columns of the fit, C of an effect.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtri
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import ERROR
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.repeats import laid_alike
+from serpenoid.diagnose.data.windows import columns_of
+from serpenoid.diagnose.inference.evidence import Evidence, inverted
+from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.simulation.sensitivity import EPS
+
+
+def larger(motion: Motion, found: Fit) -> list[float]:
+    """How many times as large chance is along each effect of a fit as windows say; 1 where that is not excluded."""
+    pairs = laid_alike(motion.tracks)
+    if not pairs or not found.effects or any(t.noise is not None for t in motion.tracks):
+        return [1.0] * len(found.effects)
+    trials = [_of_trial(motion, found, i) for i in range(len(motion.tracks))]
+    ends = np.cumsum([1, *(len(e.effect.parameters) for e in found.effects)])
+    return [_beyond(trials, pairs, range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+
+def _of_trial(motion: Motion, found: Fit, number: int) -> Evidence:
+    """About a fit, its own columns."""
+    track, white, p = motion.tracks[number], motion.white[number], found.predictions[number]
+    by = p.by((EPS, *columns_of(found.effects)))
+    known = track.usable & np.isfinite(by).all(axis=(1, 2)) & np.isfinite(p.displacement).all(axis=1)
+    rows = white.of(track.displacement - p.displacement, known)
+    return Evidence.of(rows, white.of(by, known), np.zeros(len(rows)))
+
+
+def _beyond(trials: list[Evidence], pairs: list[tuple[int, int]], columns: range) -> float:
+    """Of some columns (C,), by evidence of each trial (T)."""
+    own, others = list(columns), [i for i in range(trials[0].matrix.shape[1]) if i not in columns]
+    total = sum(t.matrix[0] for t in trials)
+    beside = np.zeros((len(own), total.shape[0]))
+    beside[:, own] = np.eye(len(own))
+    beside[:, others] = -total[np.ix_(own, others)] @ inverted(total[np.ix_(others, others)])
+    metric = inverted(beside @ total @ beside.T)
+    squares, expected = np.empty(len(pairs)), np.empty(len(pairs))
+    for k, (one, other) in enumerate(pairs):
+        apart = beside @ (trials[one].vector[0] - trials[other].vector[0])
+        windows = beside @ (trials[one].matrix[0] + trials[other].matrix[0]) @ beside.T
+        squares[k], expected[k] = apart @ metric @ apart / 2, float(np.trace(metric @ windows)) / 2
+    return _unless_by_chance(squares, expected, len(own))
+
+
+def _unless_by_chance(squares: Floats, expected: Floats, columns: int) -> float:
+    """The ratio of sums (K,), or 1 where chance alone makes as large a one with the stated probability."""
+    if not expected.sum() > 0:
+        return 1.0
+    ratio = float(squares.sum() / expected.sum())
+    degrees = columns * float(expected.sum() ** 2 / (expected**2).sum())
+    return ratio if ratio > float(chdtri(degrees, ERROR)) / degrees else 1.0
