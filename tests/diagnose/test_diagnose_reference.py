@@ -24,7 +24,6 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles
 from serpenoid.diagnose.stages import choose_motion
@@ -255,11 +254,16 @@ def test_what_remains_of_a_path_is_told_beyond_noise(before: float, after: float
     assert choose_motion.left_of(before, after, 5.0) == pytest.approx(remains, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("strength", "after", "left"),
-    [(4.0, 9.5, True), (72.0, 9.5, False), (3.0, 1.0, False), (3.0, np.sqrt(2.0), True), (3.01, np.sqrt(2.0), False)],
-)
-def test_a_name_that_leaves_a_third_of_its_own_trace_is_no_cause(strength: float, after: float, left: bool) -> None:
-    """Paths stray by 9.5 noise levels beside it: a load of 4 noise levels is not what has changed."""
-    named = Named(ActiveEffect.of("load", 3, share=0.02), {}, strength)
-    assert choose_motion.leaves(named, after, LAW_ERROR) is left
+@pytest.mark.parametrize(("without", "marked"), [(12.0, True), (80.0, False)])
+def test_a_name_beside_which_a_third_of_its_own_trace_remains_is_marked(
+    without: float, marked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All names take the path error from 90 to 9.5 noise levels; without the load it would be 12."""
+    load, toe = ActiveEffect.of("load", 3, share=0.02), ActiveEffect.of("toe", angle=0.1)
+    bases = (SimpleNamespace(predictions=without), SimpleNamespace(predictions=85.0))
+    found: Any = SimpleNamespace(
+        motion=SimpleNamespace(ratio=0.2), best=SimpleNamespace(effects=(load, toe)), bases=bases, noise_level_m=1.0
+    )
+    monkeypatch.setattr(choose_motion, "path_error", lambda motion, predictions: predictions)
+    names = choose_motion.mending(found, [Named(load, {}, 4.0), Named(toe, {}, 70.0)], 90.0, 9.5)
+    assert [n.stand_in for n in names] == [marked, False]

@@ -201,16 +201,8 @@ def finding(
         words and named and not wrong and astray(motion, _predicted(found, parts), after)
     ):  # by paths alone: few windows show less
         named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
-    # from which share on of what all names do, or one does, they mend windows of a law that is wrong, and not the path
-    most = 1.0 if motion.ratio is None else LAW_ERROR
     if wrong:
-        mends = left_of(before, after, noise_level) >= most
-        named = [
-            replace(
-                n, stand_in=n.stand_in or (n.effect.effect.moves and (mends or leaves(n, after / noise_level, most)))
-            )
-            for n in named
-        ]
+        named = mending(found, named, before, after)
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
@@ -224,9 +216,20 @@ def left_of(before: float, after: float, noise: float) -> float:
     return remains / was if was > 0 else float(after >= before)
 
 
-def leaves(named: Named, after: float, most: float) -> bool:
-    """Whether more is left of the path than a share of what a name does there; after: in noise levels, chance in it."""
-    return float(np.sqrt(max(after**2 - 1, 0.0))) >= most * named.strength
+def mending(found: Selection, named: Sequence[Named], before: float, after: float) -> list[Named]:
+    """Names, marked where they mend windows of a law that is wrong, and not the path: beside a reference, where of what
+    all of them do there, or one of them does, LAW_ERROR remains or more; before, after: path errors [m]."""
+    most = 1.0 if found.motion.ratio is None else LAW_ERROR
+    bases = zip(found.best.effects, found.bases, strict=True)
+    without = {e.key: path_error(found.motion, base.predictions) for e, base in bases}
+    remains = [
+        max(left_of(error, after, found.noise_level_m) for error in (before, without.get(n.effect.key, before)))
+        for n in named
+    ]
+    return [
+        replace(n, stand_in=n.stand_in or (n.effect.effect.moves and share >= most))
+        for n, share in zip(named, remains, strict=True)
+    ]
 
 
 def of_a_law(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) -> Named:
