@@ -41,8 +41,8 @@ def test_what_differs_from_trial_to_trial_along_an_effect_is_chance_of_that_effe
     assert np.mean([_beyond(t, PAIRS, range(2, 4)) > 1 for t in drawn]) < 0.1
 
 
-def test_an_effect_must_take_away_so_many_times_more() -> None:
+def test_an_effect_must_take_away_as_much_more() -> None:
     best, bases = Priced(100.0, 3, 100.0), [Priced(160.0, 2, 100.0), Priced(130.0, 2, 100.0)]
     everything = lambda likely: set(likely)  # noqa: E731
     assert least_idle(best, bases, 16.0, everything) is None
-    assert least_idle(best, bases, 16.0, everything, [12.0, 1.0]) == 0
+    assert least_idle(best, bases, 16.0, everything, [60.0, 0.0]) == 0

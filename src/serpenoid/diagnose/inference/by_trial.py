@@ -8,7 +8,7 @@ scores of an effect beside the others,
 
 tell by their differences, without any law of the floor, how large chance is along it (the clustered sandwich of
 Liang and Zeger, Biometrika 73, 13, 1986). Where repeats exclude that it is as large as windows say, at the stated
-error, an effect must take away so many times more.
+error, an effect must take away as many times more as the best of all candidates would by chance.
 
 Legend: T trials, P columns of the fit, C of an effect.
 """
@@ -24,8 +24,18 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.repeats import laid_alike
 from serpenoid.diagnose.data.windows import columns_of
 from serpenoid.diagnose.inference.evidence import Evidence, inverted
-from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.inference.medium import Fit, candidates_of
+from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.simulation.sensitivity import EPS
+
+
+def gained(motion: Motion, found: Fit) -> list[float]:
+    """Chi squared that each effect of a fit may gain by such chance, beyond what windows say."""
+    tries = len(candidates_of(found)) + len(found.effects)
+    return [
+        (times - 1) * most_gained(len(e.effect.parameters), tries)
+        for e, times in zip(found.effects, larger(motion, found), strict=True)
+    ]
 
 
 def larger(motion: Motion, found: Fit) -> list[float]:

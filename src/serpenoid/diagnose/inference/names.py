@@ -1,8 +1,9 @@
 """What is named of all that a search found: what earns its name and is visible.
 
 An effect earns its name if, beside all others, it takes away more than the best of all candidates would take of what
-is left if none of them were a cause (null.py), and if what it accounts for is no mere error of the law of the others
-(discrepancy.py), and if its interval, which holds what gaits disagree about, leaves out the value that changes nothing.
+is left if none of them were a cause (null.py), and more where repeats differ by more along it than windows say
+(by_trial.py), and if what it accounts for is no mere error of the law of the others (discrepancy.py), and if its
+interval, which holds what gaits disagree about, leaves out the value that changes nothing.
 All that is named together takes away more than it leaves. Its trace in the path must stand above the
 noise level.
 """
@@ -18,7 +19,7 @@ import numpy as np
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.paths import path_error, path_noise, strength
-from serpenoid.diagnose.inference.by_trial import larger
+from serpenoid.diagnose.inference.by_trial import gained
 from serpenoid.diagnose.inference.discrepancy import outdone
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import (
@@ -118,7 +119,7 @@ def earned(motion: Motion, null: Fit, best: Fit) -> tuple[Fit, tuple[Refused, ..
         bases = bases_of(motion, null, best)
         most = np.inf if outweighed(null.priced, best.priced) else needed(motion, best)
         among = partial(causes, motion, best, bases)
-        idle = least_idle(best.priced, [b.priced for b in bases], most, among, larger(motion, best))
+        idle = least_idle(best.priced, [b.priced for b in bases], most, among, gained(motion, best))
         if idle is None:
             break
         base = bases[idle]

@@ -97,13 +97,13 @@ def least_idle(
     bases: Sequence[Priced],
     needed: float,
     causes: Callable[[list[int]], Collection[int]] = frozenset,
-    larger: Sequence[float] | None = None,
+    more: Sequence[float] | None = None,
 ) -> int | None:
     """Which effect of an explanation is no cause, by index; of several the one that takes away least. None: all are.
 
-    bases: without each; needed: chi squared that each must take away, larger: so many times; causes: which of those
-    that do are causes.
+    bases: without each; needed: chi squared that each must take away, and `more` of each; causes: which of those that
+    do are causes.
     """
-    gains = [(b.chi2 - best.chi2) / times for b, times in zip(bases, larger or [1.0] * len(bases), strict=True)]
+    gains = [b.chi2 - best.chi2 - own for b, own in zip(bases, more or [0.0] * len(bases), strict=True)]
     named = causes([i for i, gain in enumerate(gains) if gain > needed])
     return min((i for i in range(len(bases)) if i not in named), key=lambda i: gains[i], default=None)
