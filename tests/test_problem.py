@@ -304,8 +304,8 @@ SPLINE = "[gait]\nfamily = 'spline'\npoints = 5\nangles = [[0], [0], [0, 0], [0]
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (MEDIUM, r"mine\.toml: body: is required and not there"),
-        (BODY, r"mine\.toml: medium: is required and not there"),
+        (MEDIUM, r"mine\.toml: \[body\]: is required and not there"),
+        (BODY, r"mine\.toml: \[medium\]: is required and not there"),
         (BODY + MEDIUM + "[tsk]\nsteps = 5\n", r"tsk: unknown key\. Did you mean `task`\?"),
         (BODY + MEDIUM + "[bogus]\nkey = 1\n", r"bogus: unknown key\. Known keys: .*body, medium"),
         (BODY + "speed_limit = 9\n" + MEDIUM, r"speed_limit: unknown key\. Did you mean `joint_speed_limit_rpm`\?"),
