@@ -10,7 +10,7 @@ from serpenoid.files.writing import write_text
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])
-def test_whatever_is_drawn_is_a_protocol_with_any_of_thechanges(number, tmp_path):
+def test_whatever_is_drawn_is_a_protocol_with_any_of_the_changes(number, tmp_path):
     drawn = draw("a key of this test", number)
     write_robot(drawn, tmp_path)
     joints, masses = drawn.protocol.robot.joints, drawn.protocol.robot.masses
@@ -25,7 +25,7 @@ def test_whatever_is_drawn_is_a_protocol_with_any_of_thechanges(number, tmp_path
         np.testing.assert_allclose(protocol.robot.vertex_masses_kg / protocol.robot.mass_kg, masses / masses.sum())
 
 
-def test_a_key_draws_the_same_robots_andchanges_again():
+def test_a_key_draws_the_same_robots_and_changes_again():
     first, again = draw("k", 1), draw("k", 1)
     assert hidden_of(first) == hidden_of(again)
     assert hidden_of(draw("k", 2)) != hidden_of(first)

@@ -24,7 +24,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.repeats import laid_alike
 from serpenoid.diagnose.data.windows import columns_of
 from serpenoid.diagnose.inference.evidence import Evidence, inverted
-from serpenoid.diagnose.inference.medium import Fit, candidates_of
+from serpenoid.diagnose.inference.medium import Fit, candidates_of, of_trial
 from serpenoid.diagnose.inference.prices import most_gained
 from serpenoid.simulation.sensitivity import EPS
 
@@ -43,18 +43,12 @@ def larger(motion: Motion, found: Fit) -> list[float]:
     pairs = laid_alike(motion.tracks)
     if not pairs or not found.effects or any(t.noise is not None for t in motion.tracks):
         return [1.0] * len(found.effects)
-    trials = [_of_trial(motion, found, i) for i in range(len(motion.tracks))]
-    ends = np.cumsum([1, *(len(e.effect.parameters) for e in found.effects)])
-    return [_beyond(trials, pairs, range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-
-
-def _of_trial(motion: Motion, found: Fit, number: int) -> Evidence:
-    """About a fit, its own columns."""
-    track, white, p = motion.tracks[number], motion.white[number], found.predictions[number]
-    by = p.by((EPS, *columns_of(found.effects)))
-    known = track.usable & np.isfinite(by).all(axis=(1, 2)) & np.isfinite(p.displacement).all(axis=1)
-    rows = white.of(track.displacement - p.displacement, known)
-    return Evidence.of(rows, white.of(by, known), np.zeros(len(rows)))
+    listed = (EPS, *columns_of(found.effects))
+    trials = []
+    for number, p in enumerate(found.predictions):
+        rows, columns = of_trial(motion, number, p, p.by(listed))
+        trials.append(Evidence.of(rows, columns, np.zeros(len(rows))))
+    return [_beyond(trials, pairs, columns) for columns in found.columns]
 
 
 def _beyond(trials: list[Evidence], pairs: list[tuple[int, int]], columns: range) -> float:

@@ -58,6 +58,12 @@ class Fit:
         return Priced(self.chi2, len(self.coordinates), float(self.evidence.count.sum()))
 
     @property
+    def columns(self) -> list[range]:
+        """Of each effect, which columns of the evidence are its own."""
+        ends = np.cumsum([1, *(len(e.effect.parameters) for e in self.effects)]).tolist()
+        return [range(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+    @property
     def converged(self) -> bool:
         """Whether, to first order, no more can be gained than is worth a step."""
         least = self.evidence.chi2(range(self.evidence.matrix.shape[1]))
@@ -119,12 +125,19 @@ def linearised(
 def of_windows(motion: Motion, found: Sequence[Prediction], by: Iterable[Floats]) -> Evidence:
     """Evidence of what all windows leave beside predictions; by: derivatives (W, 3, P) of each track's windows."""
     rows, columns, labels = [], [], []
-    for track, label, white, p, d in zip(motion.tracks, motion.labels, motion.white, found, by, strict=True):
-        known = track.usable & np.isfinite(d).all(axis=(1, 2)) & np.isfinite(p.displacement).all(axis=1)
-        rows.append(white.of(track.displacement - p.displacement, known))
-        columns.append(white.of(d, known))
-        labels.append(np.full(len(rows[-1]), label))
+    for number, (label, p, d) in enumerate(zip(motion.labels, found, by, strict=True)):
+        own, slopes = of_trial(motion, number, p, d)
+        rows.append(own)
+        columns.append(slopes)
+        labels.append(np.full(len(own), label))
     return Evidence.of(np.concatenate(rows), np.concatenate(columns), np.concatenate(labels))
+
+
+def of_trial(motion: Motion, number: int, predicted: Prediction, by: Floats) -> tuple[Floats, Floats]:
+    """White residuals (R,) of one track's windows beside a prediction, and columns (R, P); by: see `of_windows`."""
+    track, white = motion.tracks[number], motion.white[number]
+    known = track.usable & np.isfinite(by).all(axis=(1, 2)) & np.isfinite(predicted.displacement).all(axis=1)
+    return white.of(track.displacement - predicted.displacement, known), white.of(by, known)
 
 
 @remembered

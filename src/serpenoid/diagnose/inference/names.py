@@ -98,14 +98,14 @@ def kept(motion: Motion, null: Fit, best: Fit, noise_level_m: float, hidden: Col
         overtaken = [t.added for t in weak if t.added.key not in hidden]
         if not overtaken:
             break
-        best, rest = earned(motion, null, _bare_of(motion, best, overtaken))
+        best, rest = earned(motion, null, bare_of(motion, best, overtaken))
         refused = (*refused, *rest)
     there = {*lost, *(e.key for e in shown.effects)}
-    settled = _bare_of(motion, settled, [e for e in settled.effects if e.key not in there])
+    settled = bare_of(motion, settled, [e for e in settled.effects if e.key not in there])
     return Kept(shown, bases, settled, tuple(lost.values()), refused)
 
 
-def _bare_of(motion: Motion, found: Fit, effects: Sequence[ActiveEffect]) -> Fit:
+def bare_of(motion: Motion, found: Fit, effects: Sequence[ActiveEffect]) -> Fit:
     """A fit without some of its effects."""
     for e in effects:
         found = fit_without(motion, found, e)
@@ -146,8 +146,7 @@ def certain(motion: Motion, best: Fit, bases: Sequence[Fit]) -> list[bool]:
     spread = max(1.0, np.sqrt(best.chi2 / best.evidence.count.sum()))
     index = range(len(best.coordinates))
     wider = np.diag(evidence.covariance(index, spread)) / np.diag(evidence.solve(index)[1])
-    ends = np.cumsum([1, *(len(e.effect.parameters) for e in best.effects)])
-    parts = [wider[a:b].min() for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    parts = [wider[list(columns)].min() for columns in best.columns]
     return [bool(base.chi2 - best.chi2 > NORMAL**2 * part) for base, part in zip(bases, parts, strict=True)]
 
 

@@ -34,7 +34,7 @@ from serpenoid.diagnose.inference.medium import (
     fit_on,
     fit_without,
 )
-from serpenoid.diagnose.inference.names import Kept, Key, Try, each_without, kept, trace
+from serpenoid.diagnose.inference.names import Kept, Key, Try, bare_of, each_without, kept, trace
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
@@ -162,9 +162,7 @@ def one_for_several(motion: Motion, best: Fit) -> Fit:
     names = Counter(e.name for e in best.effects if e.place is not None)
     found = best
     for name in sorted(name for name, count in names.items() if count > 1):
-        bare = best
-        for e in (e for e in best.effects if e.name == name):
-            bare = fit_without(motion, bare, e)
+        bare = bare_of(motion, best, [e for e in best.effects if e.name == name])
         tries = attempts(motion, bare, [r for r in score(motion, bare) if r[0].name == name])
         tries += attempts(motion, bare, at_other_places(bare, tries))
         found = min([found, *(t.fit for t in tries)], key=lambda f: information_criterion(motion, f))
@@ -215,14 +213,12 @@ def _gained(found: Fit) -> list[float]:
     bare = found.evidence.about(
         found.coordinates - [found.coordinates[0], *resting]
     )  # chi squared of some, others none
-    ends = np.cumsum([1, *(len(e.effect.parameters) for e in found.effects)])
-    columns = [list(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
     silent = np.diagonal(bare.matrix.sum(axis=0)) < SILENT
-    every = [0, *(c for own in columns for c in own)]
+    every = [0, *(c for own in found.columns for c in own)]
     now = bare.chi2(every)
     spread, gains = max(1.0, now / float(bare.count.sum())), []
-    for own in columns:
-        held = bool(silent[own].all() and any(found.coordinates[c] != resting[c - 1] for c in own))
+    for own in found.columns:
+        held = bool(silent[list(own)].all() and any(found.coordinates[c] != resting[c - 1] for c in own))
         gains.append(np.inf if held else (bare.chi2([c for c in every if c not in own]) - now) / spread)
     return gains
 

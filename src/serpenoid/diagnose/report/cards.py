@@ -8,6 +8,7 @@ from serpenoid.diagnose.report.sentences import (
     inadequacy,
     meaning,
     open_gaits,
+    open_length,
     ratio_change,
     rival_law,
     undetected,
@@ -98,8 +99,7 @@ def _left_open(record: Record) -> list[str]:
     """What the others leave open of single gaits, and what would tell."""
     said = []
     for name in open_gaits(record):
-        open_m, rms = record["left_open_by_gait_m"][name], record["gain"]["path_rms_m"]
-        much = shown(open_m, record["length_unit"]) if open_m <= max(rms["before"], rms["after"]) else "more than that"
+        much = open_length(record, record["left_open_by_gait_m"][name]) or "more than that"
         said.append(f"The others leave {much} open of {name}: another one like it would tell.")
     return said
 

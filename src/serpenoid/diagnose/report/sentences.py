@@ -285,10 +285,15 @@ def left_open(record: Record) -> str:
     """How far held-out paths are expected to stray for want of other gaits that tell, where that is more than noise."""
     if record["left_open_m"] <= record["noise_level_m"]:
         return ""
-    open_m, rms = record["left_open_m"], record["gain"]["path_rms_m"]
-    size = shown(open_m, record["length_unit"]) if open_m <= max(rms["before"], rms["after"]) else "more is"
+    size = open_length(record, record["left_open_m"]) or "more is"
     of = f" of {', '.join(gaits)}" if (gaits := open_gaits(record)) else ""
     return f" ({size} expected: what the other {unseen(record)} leave open{of})"
+
+
+def open_length(record: Record, open_m: float) -> str:
+    """What others leave open; empty where first order makes it more than held-out paths are off by."""
+    rms = record["gain"]["path_rms_m"]
+    return shown(open_m, record["length_unit"]) if open_m <= max(rms["before"], rms["after"]) else ""
 
 
 def unreliable(record: Record) -> list[str]:
