@@ -1,12 +1,12 @@
 """One vertex during one step, and the drag on it: what medium effects transform.
 
-    F_i = -w (((1 - l) eps f_t (m + f_d) + l m f_l) v_t T_i + m f_n v_n N_i)  at the step's ends, v = (c_1 - c_0) / dt
-    M_i = -w m f_n h^2 Omega                                                 Omega: mean turning rate of the wheels
+    F_i = -w (((1 - l) r f_t (m_t + f_d) + l m_t f_l) v_t T_i + m_n f_n v_n N_i)     at the step's ends
+    M_i = -w m_n f_n h^2 Omega                 v = (c_1 - c_0) / dt, Omega: mean turning rate of the wheels
     wrench = 1/2 sum_k (F_0 + F_1,  c_1 x F_0 + c_0 x F_1 + M_0 + M_1)
 
-c: contact point, T, N: rolling direction and its left normal, w: weight, eps: anisotropy ratio, l: share of the wheel
-that is locked, h: half the distance of the wheels on the axle. The multipliers m, f_t, f_l, f_n are 1 in the baseline;
-l, h and f_d are 0.
+c: contact point, T, N: rolling direction and its left normal, w: weight, r: what rolling weighs (eps of linear drag),
+l: share of the wheel that is locked, h: half the distance of the wheels on the axle. m_t, m_n are the law's multipliers
+(serpenoid.media; 1 of linear drag). f_t, f_l, f_n are 1 without effects; l, h and f_d are 0.
 Each end's force acts at the other end's contact point: for any law that comes from a potential of (v, T_i) that is
 exactly the derivative of the step energy by the pose, because the potential does not change when everything turns.
 World frame, SI: metres, seconds; forces divided by the drag level are speeds, where drag is linear (`Parameter`).
@@ -14,7 +14,7 @@ World frame, SI: metres, seconds; forces divided by the drag level are speeds, w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -93,12 +93,18 @@ class Element:
         """Velocity of the contact point [m/s]."""
         return (self.contacts[1] - self.contacts[0]) / self.duration
 
-    def squared_slip(self, ratio: ca.SX) -> ca.SX:
-        """q [m^2/s^2] of the medium's law (see serpenoid.media), the mean of both ends; `ratio` weighs what rolls."""
-        along = (1 - self.locked) * ratio + self.locked
+    @property
+    def squared_slips(self) -> tuple[ca.SX, ca.SX]:
+        """Across and along [m^2/s^2] (see serpenoid.media), the mean of both ends."""
         velocity = self.contact_velocity
-        ends = [along * ca.dot(w, velocity) ** 2 + ca.dot(left(w), velocity) ** 2 for w in self.wheels]
-        return (ends[0] + ends[1]) / 2 + self.axle * self.turning**2
+        across, along = (
+            sum(ca.dot(w, velocity) ** 2 for w in ways) / 2 for ways in (map(left, self.wheels), self.wheels)
+        )
+        return across + self.axle * self.turning**2, along
+
+    def along(self, ratio: ca.SX) -> ca.SX:
+        """What a slip along weighs beside one across: `ratio` where the wheel rolls, one where it is locked."""
+        return (1 - self.locked) * ratio + self.locked
 
     @property
     def turning(self) -> ca.SX:
@@ -110,9 +116,10 @@ class Element:
 class Drag:
     """The law at one end: velocity along the wheel and to its left, soft speed [m/s], and multipliers.
 
-    magnitude multiplies force and moment, dry adds to it where a wheel rolls; tangential multiplies what rolls, sliding
-    what is locked, normal the force across and the moment of the axle. scrub: square of the speed at which wheels of a
-    turning axle slide [m^2/s^2]; locked: the share of the wheel that does not roll.
+    across and along are the law's multipliers of the force there, across that of the axle's moment, too; dry adds to
+    along where a wheel rolls; tangential multiplies what rolls, sliding what is locked, normal what across multiplies.
+    scrub: square of the speed at which wheels of a turning axle slide [m^2/s^2]; locked: the share of the wheel that
+    does not roll.
     """
 
     forward: ca.SX
@@ -120,27 +127,32 @@ class Drag:
     scrub: ca.SX
     locked: ca.SX
     speed: ca.SX
-    magnitude: ca.SX
+    across: ca.SX
+    along: ca.SX
     dry: ca.SX
     tangential: ca.SX
     sliding: ca.SX
     normal: ca.SX
 
     @classmethod
-    def baseline(cls, element: Element, wheel: ca.SX, magnitude: ca.SX) -> Drag:
-        """The medium's own law; `magnitude` is its multiplier for this step."""
+    def baseline(cls, element: Element, wheel: ca.SX, across: ca.SX, along: ca.SX) -> Drag:
+        """The medium's own law, by its multipliers for this step."""
         velocity, scrub, one = element.contact_velocity, element.axle * element.turning**2, ca.SX(1)
         speed = ca.sqrt(ca.dot(velocity, velocity) + scrub + CREEP**2)
         forward, sideways = ca.dot(wheel, velocity), ca.dot(left(wheel), velocity)
-        return cls(forward, sideways, scrub, element.locked, speed, magnitude, ca.SX(0), one, one, one)
+        return cls(forward, sideways, scrub, element.locked, speed, across, along, ca.SX(0), one, one, one)
 
     def resistance(self, wheel: ca.SX, anisotropy_ratio: ca.SX) -> ca.SX:
         """The force per weight, against the drag (2,) [m/s]."""
-        rolling = (1 - self.locked) * anisotropy_ratio * self.tangential * (self.magnitude + self.dry)
-        along = (rolling + self.magnitude * self.locked * self.sliding) * self.forward
-        return along * wheel + self.magnitude * self.normal * self.sideways * left(wheel)
+        rolling = (1 - self.locked) * anisotropy_ratio * self.tangential * (self.along + self.dry)
+        along = (rolling + self.along * self.locked * self.sliding) * self.forward
+        return along * wheel + self.across * self.normal * self.sideways * left(wheel)
+
+    def by_speed(self, factor: ca.SX | float, added: ca.SX | float = 0) -> Drag:
+        """Both of the law's multipliers times a factor, and what is added to both."""
+        return replace(self, across=self.across * factor + added, along=self.along * factor + added)
 
     @property
     def scrubbing(self) -> ca.SX:
         """The axle's moment per weight, its square half track and its turning rate."""
-        return self.magnitude * self.normal
+        return self.across * self.normal

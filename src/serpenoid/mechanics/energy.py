@@ -24,8 +24,8 @@ def element_energy(
     d = before.numel() // 2
     dp = after[:d] - before[:d]
     slide, slide_after = ca.dot(dp, before[d:]), ca.dot(dp, after[d:])
-    slip = ca.dot(dp, dp) + (law.form_ratio(anisotropy_ratio) - 1) / 2 * (slide**2 + slide_after**2)
-    return weight * law.potential(slip, softening)
+    along = (slide**2 + slide_after**2) / 2
+    return weight * law.cost(ca.dot(dp, dp) - along, along, law.form_ratio(anisotropy_ratio), softening)
 
 
 def step_energy(

@@ -53,10 +53,10 @@ def wrench(
         element = kind.on_element(element, p)
     ratio = law.form_ratio(element.anisotropy_ratio)
     soft = softening_length(before[:4], after[:4], setting[5]) * length / duration
-    magnitude = law.multiplier(element.squared_slip(ratio), soft)
+    multipliers = law.multipliers(*element.squared_slips, element.along(ratio), soft)
     force, moment, axle = ca.SX.zeros(2), ca.SX(0), ca.SX(0)
     for wheel, arm in zip(element.wheels, reversed(element.contacts), strict=True):
-        drag = Drag.baseline(element, wheel, magnitude)
+        drag = Drag.baseline(element, wheel, *multipliers)
         for kind, p in zip(kinds, symbols, strict=True):
             drag = kind.on_drag(drag, p)
         resistance = element.grip * drag.resistance(wheel, ratio) / 2

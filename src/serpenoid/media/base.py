@@ -1,10 +1,12 @@
 """A dissipation law: what a slip of an element costs.
 
-    q = |dp|^2 + (r - 1)/2 (<dp, T>^2 + <dp, T'>^2),  r = eps^(2 / degree)     squared slip, T, T' before and after
-    E = sum_k w_k potential(q_k),   force = -w multiplier(q) D dp,   multiplier = 2 d potential / dq
+    a = (<dp, T>^2 + <dp, T'>^2) / 2,   n = |dp|^2 - a      squared slip along and across; T, T' before and after
+    E = sum_k w_k potential(n + r a),   r = eps^(2 / degree)            one slip, whatever its direction
+    E = sum_k w_k (potential(n) + r potential(a)),   r = eps            each way on its own (`by_components`)
+    force = -w (m_n <dp, N> N + r m_a <dp, T> T),   multipliers m = 2 d potential
 
-q is the same quadratic form for every law, so a law is a function of one number, and its wrench is the linear one times
-a multiplier that both ends of the step share. eps is lengthwise over sideways force, of slips of one size.
+A law is a function of one number, and its wrench is the linear one times multipliers that both ends of the step share;
+of one slip both are the same. eps is lengthwise over sideways force, of slips of one size.
 """
 
 from __future__ import annotations
@@ -35,9 +37,10 @@ class Law:
 
     degree: of the potential in the displacement. The sum over a cycle of T steps, times T^(degree - 1), converges.
     words: what resists, in sentences; title: what the law is called beside others. softened: whether the potential
-    depends on the softening length. softer: the linear law, with the ratio form_ratio(eps), that it becomes where it is
-    softened beyond any slip, if its optima are found from there; None: they are found without. rival: see `Rival`;
-    None: a diagnosis knows it where a file says so, and does not ask for it.
+    depends on the softening length. by_components: whether slips across and along resist each on its own. softer: the
+    linear law, with the ratio form_ratio(eps), that it becomes where it is softened beyond any slip, if its optima are
+    found from there; None: they are found without. rival: see `Rival`; None: a diagnosis knows it where a file says so,
+    and does not ask for it.
     """
 
     name: str
@@ -47,12 +50,28 @@ class Law:
     potential: OfSlip
     multiplier: OfSlip
     softened: bool = False
+    by_components: bool = False
     softer: Law | None = None
     rival: Rival | None = None
 
     def form_ratio(self, eps: Quantity) -> Quantity:
-        """r of the squared slip."""
-        return eps ** (2 / self.degree)
+        """r: what a slip along weighs beside one across."""
+        return eps if self.by_components else eps ** (2 / self.degree)
+
+    def cost(self, across: Quantity, along: Quantity, ratio: Quantity, softening: Quantity) -> Quantity:
+        """The potential of squared slips across and along; `ratio`: r."""
+        if self.by_components:
+            return self.potential(across, softening) + ratio * self.potential(along, softening)
+        return self.potential(across + ratio * along, softening)
+
+    def multipliers(
+        self, across: Quantity, along: Quantity, ratio: Quantity, softening: Quantity
+    ) -> tuple[Quantity, Quantity]:
+        """Of the force across, and of that along."""
+        if self.by_components:
+            return self.multiplier(across, softening), self.multiplier(along, softening)
+        both = self.multiplier(across + ratio * along, softening)
+        return both, both
 
     @property
     def linear(self) -> bool:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag
 
@@ -13,7 +11,7 @@ class DryFriction(MediumEffect):
 
     def on_drag(self, drag: Drag, p: Symbols) -> Drag:
         """Add the part that does not know speed."""
-        return replace(drag, magnitude=drag.magnitude + p.crossover_speed / drag.speed)
+        return drag.by_speed(1, p.crossover_speed / drag.speed)
 
 
 EFFECT = DryFriction(

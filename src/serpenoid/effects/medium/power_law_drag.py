@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from serpenoid.effects.base import Advice, MediumEffect, Parameter, Symbols
 from serpenoid.effects.element import Drag
 
@@ -15,7 +13,7 @@ class PowerLawDrag(MediumEffect):
 
     def on_drag(self, drag: Drag, p: Symbols) -> Drag:
         """Scale with the speed."""
-        return replace(drag, magnitude=drag.magnitude * (drag.speed / REFERENCE_SPEED) ** (p.exponent - 1))
+        return drag.by_speed((drag.speed / REFERENCE_SPEED) ** (p.exponent - 1))
 
 
 EFFECT = PowerLawDrag(
