@@ -13,7 +13,15 @@ from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
 from serpenoid.diagnose.stages.ladder import Climbed
-from serpenoid.diagnose.start import at_middles, baseline, check_body, taken_for_granted, unlike_body, unlike_kind
+from serpenoid.diagnose.start import (
+    at_middles,
+    baseline,
+    check_body,
+    law_is_open,
+    taken_for_granted,
+    unlike_body,
+    unlike_kind,
+)
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.consistency.claims import Reader, read_believed
@@ -54,7 +62,8 @@ def diagnose_campaign(
             if recording.shortened:
                 notice(f"{recording.name}: {recording.shortened}")
         begun = baseline(model, file, tracked[0].body)
-        found = diagnose_tracked(tracked, taken_for_granted(begun, without, notice), say, searched)
+        known = taken_for_granted(begun, law_is_open(model, file), without, notice)
+        found = diagnose_tracked(tracked, known, say, searched)
         plain = Model(read.body, begun.medium)
         ratio = drag_ratio(anisotropy(read, plain), plain)
         return file, replace(found, drag_ratio=ratio)
@@ -65,7 +74,7 @@ def diagnose_campaign(
     body = file.body.with_middles() if middles else file.body
     if middles and file.body.sparse_edges:
         notice(file.body.sparse_edges)
-    known = earlier or taken_for_granted(baseline(model, file, body), without, notice)
+    known = earlier or taken_for_granted(baseline(model, file, body), law_is_open(model, file), without, notice)
     known.check(body)
     _, recordings = read_recordings(campaign, reading, files)
     recordings = tuple(r.with_middles() for r in recordings) if middles else recordings

@@ -260,7 +260,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
     """diagnosis.json, but for the next experiment."""
     found, extended = d.motion.selection, {e.key for e in d.model.effects}
     usage, length = used(found.motion.tracks), length_unit(found.motion.tracks)
-    law = found.best.model.medium.law
+    law, taken, rivals = found.best.model.medium.law, d.motion.stage.law_taken, d.motion.stage.laws
     open_m = left_open(found.motion, d.extension)
     return {
         "verdict": d.verdict,
@@ -281,7 +281,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "effects": [{"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.baseline.known],
             "anisotropy_ratio": d.baseline.model.medium.anisotropy_ratio,
         },
-        "law": {"name": law, "rivals": d.motion.stage.laws, "drag_at": d.motion.stage.drag_at},
+        "law": {"name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},

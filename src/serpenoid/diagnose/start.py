@@ -44,6 +44,14 @@ def baseline(path: str | Path | None, file: CampaignFile, body: Body) -> Model:
     return Model(body, medium.guessed().model_copy(update={"dissipation": "vertex"}), known)
 
 
+def law_is_open(path: str | Path | None, file: CampaignFile) -> bool:
+    """Whether no file says which law the medium follows."""
+    stated = _model(path).get("medium") if path is not None else None
+    if stated is not None:
+        return not isinstance(stated, dict) or "law" not in stated
+    return file.medium is None or "law" not in file.medium.model_fields_set
+
+
 def at_middles(path: str | Path | None, file: CampaignFile) -> bool:
     """Whether drag sits in the middles of the recorded body's edges: [medium] says so, or an extended model's body."""
     data = _model(path) if path is not None else {}
@@ -71,7 +79,7 @@ def _vertices(data: dict[str, Any]) -> Any:
     return body.get("vertices") if isinstance(body, dict) else None
 
 
-def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[str], None]) -> Baseline:
+def taken_for_granted(model: Model, law_open: bool, without: frozenset[str], notice: Callable[[str], None]) -> Baseline:
     """The effects of a model, each at its stage. What every recording has anew, steps across gaps and the rate of two
     clocks, is looked for all the same: `notice` hears so."""
     moving = tuple(e for e in model.effects if e.effect.moves)
@@ -79,7 +87,7 @@ def taken_for_granted(model: Model, without: frozenset[str], notice: Callable[[s
     for effect in anew:
         notice(f"`{effect.name}` of the model file is not taken for granted: every recording has its own.")
     others = tuple(e for e in model.effects if e not in moving and e not in anew)
-    return Baseline(replace(model, effects=moving), others=others, without=without)
+    return Baseline(replace(model, effects=moving), others=others, without=without, law_open=law_open)
 
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:

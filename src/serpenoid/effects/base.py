@@ -178,14 +178,15 @@ class MediumEffect(Effect):
 
     knows: what the contribution depends on beyond the shapes: `speed` (seconds per step), `clock` (seconds since the
     start), `place` (pose on the floor), `history` (momentum of the steps before). scales_ratio: whether it multiplies
-    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow. of_linear_drag: whether it
-    makes another law of linear drag, and so does not act in media of other laws; dry friction is none on top of
-    Coulomb's.
+    the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow. of_degree: of the laws that
+    it makes another of (`Law.degree`), None: of any. Dry friction is none on top of Coulomb's (degree 1). of_the_law:
+    whether its values are numbers of that law, as eps is: a diagnosis calibrates them with eps, and names no cause.
     """
 
     knows: frozenset[str] = frozenset()
     scales_ratio: bool = False
-    of_linear_drag: bool = False
+    of_degree: int | None = None
+    of_the_law: bool = False
 
     @property
     def site(self) -> Site:
@@ -208,8 +209,8 @@ class MediumEffect(Effect):
         return "place" in self.knows
 
     def acts_in(self, law: str) -> bool:
-        """See `of_linear_drag`."""
-        return LAWS[law].linear or not self.of_linear_drag
+        """See `of_degree`."""
+        return self.of_degree in (None, LAWS[law].degree)
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Change what meets the floor at one vertex."""

@@ -51,9 +51,15 @@ def medium_effects() -> tuple[MediumEffect, ...]:
 
 
 @cache
+def of_laws() -> tuple[MediumEffect, ...]:
+    """Effects whose values are numbers of a law, calibrated with eps."""
+    return tuple(e for e in medium_effects() if e.of_the_law)
+
+
+@cache
 def motion_effects() -> tuple[Effect, ...]:
     """Effects that a diagnosis looks for in the motion that cameras see, in the catalogue's order."""
-    return tuple(e for e in catalogue().values() if e.moves and e.applies_to("diagnose"))
+    return tuple(e for e in catalogue().values() if e.moves and e.applies_to("diagnose") and e not in of_laws())
 
 
 @cache

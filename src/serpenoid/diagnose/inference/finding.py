@@ -86,7 +86,7 @@ class Stage:
     left: remaining misfit over the noise level (1 = chance alone); words: its pattern, empty where there is none.
     skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
     candidates, and why. laws, drag_at: how other laws, by name, how drag in the middles of edges does, where it does
-    better.
+    better; law_taken: why another law than the file's default is taken.
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     mend: what to mend in the campaign before the rest is believed.
@@ -102,6 +102,7 @@ class Stage:
     untestable: dict[str, str] = field(default_factory=dict)
     discrepancy_m: float = 0.0
     laws: dict[str, str] = field(default_factory=dict)
+    law_taken: str = ""
     drag_at: str = ""
     unlike: str = ""
     ratio: tuple[float, float] | None = None

@@ -1,9 +1,13 @@
-"""Which law the floor follows: where that which is fitted leaves more than chance, its rivals are fitted, too."""
+"""Which law the floor follows: where that which is fitted leaves more than chance, its rivals are fitted, too.
+
+A law has eps and perhaps numbers of its own (the speed below which dry friction creeps): effects that say so.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -14,46 +18,63 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import of_laws
 from serpenoid.media import Law, rivals
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
 RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
+CREEPING = (0.001, 0.03, 0.3)  # speeds of creep that are looked at, of the body's own
 SOFTENING = Medium.model_fields["softening"].default
 
 
-def rival_laws(found: Selection) -> dict[str, str]:
-    """How the law's rivals do beside it, in words, by their names; without those that do worse; empty where there is no
-    question."""
+@dataclass(frozen=True)
+class Rival:
+    """A law that was fitted beside another: its model, with its own numbers and without what is named; how it does, in
+    words, empty where it does worse; better: whether it leaves less than the other law does with what is named."""
+
+    model: Model
+    words: str
+    better: bool
+
+
+def rival_laws(found: Selection) -> dict[str, Rival]:
+    """The law's rivals by their names; empty where there is no question."""
     if not unclear(found.best):
         return {}
     asked = [on_rival(found.null.model, law) for law in rivals(found.null.model.law)]
     said = {model.law.name: _beside(found, model) for model in asked if model is not None}
-    return {name: words for name, words in said.items() if words}
+    return {name: rival for name, rival in said.items() if rival is not None}
 
 
-def _beside(found: Selection, model: Model) -> str:
-    """How a rival does by eps alone, and with what is named: RMS of what is left of the windows that all predict, by
-    the same noise; empty where it does worse."""
+def _beside(found: Selection, model: Model) -> Rival | None:
+    """How a rival does by its own numbers alone, and with what is named: RMS of what is left of the windows that all
+    predict, by the same noise; None where it has no root."""
     title, rival, alone = model.law.title, model.law.rival, _alone(found, model)
     if rival is None or alone is None:
-        return ""
+        return None
     fits = (found.null, found.best, alone, _named(found, model, alone))
     own, own_named, its, its_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
-    fitted = rival.of.title
-    if min(its, its_named) < own_named:
+    fitted, better = rival.of.title, min(its, its_named) < own_named
+    if better:
         by_own = by_its = " with what is named" if found.best.effects else ""
         if by_its and its <= its_named:
             by_its = " alone"
         by = f"{min(its, its_named):.1f} times chance, {fitted}{by_own} by {own_named:.1f}"
-        return f"{rival.title}{by_its} misses windows by {by}"
-    if its >= own:
-        return ""
-    return (
-        f"alone, {rival.title} misses windows by {its:.1f} times chance and {fitted} by {own:.1f}; with what is named, "
-        f"{title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the medium may follow neither"
-    )
+        words = f"{rival.title}{by_its} misses windows by {by}"
+    else:
+        words = (
+            f"alone, {rival.title} misses windows by {its:.1f} times chance and {fitted} by {own:.1f}; with what is "
+            f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the medium may follow neither"
+        )
+    return Rival(alone.model, words if better or its < own else "", better)
+
+
+def share_left(before: Selection, after: Selection) -> float:
+    """What a selection leaves beyond chance, over what another does, of the windows that both predict."""
+    then, now = misses(before.motion, [(s.motion.tracks, s.best) for s in (before, after)])
+    return float(np.sqrt(max(now**2 - 1, 0.0) / (then**2 - 1))) if then > 1 else 1.0
 
 
 def on_rival(model: Model, law: Law) -> Model | None:
@@ -72,24 +93,47 @@ def _acting(effects: Sequence[ActiveEffect], law: str) -> list[ActiveEffect]:
 
 
 def _alone(found: Selection, model: Model) -> Fit | None:
-    """eps alone under a rival law; None where no window has a root.
-
-    Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So the
-    ratios from drag's to one are looked at first.
-    """
-    tried = np.geomspace(found.null.model.medium.anisotropy_ratio, 1.0, RATIOS)
-    begun = in_processes([(_fit, (found.motion, model, [], eps, 0)) for eps in tried])
-    near = sorted(begun, key=_missed)[:POLISHED]
-    ratios = [f.model.medium.anisotropy_ratio for f in near]
-    fits = in_processes([(_fit, (found.motion, model, [], eps, TO_THE_END)) for eps in ratios])
-    best = min(fits, key=_missed)
+    """Rival law with its own numbers; None where no window has a root."""
+    best = by_its_own_numbers(found.motion, model, found.null.model.medium.anisotropy_ratio)
     return best if np.isfinite(_missed(best)) else None
+
+
+def numbers_of(model: Model) -> list[ActiveEffect]:
+    """Numbers of a model's law besides eps that it does not give, as effects."""
+    known, law = {e.name for e in model.effects}, model.law.name
+    kinds = [k for k in of_laws() if k.acts_in(law) and k.needs <= model.body.parts and k.name not in known]
+    return [ActiveEffect.typical(kind.name) for kind in kinds]
+
+
+def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float) -> Fit:
+    """eps and what else are numbers of the model's law, where none of these is known.
+
+    Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So
+    ratios from drag's to one are looked at first, each beside creep from none to more than the body's own speed.
+    """
+    effects = numbers_of(model)
+    speed = own_speed(motion)
+    values = [[e.effect.parameters[0].coordinate(share * speed) for share in CREEPING] for e in effects]
+    ratios = np.geomspace(least_ratio, 1.0, RATIOS)
+    starts = [(eps, *rest) for eps in ratios for rest in product(*values)]
+    begun = in_processes([(_fit, (motion, model, effects, np.array(x), 0)) for x in starts])
+    near = sorted(begun, key=_missed)[:POLISHED]
+    fits = in_processes([(_fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])
+    return min(fits, key=_missed)
+
+
+def own_speed(motion: Motion) -> float:
+    """RMS speed [m/s] of the vertices in the frame of the body while it changes shape."""
+    moved = [np.linalg.norm(np.diff(t.vertices, axis=0), axis=2) / np.diff(t.time)[:, None] for t in motion.tracks]
+    return float(np.sqrt(np.mean(np.concatenate([m.ravel() for m in moved]) ** 2)))
 
 
 def _named(found: Selection, model: Model, alone: Fit) -> Fit:
     """The same with what is named, as far as it acts there; begun without the effects."""
     effects = _acting(found.best.effects, model.medium.law)
-    both = _fit(found.motion, model, effects, alone.model.medium.anisotropy_ratio, TO_THE_END) if effects else alone
+    own, resting = list(alone.effects), [p.resting for e in effects for p in e.effect.parameters]
+    x = np.array([*alone.coordinates, *resting])
+    both = _fit(found.motion, model, [*own, *effects], x, TO_THE_END) if effects else alone
     return both if np.isfinite(_missed(both)) else alone
 
 
@@ -99,9 +143,8 @@ def _missed(fit: Fit) -> float:
     return fit.chi2 / count if count else np.inf
 
 
-def _fit(motion: Motion, model: Model, effects: list[ActiveEffect], eps: float, steps: int) -> Fit:
-    resting = [p.resting for e in effects for p in e.effect.parameters]
-    return fit(motion, model, effects, np.array([eps, *resting]), steps)
+def _fit(motion: Motion, model: Model, effects: list[ActiveEffect], x: Floats, steps: int) -> Fit:
+    return fit(motion, model, effects, x, steps)
 
 
 def misses(motion: Motion, fits: Sequence[tuple[Sequence[Track], Fit]]) -> list[float]:

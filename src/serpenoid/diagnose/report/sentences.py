@@ -102,9 +102,10 @@ def _beside_wrong(record: Record) -> bool:
 def rival_law(record: Record) -> list[str]:
     """How another law of the floor does, or another place of the drag, and how to follow it."""
     other, follow = record["law"], "to look for causes beside it, diagnose with a --model whose [medium] has"
-    rivals = other.get("rivals", {})  # none in older answers
+    rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
     told = [*((said, f'law = "{name}"') for name, said in rivals.items()), (other["drag_at"], 'dissipation = "edge"')]
-    return [text for said, key in told if said for text in (said, f"{follow} {key}")]
+    instead = [taken, "a --model whose [medium] says its `law` keeps that"] if taken else []
+    return [*instead, *(text for said, key in told if said for text in (said, f"{follow} {key}"))]
 
 
 def undetected(record: Record) -> list[str]:

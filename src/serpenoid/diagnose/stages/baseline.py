@@ -26,12 +26,14 @@ ALIKE = 0.01
 class Baseline:
     """model: where the calibration of eps begins; its effects are held.
 
-    others: what servos and cameras are known to do. without: effects that the catalogue shall not have.
+    others: what servos and cameras are known to do. without: effects that the catalogue shall not have. law_open:
+    whether nobody says which law the medium follows.
     """
 
     model: Model
     others: tuple[ActiveEffect, ...] = field(default=(), kw_only=True)
     without: frozenset[str] = field(default=frozenset(), kw_only=True)
+    law_open: bool = field(default=False, kw_only=True)
 
     @property
     def known(self) -> tuple[ActiveEffect, ...]:

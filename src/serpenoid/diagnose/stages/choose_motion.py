@@ -26,7 +26,6 @@ from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.laws import rival_laws
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.middles import drag_amid_edges
@@ -37,6 +36,7 @@ from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, 
 from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
 from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, with_own_numbers
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
 from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside
 from serpenoid.model import Model
@@ -90,6 +90,7 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
     """
+    baseline = with_own_numbers(baseline, lambda known: eps_alone(track, labels, known, untestable)[0])
     chosen = search(track, labels, baseline, say, untestable)
     chosen, baseline = beside_others(
         chosen,
@@ -98,7 +99,8 @@ def choose_on_tracks(
         lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
-    laws = rival_laws(chosen) if asked else {}
+    law = law_of(chosen, baseline, lambda other: search(track, labels, other, say, untestable)) if asked else SAME
+    chosen, baseline = law.selection or chosen, law.baseline or baseline
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     parts = differing(chosen, baseline.inadequate)
     if parts is None:
@@ -108,7 +110,7 @@ def choose_on_tracks(
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     named = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
     barred = not_looked_for(baseline, untestable)
-    stage = replace(found.stage, named=named, untestable=barred, laws=laws, drag_at=drag_at)
+    stage = replace(found.stage, named=named, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
     return replace(found, stage=stage, baseline=baseline)
 
 

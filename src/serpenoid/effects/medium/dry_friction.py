@@ -27,5 +27,5 @@ EFFECT = DryFriction(
     ),
     rank=31,
     knows=frozenset({"speed"}),
-    of_linear_drag=True,
+    of_degree=2,
 )

@@ -28,5 +28,5 @@ EFFECT = PowerLawDrag(
     ),
     rank=30,
     knows=frozenset({"speed"}),
-    of_linear_drag=True,
+    of_degree=2,
 )
