@@ -1,7 +1,8 @@
 """Steps with effects that do not depend on each other: Newton's method for all of them, side by side.
 
 Each step starts from the baseline's root. Where that fails, the effects are switched on little by little. A root is
-sound if the residual vanishes, but for rounding, and its derivative has the sign of a resisting medium.
+sound if the residual vanishes, but for rounding, and its derivative has the sign of a resisting medium. Dry friction
+has roots half a turn away; a root farther than a resolved step goes is taken only where nothing nearer leads on.
 
 Legend: S steps, M elements.
 """
@@ -18,8 +19,9 @@ from serpenoid.mechanics.roots import roots
 from serpenoid.model import Model
 from serpenoid.simulation.law import MediumNumbers, evaluate
 from serpenoid.simulation.newton import ENOUGH, ITERATIONS, LEAST_DAMPING, State, at_root, newton
-from serpenoid.simulation.steps import Steps
+from serpenoid.simulation.steps import SUSPICIOUS_TURN, Steps
 
+FAR = SUSPICIOUS_TURN  # [body lengths, rad] a step of a resolved gait goes far less
 STRENGTHS = (0.1, 0.25, 0.5, 0.75, 1.0)
 LIMITS = np.array([ENOUGH, LEAST_DAMPING, ITERATIONS])
 
@@ -66,7 +68,8 @@ def solve_balance(
         if strength == STRENGTHS[0]:
             root.relative[bad] = group.compose(starts, guess)[bad]
         again = _subset(before, after, bad)
-        part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], coast.part(bad), strength)
+        most = np.inf if strength == STRENGTHS[-1] else FAR
+        part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], coast.part(bad), strength, most)
         root.relative[bad] = part.relative
         if strength == STRENGTHS[-1]:
             root.sound[bad], root.residual[bad], root.energy[bad] = part.sound, part.residual, part.energy
@@ -102,8 +105,10 @@ def _newton(
     ends: Floats,
     coast: Coast,
     strength: float,
+    most: float = FAR,
 ) -> Balance:
-    """The second poses by Newton's method; `relative` of the answer holds poses on the floor."""
+    """The second poses by Newton's method, sound where they are no farther than `most` [body lengths, rad]; `relative`
+    of the answer holds poses on the floor."""
     law, home = MediumNumbers.of(model, strength), starts * [1, 1, 0]
     settings, carried = law.settings(times).T, about(coast.carried, home)
     settings[:, 3:5] = home[:, :2]
@@ -112,7 +117,8 @@ def _newton(
     run = roots(law.kind)
     found = plain_roots(law, *given) if run is None else run(*given, law.medium.T, law.theta.T, LIMITS)
     moved, slopes, energy, size = found
-    sound = at_root(size, slopes) & (np.linalg.det(slopes) > 0)
+    near = np.abs(moved - (starts - home)).max(1) <= most
+    sound = at_root(size, slopes) & (np.linalg.det(slopes) > 0) & near
     return Balance(moved + home, energy, size, sound, about(slopes, -home))
 
 

@@ -71,10 +71,13 @@ def _beside(found: Selection, model: Model) -> Rival | None:
     return Rival(alone.model, words if better or its < own else "", better)
 
 
-def share_left(before: Selection, after: Selection) -> float:
-    """What a selection leaves beyond chance, over what another does, of the windows that both predict."""
-    then, now = misses(before.motion, [(s.motion.tracks, s.best) for s in (before, after)])
-    return float(np.sqrt(max(now**2 - 1, 0.0) / (then**2 - 1))) if then > 1 else 1.0
+def left_beyond_chance(found: Selection, other: Selection) -> tuple[float, float, float]:
+    """What eps alone, what is named, and what is named beside another law leave of the windows that all predict: RMS
+    beyond chance, by their noise."""
+    ours, theirs = found.motion.tracks, other.motion.tracks
+    left = misses(found.motion, [(ours, found.null), (ours, found.best), (theirs, other.best)])
+    alone, named, beside = (float(np.sqrt(max(x**2 - 1, 0.0))) for x in left)
+    return alone, named, beside
 
 
 def on_rival(model: Model, law: Law) -> Model | None:

@@ -36,7 +36,7 @@ from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, 
 from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
 from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, with_own_numbers
+from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, numbers_settled, with_own_numbers
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
 from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside
 from serpenoid.model import Model
@@ -91,15 +91,19 @@ def choose_on_tracks(
     untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
     """
     baseline = with_own_numbers(baseline, lambda known: eps_alone(track, labels, known, untestable)[0])
-    chosen = search(track, labels, baseline, say, untestable)
+
+    def beside(other: Baseline) -> Selection:
+        return search(track, labels, other, say, untestable)
+
+    chosen, baseline = numbers_settled(beside(baseline), baseline, beside)
     chosen, baseline = beside_others(
         chosen,
         baseline,
-        lambda other: search(track, labels, other, say, untestable),
+        beside,
         lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
-    law = law_of(chosen, baseline, lambda other: search(track, labels, other, say, untestable)) if asked else SAME
+    law = law_of(chosen, baseline, beside) if asked else SAME
     chosen, baseline = law.selection or chosen, law.baseline or baseline
     drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     parts = differing(chosen, baseline.inadequate)

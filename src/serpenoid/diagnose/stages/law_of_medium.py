@@ -10,9 +10,11 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.bounds import LEAST_EPS
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.laws import by_its_own_numbers, misses, numbers_of, rival_laws, share_left
+from serpenoid.diagnose.inference.laws import by_its_own_numbers, left_beyond_chance, misses, numbers_of, rival_laws
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.effects.active import joined
+from serpenoid.effects.catalogue import of_laws
 
 
 @dataclass(frozen=True)
@@ -27,11 +29,12 @@ class Taken:
 
 
 SAME = Taken()
+ROUNDS = 3  # a number of the law moves by what is named beside it, and what is named by that
 
 
 def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]) -> Taken:
-    """A rival of the law, where with what is named beside it less than LAW_ERROR remains of what the law with what is
-    named beside that leaves beyond chance: as with laws of servos, a law that leaves more is not the one.
+    """The rival beside which least is left, if that is less than beside the law itself and less than LAW_ERROR of what
+    the law alone leaves beyond chance: as of servos, a law that leaves more is not the one.
 
     search: finds what is to be named beside a baseline.
     """
@@ -40,17 +43,35 @@ def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Se
     if not baseline.law_open:
         return Taken(rivals=said)
     others = [replace(baseline, model=rival.model) for rival in rivals.values() if rival.better]
-    searched = [(share_left(found, selection), selection, other) for other in others for selection in (search(other),)]
-    share, best, other = min(searched, key=lambda x: x[0], default=(1.0, found, baseline))
-    if share >= LAW_ERROR:
-        return Taken(rivals=said)
-    then, now = misses(found.motion, [(s.motion.tracks, s.best) for s in (found, best)])
-    before, after = (s.null.model.law for s in (found, best))
-    words = (
-        f"{after.title} is taken for it: with what is named it misses windows by {now:.1f} times chance, "
-        f"{before.title} by {then:.1f}"
+    tried = [numbers_settled(search(other), other, search) for other in others]
+    left = [left_beyond_chance(found, selection) for selection, _ in tried]
+    for (alone, named, beside), (selection, other) in sorted(zip(left, tried, strict=True), key=lambda x: x[0][2]):
+        if beside < min(named, LAW_ERROR * alone):
+            return Taken(selection, other, in_words(found, selection))
+    return Taken(rivals=said)
+
+
+def in_words(found: Selection, other: Selection) -> str:
+    """Why the other law is taken."""
+    misfits = misses(found.motion, [(s.motion.tracks, s.best) for s in (found, other)])
+    (before, then), (after, now) = (
+        (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.1f}")
+        for s, misfit in zip((found, other), misfits, strict=True)
     )
-    return Taken(best, other, words)
+    return f"{after} misses windows by {now} times chance, {before} by {then}: it is taken"
+
+
+def numbers_settled(
+    found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]
+) -> tuple[Selection, Baseline]:
+    """What is found beside a baseline whose law has the numbers that it has beside what is found."""
+    for _ in range(ROUNDS):
+        moved = [e for e in found.best.effects if e.effect in of_laws()]
+        if not moved:
+            break
+        baseline = replace(baseline, model=replace(baseline.model, effects=joined(baseline.model.effects, moved)))
+        found = search(baseline)
+    return found, baseline
 
 
 def with_own_numbers(baseline: Baseline, motion: Callable[[Baseline], Motion]) -> Baseline:
