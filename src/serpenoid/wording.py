@@ -1,8 +1,10 @@
-"""Words about numbers."""
+"""Words about numbers, and words by which one room knows what another says."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+
+NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 
 
 def listed(words: Sequence[str]) -> str:

@@ -66,7 +66,7 @@ def test_the_healthy_robot_is_not_what_the_model_says(then):
 def test_the_law_of_the_floor_is_asked(then):
     # by the anisotropy ratio alone the arena's contacts are nearer to dry friction than to linear drag
     said = re.match(
-        r"(?:alone, )?dry friction \(Coulomb\) misses windows by ([\d.]+) times chance and linear drag by ([\d.]+)",
+        r"(?:alone, )?dry friction \(Coulomb\) misses windows by ([\d.]+) times the noise and linear drag by ([\d.]+)",
         then.motion.stage.laws["coulomb"],
     )
     assert said

@@ -67,7 +67,7 @@ def test_a_healthy_robot_whose_wheels_differ_has_no_name_without_a_mark(tmp_path
     assert found.verdict == "partly explained"
     assert found.named
     assert all(n.stand_in or n.effect.name == "worn_wheel" for n in found.named)
-    assert any("parts are not alike: `worn_wheel` varies" in w for w in found.words)
+    assert any("parts are not alike: worn_wheel varies" in w for w in found.words)
 
 
 def test_a_payload_takes_the_place_of_what_all_other_vertices_lack(tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
 
 
 def test_dry_friction_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]) -> None:
-    assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times chance")
+    assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times the noise")
 
 
 def test_quadratic_drag_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]) -> None:
@@ -74,7 +74,7 @@ def test_quadratic_drag_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fi
     assert quick is not None
     motion = slid(motion, null, replace(quick, medium=Medium(anisotropy_ratio=EPS, law="quadratic")))
     assert asked(motion, fit_eps(motion, null.model), "quadratic").startswith(
-        "quadratic drag misses windows by 1.0 times chance"
+        "quadratic drag misses windows by 1.0 times the noise"
     )
 
 
@@ -84,7 +84,7 @@ def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
     """Dry friction by the plain speed: nearer than drag alone, and farther than drag with stand-ins."""
     monkeypatch.setattr(laws, "misses", lambda *_: [62.1, 5.3, 18.6, 12.7])
     said = asked(*on_dry(dragged))
-    assert "by 18.6 times chance and linear drag by 62.1" in said
+    assert "by 18.6 times the noise and linear drag by 62.1" in said
     assert "the medium may follow neither" in said
 
 
@@ -112,7 +112,7 @@ def test_where_steps_lose_their_roots_on_the_way_a_fit_is_begun_nearer(
         return fitted(motion, model, effects, x, steps if EPS / reach < x[0] < EPS * reach else 0)
 
     monkeypatch.setattr(laws, "fit", stopped)
-    assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times chance")
+    assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times the noise")
 
 
 def test_on_a_floor_of_linear_drag_nothing_is_said_of_dry_friction(dragged: tuple[Motion, Fit]) -> None:

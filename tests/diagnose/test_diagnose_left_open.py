@@ -92,7 +92,7 @@ def test_a_change_of_shapes_that_another_stage_names_puts_names_of_the_floor_in_
 
 def test_a_changed_anisotropy_ratio_is_told_of_by_how_much_and_how_visibly() -> None:
     change = {"before": 0.0571, "after": 0.0056, "factor": 0.0981, "strength_over_noise": 12.0}
-    (said,) = ratio_change({"anisotropy_ratio": {"change": change}})
+    said, _ = ratio_change({"anisotropy_ratio": {"change": change}})
     assert said.startswith("the anisotropy ratio is smaller by a factor of 10.2 than in the reference (12")
     assert ratio_change({"anisotropy_ratio": {"change": None}}) == []
     assert ratio_change({"anisotropy_ratio": {}}) == []  # of an older answer
@@ -101,4 +101,4 @@ def test_a_changed_anisotropy_ratio_is_told_of_by_how_much_and_how_visibly() -> 
 def test_what_leaves_no_trace_is_not_listed() -> None:
     weak = {"name": "load", "place": 3, "in_extended_model": False}
     listed = [weak | {"strength_over_noise": x} for x in (0.0, 0.04, 0.3)]
-    assert undetected({"below_detection": listed}) == ["below detection: load at vertex 3 (0.3 times the noise)"]
+    assert undetected({"below_detection": listed}) == ["load at vertex 3 (0.3 times the noise)"]

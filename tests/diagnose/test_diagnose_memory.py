@@ -219,4 +219,4 @@ def test_a_gust_in_every_second_trial_is_no_chance_that_lasts() -> None:
     for seed in range(3):
         motion, predictions = campaign(seed, 0.0, cycles=2, gust=0.03)
         words = pattern(motion, predictions, path_error(motion, predictions))
-        assert any("pushes in single trials" in w for w in words)
+        assert any("single trials were pushed" in w for w in words)

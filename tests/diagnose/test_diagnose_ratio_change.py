@@ -35,7 +35,7 @@ def test_a_ratio_that_has_changed_is_no_verdict_of_nothing(factor: float, tmp_pa
     assert said["verdict"] == "explained"
     assert change["factor"] == pytest.approx(factor, abs=0.03)
     assert change["strength_over_noise"] > 1
-    assert "anisotropy ratio alone has changed" in meaning(said)
+    assert "only the anisotropy ratio has changed" in meaning(said)
     first, second, *_ = lines(said)
     assert first.startswith("verdict")
     assert second.startswith("since then")  # the news stands before what has long been known

@@ -26,7 +26,8 @@ from serpenoid.report.animated import ALL_FRAMES, animation_data
 from serpenoid.report.glossary import glossed
 
 ORDER = [
-    "Before and after", "Evidence", "Candidates", "Residuals of the shape", "Residuals of the motion", "Alternatives",
+    "Before and after", "Alternatives", "What is left", "Next experiment",
+    "Evidence", "Candidates", "Residuals of the shape", "Residuals of the motion", "Not tested",
 ]  # fmt: skip
 LAYERS = ("baseline", "extended")
 
@@ -99,7 +100,7 @@ def test_all_axes_are_labelled_with_units(diagnosed: tuple[Diagnosis, dict[str, 
         diagnosis_maps.body_figure(w, True, found.scores),
         diagnosis_maps.floor_figure(w, True),
     ]
-    unlike = {"joint", "vertex", "vertex (0 = tail)", "chi squared gained, thousands", "RMS over chance", ""}
+    unlike = {"joint", "vertex", "vertex (0 = tail)", "chi squared gained, thousands", "RMS over noise", ""}
     for fig in figures:
         shown = [ax for ax in fig.axes if ax.axison]
         labels = {text for ax in shown for text in (ax.get_xlabel(), ax.get_ylabel())}
@@ -254,7 +255,7 @@ def test_before_and_after_share_one_scale_on_the_floor(diagnosed: tuple[Diagnosi
     assert len(quivers) == 2
     assert quivers[0].scale == quivers[1].scale
     assert sum(isinstance(a, QuiverKey) for ax in fig.axes for a in ax.get_children()) == 1
-    assert len([ax for ax in fig.axes if ax.get_ylabel() == "RMS over chance"]) == 1
+    assert len([ax for ax in fig.axes if ax.get_ylabel() == "RMS over noise"]) == 1
 
 
 @pytest.mark.parametrize("size", [2e-3, 0.3, 40.0])

@@ -281,7 +281,7 @@ def test_a_fault_of_one_servo_that_is_no_law_of_the_catalogue_gets_no_name(
 ) -> None:
     stage = choose_actuation(plays([reading(recordings[0], 4, law)]))  # a law that is wrong in one trial is none
     assert not stage.named
-    assert stage.words[0].startswith("joint 4 follows its command no better")
+    assert stage.words[0].startswith("joint 4 misses its command by")
 
 
 @pytest.mark.parametrize(
@@ -299,7 +299,7 @@ def test_what_a_joint_is_always_off_by_is_told_in_degrees(
 
     said = choose_actuation(plays([zeroed(r) for r in recordings])).words[0]
     off_by = rf"it {is_off} \+3\.[345] degrees beyond its command"
-    assert re.fullmatch(rf"joint 5 follows its command no better than \S+ times {noise}: {off_by}", said)
+    assert re.fullmatch(rf"joint 5 misses its command by \S+ times {noise}: {off_by}", said)
     elsewhere = choose_actuation(plays([reading(recordings[0], 4, clipped)])).words[0]
     assert elsewhere.endswith("the reading's noise")  # not by a constant
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, cast
 
 import pytest
@@ -12,13 +13,15 @@ from serpenoid.body import Body
 from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.inference.names import Refused
 from serpenoid.diagnose.report.cards import cards
-from serpenoid.diagnose.report.pages import _beside, left_over
+from serpenoid.diagnose.report.pages import _beside, write_pages
 from serpenoid.diagnose.report.sentences import (
     already,
     already_in_short,
     chance,
     drag_ratio,
+    in_short,
     inadequacy,
+    left,
     meaning,
     ratio,
     reference,
@@ -29,12 +32,25 @@ from serpenoid.diagnose.report.sentences import (
     within_chance,
 )
 from serpenoid.diagnose.report.summary import lines
-from serpenoid.diagnose.report.words import in_sample, own_place, parameter, shown, times, title, unseen
+from serpenoid.diagnose.report.words import (
+    few,
+    foremost,
+    in_sample,
+    own_place,
+    parameter,
+    sentence,
+    shown,
+    times,
+    title,
+    unseen,
+)
 from serpenoid.diagnose.stages.choose_motion import finding, refusals
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find
 from serpenoid.model import Model
+
+ORDER = ("verdict", "cause", "held-out", "left", "next experiment", "Details", "motion", "seconds")
 
 
 @pytest.mark.parametrize(
@@ -90,12 +106,12 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
     trace = {"name": "friction_patch", "site": "medium", "place": None, "parameters": {}, "strength_over_noise": 1.44}
     trace["in_extended_model"] = False
     record = diagnosed[1] | {"verdict": "unexplained", "effects": [], "below_detection": [trace]}
-    assert undetected(record) == ["below detection: friction_patch (1.4 times the noise)"]
-    assert "  below detection: friction_patch (1.4 times the noise)" in lines(record)
+    assert undetected(record) == ["friction_patch (1.4 times the noise)"]
+    assert "below detection   friction_patch (1.4 times the noise)" in lines(record)
     told = [text for card in cards(record) for text in card.sentences]
     assert any(text.startswith("Below detection: friction_patch (1.4 times the noise)") for text in told)
     kept = record | {"below_detection": [trace | {"in_extended_model": True}]}
-    assert undetected(kept) == ["below detection, but in the extended model: friction_patch (1.4 times the noise)"]
+    assert undetected(kept) == ["friction_patch (1.4 times the noise, in the extended model)"]
 
 
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:
@@ -119,8 +135,9 @@ def test_a_verdict_says_that_a_cause_may_hide_in_chance_that_is_no_noise_of_the_
 
 
 def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None:
-    (said,) = chance({"noise_over_markers": 79.6})
-    assert said.startswith("what was played again differs 80 times as much as the markers' noise makes it")
+    said, hides = chance({"noise_over_markers": 79.6})
+    assert said == "repeats differ by 80 times the markers' noise"
+    assert "counts as noise, and hides what is smaller" in hides
     assert chance({"noise_over_markers": None}) == []
 
 
@@ -132,20 +149,20 @@ def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:
 
 def test_it_is_told_how_rows_were_taken_and_who_said_so() -> None:
     assert rows({"rows_held": True, "rows_from": "readings"}) == [
-        "held until the next is due (what servos read fits this best)"
+        "each held until the next is due (what servos read fits this best)"
     ]
     assert "the log's commands" in rows({"rows_held": False, "rows_from": "commands"})[0]
     assert "are goals" in rows({"rows_held": False, "rows_from": "goals"})[0]
     assert "the reference" in rows({"rows_held": True, "rows_from": "reference"})[0]
     assert "what markers show" in rows({"rows_held": True, "rows_from": "markers"})[0]  # no servo log
     assert not rows({"rows_held": False, "rows_from": None})  # of an animal
-    _, unsaid = rows({"rows_held": True, "rows_from": "readings", "lag_untold": True})
+    *_, unsaid = rows({"rows_held": True, "rows_from": "readings", "lag_untold": True})
     assert "a lag is known only as far as rows are taken" in unsaid
 
 
 def test_the_stage_of_the_whole_says_what_it_is_of() -> None:
     size = {"unit": "m", "before": 7e-3, "after": 7e-3, "noise_level": 2e-4}
-    assert "the verdict is not of it" in stage_line({"stage": "whole"} | size)
+    assert "not judged" in stage_line({"stage": "whole"} | size)
     assert stage_line({"stage": "motion"} | size).endswith("(35 times the noise)")
     assert "it grows" not in stage_line({"stage": "whole"} | size)
     assert "it grows" in stage_line({"stage": "whole"} | size | {"after": 9e-3})
@@ -189,18 +206,16 @@ def test_of_a_reference_it_is_told_what_may_be_a_stand_in_and_that_another_law_f
     }
     law = {"law": {"name": "viscous", "rivals": {"coulomb": "dry friction misses less"}, "drag_at": ""}}
     said = reference({"reference": earlier | law, "effects": []})
-    assert said[0].startswith(
-        "the earlier campaign (healthy) was partly explained: load at vertex 3, perhaps a stand-in"
-    )
-    assert said[1] == "of it: dry friction misses less"
-    assert 'law = "coulomb"' in said[2]
+    assert said[:2] == ["healthy was partly explained", "perhaps stand-ins: load at vertex 3"]
+    assert said[2] == "dry friction misses less"
+    assert 'law = "coulomb"' in said[3]
     assert (
         already({"reference": earlier}) == ["it already showed: motion: a"] == already_in_short({"reference": earlier})
     )
 
 
 def test_what_the_reference_left_is_one_line_on_the_screen_and_whole_in_the_report(
-    diagnosed: tuple[Any, dict[str, Any], Any],
+    diagnosed: tuple[Any, dict[str, Any], Any], tmp_path: Path
 ) -> None:
     left = ["motion: a", "motion: b", "actuation: c"]
     law = {"name": "viscous", "rivals": {}, "drag_at": ""}
@@ -210,9 +225,9 @@ def test_what_the_reference_left_is_one_line_on_the_screen_and_whole_in_the_repo
     (short,) = [text for text in lines(record) if "what was left there" in text]
     assert "3 sentences" in short
     assert not any("it already showed" in text for text in lines(record))
-    assert [text for text in _beside(record) if "It already showed" in text] == [
-        f"It already showed: {x}." for x in left
-    ]
+    write_pages(tmp_path, record)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert all(f"<p>It already showed: {x}.</p>" in page for x in left)
 
 
 @pytest.mark.parametrize("reference", [True, False])
@@ -233,14 +248,15 @@ def test_links_that_are_one_edge_are_one_line_on_the_screen_and_whole_in_the_rep
     note = Body(vertices=12, kind="swimming robot").whole_links
     assert note is not None
     record = diagnosed[1] | {"remarks": [note, "another"]}
-    first, second = (text for text in lines(record) if text.startswith("note"))
-    assert len(first) < 0.6 * len(note)
-    assert "`remarks` in diagnosis.json" in first
-    assert second.endswith("another")
-    assert f"{note}." in _beside(record)
+    said = lines(record)
+    noted = said[[text[:4] for text in said].index("note") :]
+    assert len("".join(noted[:-1])) < 0.8 * len(note)
+    assert "`remarks` in diagnosis.json" in noted[-2]
+    assert noted[-1].strip() == "another"
+    assert sentence(note) in _beside(record)
 
 
-@pytest.mark.parametrize(("named", "told"), [([], "floor)"), (["inertia"], "floor: load at vertex 5)")])
+@pytest.mark.parametrize(("named", "told"), [([], "floor"), (["inertia"], "floor: load at vertex 5")])
 def test_what_was_tried_for_the_error_of_a_reference_is_told_to_be_no_finding(named: list[str], told: str) -> None:
     inertia = {"name": "inertia", "place": None, "parameters": {}}
     guess = {"effects": [inertia, {"name": "load", "place": 5, "parameters": {}}], "anisotropy_ratio": 0.3}
@@ -248,12 +264,10 @@ def test_what_was_tried_for_the_error_of_a_reference_is_told_to_be_no_finding(na
     law = {"name": "viscous", "rivals": {}, "drag_at": ""}
     earlier = {"campaign": "calm", "verdict": "unexplained", "effects": known, "law": law}
     record = {"reference": earlier | {"anisotropy_ratio": {"after": 0.2}}, "effects": [], "baseline": guess}
-    said = reference(record)[1]
-    assert (
-        f"inertia, load at vertex 5, anisotropy ratio 0.3 (no findings, only stand-ins for the law of its {told}"
-        in said
-    )
-    assert "no findings" not in reference(record | {"baseline": guess | {"effects": []}})[1]
+    *_, model, guessed = reference(record)
+    assert model == "that model: anisotropy ratio 0.3, inertia, load at vertex 5"
+    assert guessed == f"no findings, only stand-ins for the law of its {told}"
+    assert not any("no findings" in text for text in reference(record | {"baseline": guess | {"effects": []}}))
 
 
 def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_it() -> None:
@@ -266,8 +280,8 @@ def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_i
     law = {"name": "viscous", "rivals": {}, "drag_at": ""}
     said = reference({"reference": earlier | {"law": law}, "effects": [drift]})
     assert said[1:] == [
-        "frame_drift was there already: velocity_x 15.3 mm/s (95 %: 13.8 mm/s .. 16.1 mm/s); the value named now is "
-        "all of it, not the change"
+        "frame_drift was there already: velocity_x 15.3 mm/s (95 %: 13.8 mm/s .. 16.1 mm/s)",
+        "its value now is all of it, not the change",
     ]
 
 
@@ -280,8 +294,8 @@ def test_of_what_is_named_beside_a_guess_about_the_reference_the_guess_is_told()
     guess = {"effects": [{"name": "load", "place": 5, "parameters": {"share": 0.1}}], "anisotropy_ratio": 0.2}
     record = {"reference": earlier | {"anisotropy_ratio": eps}, "effects": [load], "baseline": guess}
     assert reference(record)[1:] == [
-        "load at vertex 5 is a part of its explanation, too weak to be named there: share 0.1; the value named now is "
-        "all of it, and its interval holds that none of it was there"
+        "load at vertex 5 may have been there already, too weak to be named: share 0.1",
+        "its value now is all of it; its interval allows that none of it was there",
     ]
 
 
@@ -289,30 +303,30 @@ def test_the_calibration_is_told_of_beside_the_reference() -> None:
     eps = {"anisotropy_ratio": {"before": 0.02871, "after": 0.0226, "interval": [0.021, 0.024], "at_bound": False}}
     earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}
     said = ratio(eps | {"reference": earlier, "effects": [{}]})
-    assert (
-        said == "0.0195 in the reference, 0.02871 with nothing named, 0.0226 with what is named (95 %: 0.021 .. 0.024)"
-    )
-    assert "0.0226 with what is below detection (95 %" in ratio(eps | {"reference": None, "effects": []})
+    assert said == "0.0226 (95 %: 0.021 .. 0.024); 0.02871 with nothing named; 0.0195 in the reference"
+    assert "0.024) with what is below detection; 0.02871" in ratio(eps | {"reference": None, "effects": []})
     alone = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"before": 0.0226}, "reference": None, "effects": []}
-    assert ratio(alone) == "0.0226 with nothing named (95 %: 0.021 .. 0.024)"
+    assert ratio(alone) == "0.0226 (95 %: 0.021 .. 0.024)"
     stuck = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"at_bound": True}}
-    assert ratio(stuck | {"reference": None, "effects": []}).endswith("a warning that the law is another)")
+    assert ratio(stuck | {"reference": None, "effects": []}).endswith("a warning that the law is another")
 
 
-def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_first_and_no_part_is_to_be_replaced(
+def test_where_names_may_be_stand_ins_the_models_inadequacy_comes_before_them_and_no_part_is_to_be_replaced(
     diagnosed: tuple[Any, dict[str, Any], Any],
 ) -> None:
     record = diagnosed[1]
     assert not any(e["stand_in"] for e in record["effects"])
     assert any("What to do" in text for text in cards(record)[1].sentences)
     doubtful = record | {"discrepancy_m": 0.0031, "effects": [e | {"stand_in": True} for e in record["effects"]]}
-    said = [text for text in lines(doubtful) if text.startswith(("first", "verdict"))]
-    assert said[0].startswith("first             the model is inadequate by 3.1 mm a window")
+    said = [text for text in lines(doubtful) if text.startswith(("verdict", "caution", "cause"))]
+    assert said[0].startswith("verdict")
+    assert said[1].startswith("caution           the model is off by 3.1 mm a window")
+    assert not any("what to do" in text for text in lines(doubtful))
     verdict, cause, _ = cards(doubtful)
-    assert verdict.sentences[0].startswith("The model is inadequate by 3.1 mm a window")
+    assert verdict.sentences[1].startswith("The model is off by 3.1 mm a window")
     assert not any("What to do" in text for text in cause.sentences)
-    settled = lines(doubtful | {"discrepancy_m": 0.0})[0]
-    assert settled.startswith("first             the reference followed a law that the catalogue does not hold")
+    settled = "\n".join(lines(doubtful | {"discrepancy_m": 0.0}))
+    assert "caution           the reference follows a law that the catalogue lacks" in settled
     assert all(f"{title(e)} ({times(e['strength_over_noise'])}), perhaps a stand-in" in "\n".join(lines(doubtful))
                for e in record["effects"])  # fmt: skip
 
@@ -329,15 +343,55 @@ def test_a_stand_in_for_how_the_frame_moves_is_none_of_what_markers_show_beside_
     effect = {"name": name, "site": site, "place": None, "stand_in": True}
     said = inadequacy(diagnosed[1] | {"discrepancy_m": 0.0031, "effects": [effect]})
     assert any("what markers show beside the servos" in text for text in said) == told
-    assert any("inadequate by 3.1 mm" in text for text in said) == (site == "observation" and not told)
+    assert any("off by 3.1 mm" in text for text in said) == (site == "observation" and not told)
 
 
-def test_what_is_left_is_gathered_by_stage() -> None:
-    said = left_over(["motion: a", "actuation: b", "motion: c: d"])
-    assert said == [
-        "Not accounted for in the stage of motion: a; c: d.",
-        "Not accounted for in the stage of actuation: b.",
-    ]
+def test_what_is_left_is_told_with_its_stage_and_whether_it_matters(
+    diagnosed: tuple[Any, dict[str, Any], Any], tmp_path: Path
+) -> None:
+    record = diagnosed[1] | {"verdict": "unexplained", "residual_pattern": ["motion: a", "actuation: b"]}
+    assert left(record)[0].startswith("enough to matter: actuation ")
+    assert left(record)[1:] == ["motion: a", "actuation: b"]
+    write_pages(tmp_path, record)
+    assert "<p>Motion: a.</p>" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert left(record | {"verdict": "nothing"})[0].startswith("nothing that matters")
+    assert left(record | {"verdict": "nothing", "noise_from": "residuals"})[0].startswith("nobody can tell")
+
+
+def test_of_long_lists_the_first_are_told_and_how_many_more_there_are() -> None:
+    assert few(["a", "b", "c", "d"]) == "a, b, c, d"  # never that there is one more
+    assert few(["a", "b", "c", "d", "e"]) == "a, b, c, and 2 more in diagnosis.json"
+    refused = "motion: not named, as a wrong effect could take away as much: "
+    assert in_short(f"{refused}a (9%), b (8%), c (7%), d (6%), e (5%)").endswith("c (7%), and 2 more in diagnosis.json")
+    assert in_short("motion: what is left repeats: a, b, c, d, e") == "motion: what is left repeats: a, b, c, d, e"
+
+
+def test_all_causes_are_told_and_of_stand_ins_the_strongest(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
+    load = {"name": "load", "site": "medium", "parameters": {}}
+    effects = [load | {"place": n, "stand_in": n > 0, "strength_over_noise": n} for n in range(7)]
+    record = diagnosed[1] | {"effects": effects, "alternatives": []}
+    assert [e["place"] for e in foremost(record)] == [0, 6, 5, 4]
+    said = lines(record)
+    assert sum(text.startswith("cause") for text in said) == 4
+    assert any(text.endswith("and 3 more stand-ins in diagnosis.json") for text in said)
+
+
+def test_the_answer_says_what_decides_before_its_details_in_short_lines(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    said = lines(diagnosed[1])
+    order = [said.index(next(text for text in said if text.startswith(label))) for label in ORDER]
+    assert order == sorted(order)
+    assert max(map(len, said)) < 120
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("length_scale is off", "length_scale is off."), ("load at vertex 3 is", "load at vertex 3 is."),
+     ("the SD is 3", "The SD is 3."), ("is it?", "Is it?")],
+)  # fmt: skip
+def test_a_sentence_has_a_capital_but_a_name_has_none(text: str, said: str) -> None:
+    assert sentence(text) == said
 
 
 def test_the_interval_of_the_anisotropy_ratio_holds_the_true_one_and_is_narrow(
@@ -399,11 +453,10 @@ def test_what_is_not_named_is_said_in_one_sentence_what_takes_away_most_first() 
     slope, twice = refused("slope", None, 0.93), refused("load", 3, 0.2)
     said = refusals([refused("load", 3, 0.05), twice, slope, refused("toe", None, 0.001)])
     assert said == (
-        "slope would take away 93% of what is left, load at vertex 3 20%, and a wrong effect could take away as much: "
-        "not named",
+        "not named, as a wrong effect could take away as much: slope (93% of what is left), load at vertex 3 (20%)",
     )
     (alone,) = refusals([refused("toe", None, 0.4, beyond=True)])
-    assert alone == "toe would take away 40% of what is left, but is pushed beyond its bound: not named"
+    assert alone == "not named, as it is pushed beyond its bound: toe (40% of what is left)"
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def against(
     scale = directions(w)[direction][2]
     at, noise = [b.middle for b in bins], 2 * scale * np.array([b.noise[direction] for b in bins])
     widths = [b.high - b.low for b in bins]
-    ax.bar(at, 2 * noise, widths, bottom=-noise, color=FAINT, lw=0, label="chance, 95 %", zorder=0)
+    ax.bar(at, 2 * noise, widths, bottom=-noise, color=FAINT, lw=0, label="noise, 95 %", zorder=0)
     for residual, colour, label in kinds:
         mean = [b.before[direction] if label == "baseline" else b.after[direction] for b in bins]
         ax.plot(x, scale * residual[:, direction], ".", color=colour, ms=4, alpha=0.45, mew=0)
@@ -185,7 +185,7 @@ def floor_figure(w: Windows, extended: bool) -> Figure:
     every = [squares(cells, name, scales, ax) for ax, cells, (_, name) in zip(axes, maps, kinds, strict=True)]
     words = f"mean: {scales.key:g} {speed}"
     fig.axes[-1].quiverkey(every[-1], 0.7, 1.04, scales.key, words, labelpos="E", fontproperties={"size": SMALL})
-    colour_bar(list(fig.axes), HEAT, 0, scales.darkest, "RMS over chance", shrink=0.8)
+    colour_bar(list(fig.axes), HEAT, 0, scales.darkest, "RMS over noise", shrink=0.8)
     return fig
 
 

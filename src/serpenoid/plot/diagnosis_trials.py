@@ -53,7 +53,7 @@ def trials_figure(motion: Motion, kinds: Sequence[Kind]) -> Figure:
     bar.set_ticks([-t for t in reversed(decades)] + [0, *decades], labels=None)
     bar.ax.yaxis.set_major_formatter("{x:g}")
     bar.minorticks_off()
-    bar.set_label("residual over chance [SD]", fontsize=SMALL, color=INK)
+    bar.set_label("residual over noise [SD]", fontsize=SMALL, color=INK)
     bar.ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
     bar.outline.set_visible(False)
     return fig

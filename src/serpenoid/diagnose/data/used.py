@@ -16,9 +16,9 @@ from serpenoid.measure.usage import Usage, said_once
 from serpenoid.media import LAWS
 
 CHANCE = {
-    "residuals": "nothing was played twice, so what the model leaves is taken for chance, an error of the model as "
+    "residuals": "nothing was played twice, so what the model leaves is taken for noise, an error of the model as "
     "well: play every setting twice to tell them apart",
-    "cycles": "no setting was played twice: chance is what cycles of one trial differ by, and what differs from trial "
+    "cycles": "no setting was played twice: noise is what cycles of one trial differ by, and what differs from trial "
     "to trial passes for an error of the model; play every setting twice to tell them apart",
 }
 

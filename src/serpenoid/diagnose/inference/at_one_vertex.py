@@ -30,8 +30,8 @@ class AtOneVertex:
     def words(self) -> str:
         """For people."""
         return (
-            f"what `{self.effect.name}` does, at vertex {self.vertex} alone, would leave {self.share:.0%} of what is "
-            "left beside it: what touches, pulls or carries the body there?"
+            f"{self.effect.name} at vertex {self.vertex} alone would leave {self.share:.0%} of what is left; what "
+            "touches, pulls or carries the body there?"
         )
 
 

@@ -68,11 +68,9 @@ class Differing:
     def words(self) -> str:
         """What is left, and what it may stand for."""
         names = ", ".join(ActiveEffect.neutral(*key).called for key in sorted(self.as_well, key=str))
-        instead = f"; parts that differ account for as much without {names}" if names else ""
-        return (
-            f"the parts are not alike: `{self.kind}` varies by {self.size:.2g} (SD) from {find(self.kind).place} to "
-            f"{find(self.kind).place} beside what is named{instead}"
-        )
+        place = find(self.kind).place
+        instead = f"; that explains as much without {names}" if names else ""
+        return f"the parts are not alike: {self.kind} varies by {self.size:.2g} (SD) from {place} to {place}{instead}"
 
 
 def differing(found: Selection, inadequate: bool = False) -> Differing | None:

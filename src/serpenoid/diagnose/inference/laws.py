@@ -61,11 +61,11 @@ def _beside(found: Selection, model: Model) -> Rival | None:
         by_own = by_its = " with what is named" if found.best.effects else ""
         if by_its and its <= its_named:
             by_its = " alone"
-        by = f"{min(its, its_named):.1f} times chance, {fitted}{by_own} by {own_named:.1f}"
+        by = f"{min(its, its_named):.1f} times the noise, {fitted}{by_own} by {own_named:.1f}"
         words = f"{rival.title}{by_its} misses windows by {by}"
     else:
         words = (
-            f"alone, {rival.title} misses windows by {its:.1f} times chance and {fitted} by {own:.1f}; with what is "
+            f"alone, {rival.title} misses windows by {its:.1f} times the noise and {fitted} by {own:.1f}; with what is "
             f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the medium may follow neither"
         )
     return Rival(alone.model, words if better or its < own else "", better)

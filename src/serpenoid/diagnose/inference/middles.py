@@ -32,6 +32,6 @@ def drag_amid_edges(found: Selection, track: Callable[[Model], tuple[Track, ...]
         return ""
     with_named = ", with what is named," if found.best.effects and best < alone else ""
     return (
-        f"drag in the middles of edges misses windows by {left:.1f} times chance, drag at vertices{with_named} by "
+        f"drag in the middles of edges misses windows by {left:.1f} times the noise, drag at vertices{with_named} by "
         f"{min(alone, best):.1f}"
     )

@@ -6,21 +6,25 @@ from serpenoid.diagnose.report.sentences import (
     SETTLED,
     drag_ratio,
     inadequacy,
+    instead,
+    left_open,
     meaning,
-    open_gaits,
-    open_length,
     ratio_change,
     rival_law,
     undetected,
     unreliable,
 )
 from serpenoid.diagnose.report.words import (
+    STAND_IN,
     Record,
     advice,
+    few,
+    foremost,
     in_sample,
     law,
     own_place,
     parameter,
+    sentence,
     shown,
     times,
     title,
@@ -36,7 +40,6 @@ GAINS = {
 WORSE = 1.02  # an error that does not come closer
 NOT_WORSE = {False: "Nothing became worse.", True: "Nothing became visibly worse."}
 IN_SAMPLE = "Of one trial nothing can be held out: it is predicted from the fit to itself."
-NO_ADVICE = "It may stand in for another cause: change nothing for its sake."
 
 
 def cards(record: Record) -> list[Card]:
@@ -45,37 +48,37 @@ def cards(record: Record) -> list[Card]:
 
 
 def _verdict(record: Record) -> Card:
-    said = [f"{text[0].upper()}{text[1:]}." for text in inadequacy(record)]
-    said.append(f"{meaning(record).capitalize()}.")
-    said += [f"{text[0].upper()}{text[1:]}." for text in (*rival_law(record), *ratio_change(record))]
+    mend = record.get("mend_first", [])
+    said = [meaning(record), *ratio_change(record), *mend, *inadequacy(record), *rival_law(record)]
     rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
     rows += [(stage, "skipped") for stage in record["skipped"] if record["drag_ratio"] is None]
-    return Card("Verdict", record["verdict"], [*said, "What is left, stage by stage:"], rows,
+    return Card("Verdict", record["verdict"], [*map(sentence, said), "What is left, stage by stage:"], rows,
                 "good" if record["verdict"] in SETTLED else "warn")  # fmt: skip
 
 
 def _cause(record: Record) -> Card:
-    effects = record["effects"]
+    effects = foremost(record)
     rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
-    said = [
-        f"{_placed(e, record)} ({times(e['strength_over_noise'])}): {advice(record, e).looks_like}. "
-        + (NO_ADVICE if e["stand_in"] else f"What to do: {advice(record, e).what_to_do}.")
-        for e in effects
-    ]
-    others = dict.fromkeys(title(e) for e in record["alternatives"])
-    said += [f"The data cannot tell this from {', '.join(others)}."] if others else []
-    said += [f"{text.capitalize()}." for text in undetected(record)]
+    said = [text for e in effects for text in _about(e, record)]
+    said += [f"Below detection: {few(weak)}."] if (weak := undetected(record)) else []
     if record["drag_ratio"]:
         what = law(record)
         said.append(f"{what.capitalize()} across over {what} along the body, K = 1 / eps: {drag_ratio(record)}.")
     elif not effects:
         said.append(f"The anisotropy ratio was calibrated to {record['anisotropy_ratio']['after']:.4g}.")
-    return Card("Cause and place", ", ".join(title(e) for e in effects) or "none named", said, rows)
+    answer = few([title(e) for e in (*effects, *(e for e in record["effects"] if e not in effects))])
+    return Card("Cause and place", answer or "none named", said, rows)
 
 
-def _placed(effect: Record, record: Record) -> str:
-    own = own_place(effect, record)
-    return f"{title(effect)}, which is {own}" if own else title(effect)
+def _about(effect: Record, record: Record) -> list[str]:
+    """What an effect looks like and, where it is a cause, what to do."""
+    words, own = advice(record, effect), own_place(effect, record)
+    place = f"{title(effect)}, which is {own}" if own else title(effect)
+    strength = f"{place} ({times(effect['strength_over_noise'])})"
+    others = [f"Or instead: {text}." for text in instead(effect, record)]
+    if effect["stand_in"]:
+        return [f"{strength}{STAND_IN}: {words.looks_like}.", *others]
+    return [f"{strength}: {words.looks_like}.", *others, f"What to do: {words.what_to_do}."]
 
 
 def _gain(record: Record) -> Card:
@@ -83,25 +86,16 @@ def _gain(record: Record) -> Card:
     rows.append(("noise level", shown(record["noise_level_m"], record["length_unit"])))
     alone = in_sample(record)
     said = [IN_SAMPLE if alone else f"Every {unseen(record)[:-1]} predicted from a fit to the others."]
-    said += _left_open(record)
+    said += map(sentence, left_open(record))
     bad = worse(record)
     unsure = _overlap(record["gain"]["path_rms_m"])
     if unsure:
         said.append("The intervals of path RMS before and after overlap: the gain is not certain.")
     said.append(f"Worse with the extension: {', '.join(bad)}." if bad else NOT_WORSE[unsure])
-    said += [f"{text[0].upper()}{text[1:]}." for text in unreliable(record)]
+    said += map(sentence, unreliable(record))
     answer = f"path RMS {_change(record, 'path_rms_m')}"
     asks = "Gain in sample" if alone else f"Gain on unseen {unseen(record)}"
     return Card(asks, answer, said, rows, "warn" if bad or unsure else "good")
-
-
-def _left_open(record: Record) -> list[str]:
-    """What the others leave open of single gaits, and what would tell."""
-    said = []
-    for name in open_gaits(record):
-        much = open_length(record, record["left_open_by_gait_m"][name]) or "more than that"
-        said.append(f"The others leave {much} open of {name}: another one like it would tell.")
-    return said
 
 
 def _overlap(gain: Record) -> bool:

@@ -15,13 +15,15 @@ from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
 from serpenoid.diagnose.report.sentences import (
     SETTLED,
     already,
+    left,
     no_experiment,
     reference,
     seconds,
+    start,
     undetected,
     untestable,
 )
-from serpenoid.diagnose.report.words import Record, ends, in_sample, shown, title, unseen
+from serpenoid.diagnose.report.words import Record, ends, in_sample, sentence, shown, title, unseen
 from serpenoid.effects.catalogue import find
 from serpenoid.report.animated import Animated, animation_data
 from serpenoid.report.pages import Picture, Table, prepare, write_page
@@ -36,14 +38,14 @@ CAPTIONS = {
     "joints": "Commanded minus realised angle, joint by joint.",
     "markers": "Distance of each marker from where the realised shape puts it, per coordinate.",
     "residuals": "Residual body velocity of every window (an eighth of a cycle, or half a pause), seen from the body: "
-    "measured minus predicted. Lines: means. Grey: where 95 % of windows lie if only chance is left.",
+    "measured minus predicted. Lines: means. Grey: where 95 % of windows lie if only noise is left.",
     "residuals-left": "The same for the extended model alone, on a scale of its own: what is left.",
-    "residuals-in-time": "The same window by window, over what chance makes of it: a line for each trial, repeats of a "
+    "residuals-in-time": "The same window by window, over what noise makes of it: a line for each trial, repeats of a "
     "setting between two strokes. Grey: no usable window.",
     "along-body": "Left and middle: the residual motion as each vertex makes it. Right: chi squared that an effect at "
     "that vertex would gain, to first order (0: nothing).",
     "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
-    "colours and of arrows. Colour: RMS over what chance makes of it (1: chance alone). Arrows: mean.",
+    "colours and of arrows. Colour: RMS over what noise makes of it (1: noise alone). Arrows: mean.",
     "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
     "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
     "compared again; where one was chosen for a while and is not named, the reason is written there.",
@@ -68,6 +70,8 @@ def write_pages(
         "lead": [],
         "cards": cards(record),
         "animation": animation_data(trials),
+        "left": [*map(sentence, left(record))],
+        "reference": [*map(sentence, (*reference(record), *already(record)))],
         "beside": _beside(record),
         "named": bool(record["effects"]),
         "settled": record["verdict"] in SETTLED,
@@ -75,9 +79,9 @@ def write_pages(
         "ladder": _ladder(record),
         "parameters": _parameters(record),
         "alternatives": _alternatives(record),
-        "undetected": [text.capitalize() for text in undetected(record)],
+        "undetected": [f"Below detection: {', '.join(weak)}."] if (weak := undetected(record)) else [],
         **_experiment(record["next_experiment"]),
-        "no_experiment": no_experiment(record),
+        "no_experiment": sentence(no_experiment(record)),
     }
     prepare(TEMPLATE)
     drawn()
@@ -86,22 +90,13 @@ def write_pages(
 
 
 def _beside(record: Record) -> list[str]:
-    """What was known, skipped, not tested, and what is left without a name."""
-    found = [f"{text[0].upper()}{text[1:]}." for text in [*reference(record), *already(record)]]
+    """What was skipped, not tested, used, and what is to be known of it."""
+    found = []
     if record["drag_ratio"] is None:
-        found += [f"The stage of {stage} was skipped: {why}." for stage, why in record["skipped"].items()]
-    found += [f"Not tested, {text}." for text in untestable(record)]
-    found += [f"Made from the recordings: {seconds(record)}.", *(f"{text}." for text in record["remarks"])]
-    return found + left_over(record["residual_pattern"])
-
-
-def left_over(sentences: Sequence[str]) -> list[str]:
-    """A sentence for every stage, of `stage: what is left there`."""
-    stages: dict[str, list[str]] = {}
-    for text in sentences:
-        stage, _, what = text.partition(": ")
-        stages.setdefault(stage, []).append(what)
-    return [f"Not accounted for in the stage of {stage}: {'; '.join(what)}." for stage, what in stages.items()]
+        found += [f"the stage of {stage} was skipped: {why}" for stage, why in record["skipped"].items()]
+    found += [f"not tested: {text}" for text in untestable(record)]
+    found += [f"made from the recordings: {seconds(record)}", *record["remarks"]]
+    return [*map(sentence, found)]
 
 
 def _pictures(folder: Path, names: Sequence[str], unseen: str) -> list[Picture]:
@@ -168,9 +163,4 @@ def _experiment(plan: Record | None) -> dict[str, Any]:
     if plan is None:
         return {"experiment": None}
     apart = ", ".join(f"{title(rival)}: {rival['expected_chi2']:.0f}" for rival in plan["tells_apart"])
-    return {"experiment": plan, "start": _start(plan["start_pose"]), "apart": apart}
-
-
-def _start(pose: Record) -> str:
-    heading = shown(pose["heading_rad"], "rad")
-    return f"beginning at x = {pose['x_m']:.2f} m, y = {pose['y_m']:.2f} m, heading {heading}"
+    return {"experiment": plan, "start": start(plan["start_pose"]), "apart": apart}

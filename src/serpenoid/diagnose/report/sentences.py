@@ -4,52 +4,57 @@ from __future__ import annotations
 
 from math import hypot
 
-from serpenoid.diagnose.report.words import STAND_IN, Record, law, parameter, shown, times, title, unseen
+from serpenoid.diagnose.report.words import (
+    Record,
+    few,
+    in_sample,
+    law,
+    multiple,
+    parameter,
+    shown,
+    times,
+    title,
+    unseen,
+)
 from serpenoid.effects.catalogue import find
+from serpenoid.wording import NOT_NAMED
 
 UNSAID = (
-    "neither labels of the log nor commands that are the table's to within a servo's tick say when rows were due: rows "
-    "that are held and servos that lag look like rows that run and begin later, so a lag is known only as far as rows "
-    "are taken as they were. Log the commands as they are sent"
+    "the log does not say when rows were due: it has no labels, and its commands are not the table's",
+    "held rows with servos that lag look like straight rows that begin later",
+    "a lag is known only as far as rows are taken as they were: log the commands as they are sent",
 )
-WHOLE = ": the joint table simulated beside what was filmed, what servos miss included; the verdict is not of it"
+WHOLE = "; joint table to path, not judged"
 GROWS = "; it grows: errors of the servos and of the medium had cancelled"
 SHOWN = 1.15  # times the noise: what reads more than 1.1
-WITHIN = ": chance may make as much of so few windows, and what repeats share of it is no more than chance makes"
+WITHIN = "; in so few windows noise may make as much; what repeats share of it is no more than noise"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "{law} alone explains this recording within its noise",
-    "explained": "what is named accounts for all beyond chance; nothing here speaks for a cause outside the catalogue",
-    "partly explained": "what is named below was found, and more is left than it and chance explain",
-    "unexplained": "the model misses more than chance explains, and no effect of the catalogue accounts for it clearly",
+    "explained": "what is named accounts for everything beyond the noise",
+    "partly explained": "what is named accounts for a part; more than the noise is left",
+    "unexplained": "more than the noise is left, and no effect of the catalogue clearly explains it",
 }
 SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 UNREPEATED = {
-    "nothing": "nothing has a name; nothing was played twice, so nobody can tell whether what is left is chance",
-    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is chance",
+    "nothing": "nothing is named; nothing was played twice, so nobody can tell whether what is left is noise",
+    "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is noise",
 }
-OTHER_CHANCE = 2**0.5  # times the markers' noise: of chance that is larger, most is of another origin
-HIDING = "; most of chance is no noise of the markers: a cause that acts on one repeat alone hides in it"
-UNSEEN = {
-    "nothing": "{law} alone explains all beyond chance" + HIDING,
-    "explained": "what is named accounts for all beyond chance" + HIDING,
-}
+OTHER_CHANCE = 2**0.5  # times the markers' noise: of noise that is larger, most is of another origin
+HIDING = "; most of the noise is not that of the markers: a cause that acts on one repeat alone hides in it"
+DOUBT = "a stand-in may be there for a cause that the catalogue lacks: change nothing for its sake"
 
 
 def meaning(record: Record) -> str:
     """The verdict in a sentence. Beside a reference nothing is said of the model's own errors."""
     if record["verdict"] == "explained" and not record["effects"]:
-        return (
-            f"the anisotropy ratio alone has changed since the reference: it is {_grown(record)} there, which accounts "
-            "for all beyond chance"
-        )
+        return "only the anisotropy ratio has changed; that accounts for everything beyond the noise"
     if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
         return UNREPEATED[record["verdict"]]
     if record["verdict"] == "nothing" and record["reference"]:
         return "nothing has changed since the reference beyond the noise of either"
-    hiding = (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
-    words = UNSEEN if hiding and record["verdict"] in UNSEEN else MEANINGS
-    return words[record["verdict"]].format(law=law(record))
+    hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
+    return MEANINGS[record["verdict"]].format(law=law(record)) + HIDING * hiding
 
 
 def _stage(effect: Record) -> str:
@@ -58,40 +63,27 @@ def _stage(effect: Record) -> str:
 
 
 def inadequacy(record: Record) -> list[str]:
-    """What is to be mended in the campaign, and where names may be stand-ins: by how much the model is inadequate;
-    before all else."""
+    """Where names may be stand-ins: why, and what follows."""
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
     servos, seen = ([title(e) for e in stand_ins if _stage(e) == stage] for stage in ("actuation", "observation"))
-    moves = len(stand_ins) > len(servos) + len(seen)
-    said = list(record.get("mend_first", []))
-    if moves and record["discrepancy_m"] == 0 and seen:
-        said.append("names of the floor that are marked as stand-ins rest on markers whose errors are not understood")
-    elif moves and record["discrepancy_m"] == 0 and record["verdict"] not in SETTLED and not _beside_wrong(record):
-        said.append(
-            "paths stray by more than chance beside what is named: names marked as stand-ins take a part of that away, "
-            "but may be there for a cause that the catalogue does not hold"
-        )
-    elif moves and record["discrepancy_m"] == 0 and record.get("parts_differ_by"):
-        said.append(
-            f"parts that each differ a little (`{record['parts_differ_by']}`) do as well as names of the floor that "
-            "are marked as stand-ins"
-        )
-    elif moves and record["discrepancy_m"] == 0:
-        said.append(
-            "the reference followed a law that the catalogue does not hold: names marked as stand-ins may mend it "
-            "where the change moves it"
-        )
-    elif moves:
+    said = [_why_doubted(record, bool(seen))] if len(stand_ins) > len(servos) + len(seen) else []
+    for names, whose in ((servos, "what the servos do"), (seen, "what markers show beside the servos")):
+        said += [f"{whose} follows another law; parts of it: {few(names)}"] if names else []
+    return said + [DOUBT] * bool(stand_ins)
+
+
+def _why_doubted(record: Record, seen: bool) -> str:
+    """Why names of the motion may be stand-ins. seen: others stand in for what markers show."""
+    if record["discrepancy_m"] != 0:
         size = shown(record["discrepancy_m"], record["length_unit"], 2)
-        said.append(
-            f"the model is inadequate by {size} a window beyond chance: names marked as stand-ins take a "
-            "part of that away, but may be there for a cause that the catalogue does not hold"
-        )
-    said += [f"{name} is a part of what the servos do: their law is another" for name in servos]
+        return f"the model is off by {size} a window beyond the noise; stand-ins take away a part of that"
     if seen:
-        parts = "is a part" if len(seen) == 1 else "are parts"
-        said.append(f"{', '.join(seen)} {parts} of what markers show beside the servos: its law is another")
-    return said
+        return "stand-ins of the floor rest on markers whose errors are not understood"
+    if record["verdict"] not in SETTLED and not _beside_wrong(record):
+        return "beside what is named, paths are off by more than the noise"
+    if record.get("parts_differ_by"):
+        return f"parts that differ a little (by {record['parts_differ_by']}) explain as much as the stand-ins"
+    return "the reference follows a law that the catalogue lacks: stand-ins may mend only that law"
 
 
 def _beside_wrong(record: Record) -> bool:
@@ -101,7 +93,7 @@ def _beside_wrong(record: Record) -> bool:
 
 def rival_law(record: Record) -> list[str]:
     """How another law of the floor does, or another place of the drag, and how to follow it."""
-    other, follow = record["law"], "to look for causes beside it, diagnose with a --model whose [medium] has"
+    other, follow = record["law"], "to look for causes beside it: diagnose with a --model whose [medium] has"
     rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
     told = [*((said, f'law = "{name}"') for name, said in rivals.items()), (other["drag_at"], 'dissipation = "edge"')]
     instead = [taken, "a --model whose [medium] says its `law` keeps that"] if taken else []
@@ -109,20 +101,30 @@ def rival_law(record: Record) -> list[str]:
 
 
 def undetected(record: Record) -> list[str]:
-    """Effects below detection: they improve the prediction, but chance makes traces as large."""
-    kept = {True: ", but in the extended model", False: ""}
+    """Effects below detection: they improve the prediction, but noise makes traces as large."""
+    kept = {True: ", in the extended model", False: ""}
     return [
-        f"below detection{kept[e['in_extended_model']]}: {title(e)} ({times(e['strength_over_noise'])})"
+        f"{title(e)} ({times(e['strength_over_noise'])}{kept[e['in_extended_model']]})"
         for e in record["below_detection"]
         if e["strength_over_noise"] >= TRACELESS
     ]
+
+
+def instead(effect: Record, record: Record) -> list[str]:
+    """What could stand in the place of an effect, and how far predictions then differ."""
+    others = [e for e in record["alternatives"] if title(e.get("instead_of") or effect) == title(effect)]
+    if not others:
+        return []
+    apart = [e["separation_over_noise"] for e in others]
+    least = "" if multiple(min(apart)) == multiple(max(apart)) else f"{multiple(min(apart))} to "
+    return [f"{few([title(e) for e in others])}; predictions differ by {least}{times(max(apart))}"]
 
 
 def untestable(record: Record) -> list[str]:
     """Effects that a recording cannot speak about, reason by reason."""
     reasons = dict.fromkeys(record["untestable"].values())
     names = {why: [name for name, own in record["untestable"].items() if own == why] for why in reasons}
-    return [f"{', '.join(names[why])}: {why}" for why in reasons]
+    return [f"{few(names[why])}: {why}" for why in reasons]
 
 
 def reference(record: Record) -> list[str]:
@@ -130,12 +132,13 @@ def reference(record: Record) -> list[str]:
     earlier = record["reference"]
     if not earlier:
         return []
-    name = earlier["campaign"]
-    found = "; ".join(f"{title(e)}{STAND_IN if e['stand_in'] else ''}" for e in earlier["effects"])
-    said = [f"the earlier campaign ({name}) was {earlier['verdict']}" + (f": {found}" if found else "")]
+    causes, stand_ins = ([title(e) for e in earlier["effects"] if e["stand_in"] == kind] for kind in (False, True))
+    said = [f"{earlier['campaign']} was {earlier['verdict']}" + (f": {few(causes)}" if causes else "")]
+    said += [f"perhaps stand-ins: {few(stand_ins)}"] if stand_ins else []
     said += _otherwise(record)
-    said += [f"of it: {text}" for text in rival_law(earlier)]
-    said += [_there_already(e) for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
+    said += rival_law(earlier)
+    again = [e for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
+    said += [text for e in again for text in _there_already(e)]
     return said + _there_in_part(record)
 
 
@@ -149,9 +152,7 @@ def already_in_short(record: Record) -> list[str]:
     every = already(record)
     if len(every) < 2:
         return every
-    return [
-        f"what was left there, {len(every)} sentences, is under `reference` in diagnosis.json and in its own answer"
-    ]
+    return [f"what was left there: {len(every)} sentences under `reference` in diagnosis.json"]
 
 
 def _told_beside(record: Record) -> float:
@@ -165,26 +166,26 @@ def _otherwise(record: Record) -> list[str]:
     taken = record.get("baseline")  # none in older answers
     if taken is None or taken["anisotropy_ratio"] == record["reference"]["anisotropy_ratio"]["after"]:
         return []
-    law = ", ".join(title(e) for e in taken["effects"]) or "nothing"
+    names = [title(e) for e in taken["effects"]]
     named = {_key(e) for e in record["reference"]["effects"]}
     guessed = [title(e) for e in taken["effects"] if _key(e) not in named]
-    which = "" if len(guessed) == len(taken["effects"]) else f": {', '.join(guessed)}"
-    tried = f" (no findings, only stand-ins for the law of its floor{which})" if guessed else ""
-    return [
-        "the change is counted from another model of the earlier campaign than its own answer has, as both campaigns "
-        f"fit better with it: {law}, anisotropy ratio {taken['anisotropy_ratio']:.4g}{tried}"
+    said = [
+        "the change is counted from another model of the reference, which fits both campaigns better",
+        f"that model: anisotropy ratio {taken['anisotropy_ratio']:.4g}, {few(names) or 'nothing else'}",
     ]
+    which = "" if len(guessed) == len(names) else f": {few(guessed)}"
+    return said + ([f"no findings, only stand-ins for the law of its floor{which}"] if guessed else [])
 
 
 def _key(effect: Record) -> tuple[str, int | None]:
     return effect["name"], effect.get("place")
 
 
-def _there_already(effect: Record) -> str:
+def _there_already(effect: Record) -> list[str]:
     """An effect of the reference that is named again: of the motion, its value is all of it, as then."""
     values = ", ".join(f"{name} {parameter(p)}" for name, p in effect["parameters"].items())
-    now = "; the value named now is all of it, not the change" if find(effect["name"]).moves else ""
-    return f"{title(effect)} was there already: {values}{now}"
+    whole = ["its value now is all of it, not the change"] if find(effect["name"]).moves else []
+    return [f"{title(effect)} was there already: {values}", *whole]
 
 
 def _there_in_part(record: Record) -> list[str]:
@@ -195,24 +196,24 @@ def _there_in_part(record: Record) -> list[str]:
     for e in record["effects"]:
         if (before := guesses.get(_key(e))) is not None and _key(e) not in named:
             values = ", ".join(f"{name} {shown(x, e['parameters'][name]['unit'])}" for name, x in before.items())
-            found.append(
-                f"{title(e)} is a part of its explanation, too weak to be named there: {values}; the value named now "
-                "is all of it, and its interval holds that none of it was there"
-            )
+            found.append(f"{title(e)} may have been there already, too weak to be named: {values}")
+            found.append("its value now is all of it; its interval allows that none of it was there")
     return found
 
 
 def ratio(record: Record) -> str:
     """eps: of the reference, with nothing named, with what is named. A calibration is no diagnosis, but may be news."""
-    eps, earlier = record["anisotropy_ratio"], record["reference"]
-    said = [f"{_told_beside(record):.4g} in the reference"] if earlier else []
-    said.append(f"{eps['before']:.4g} with nothing named")
-    if record["effects"] or eps["after"] != eps["before"]:
-        said.append(f"{eps['after']:.4g} with what is {'named' if record['effects'] else 'below detection'}")
+    eps = record["anisotropy_ratio"]
     low, high = eps["interval"]
-    warning = " (at its bound: a warning that the law is another)" if eps["at_bound"] else ""
-    how = ", by windows of smoothed points" if record.get("drag_ratio") else ""  # `fit` goes from frame to frame
-    return f"{', '.join(said)} (95 %: {low:.4g} .. {high:.4g}{how}){warning}"
+    how = ", window by window" if record.get("drag_ratio") else ""  # `fit` goes from frame to frame
+    said = [f"{eps['after']:.4g} (95 %: {low:.4g} .. {high:.4g}{how})"]
+    if not record["effects"] and eps["after"] != eps["before"]:
+        said[0] += " with what is below detection"
+    if record["effects"] or eps["after"] != eps["before"]:
+        said.append(f"{eps['before']:.4g} with nothing named")
+    said += [f"{_told_beside(record):.4g} in the reference"] if record["reference"] else []
+    said += ["at its bound: a warning that the law is another"] if eps["at_bound"] else []
+    return "; ".join(said)
 
 
 def ratio_change(record: Record) -> list[str]:
@@ -221,8 +222,8 @@ def ratio_change(record: Record) -> list[str]:
     if change is None:
         return []
     return [
-        f"the anisotropy ratio is {_grown(record)} in the reference ({times(change['strength_over_noise'])}): what all "
-        "wheels or scales have in common has changed, or eps makes up for a change that has no name"
+        f"the anisotropy ratio is {_grown(record)} in the reference ({times(change['strength_over_noise'])})",
+        "all wheels or scales have changed alike, or the ratio makes up for a change that has no name",
     ]
 
 
@@ -242,22 +243,21 @@ def rows(record: Record) -> list[str]:
         return []
     who = {
         "commands": "the log's commands say so",
-        "goals": "the log's commands are goals, each run to until the next is given: what servos read fits this best",
+        "goals": "the log's commands are goals; what servos read fits this best",
         "reference": "as in the reference",
         "readings": "what servos read fits this best",
         "markers": "what markers show of the joints fits this best",
     }
-    how = "held until the next is due" if record["rows_held"] else "run through on straight lines"
-    unsaid = [UNSAID] if record.get("lag_untold") else []
-    return [f"{how} ({who[record['rows_from']]})", *unsaid]
+    how = "each held until the next is due" if record["rows_held"] else "played on straight lines from row to row"
+    return [f"{how} ({who[record['rows_from']]})", *(UNSAID if record.get("lag_untold") else ())]
 
 
 def drag_ratio(record: Record) -> str:
     """K of an animal with its interval, if its law of the floor is all there is."""
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
-    alone = f"if {law(record)} is all there is: frame by frame, as in `fit`"
-    return f"{ratio['value']:.4g} (95 %: {low:.4g} .. {high:.4g}) {alone}"
+    interval = f"(95 %: {low:.4g} .. {high:.4g}, frame by frame as in `fit`)"
+    return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is"
 
 
 def chance(record: Record) -> list[str]:
@@ -266,34 +266,62 @@ def chance(record: Record) -> list[str]:
     if ratio is None:
         return []
     return [
-        f"what was played again differs {ratio:.2g} times as much as the markers' noise makes it; what acts on one "
-        "repeat and not on the other counts as chance, and hides what is smaller"
+        f"repeats differ by {ratio:.2g} times the markers' noise",
+        "what acts on one repeat and not on the other counts as noise, and hides what is smaller",
     ]
 
 
 def no_experiment(record: Record) -> str:
     """Why none is proposed."""
     if record["alternatives"]:
-        return "none is proposed: no gait that was tried is expected to exclude one of the explanations"
+        return "none: no gait that was tried is expected to exclude one of the explanations"
     if record["verdict"] in SETTLED:
         return "none needed: no two explanations are left to tell apart"
     if record["drag_ratio"]:
-        return "none is proposed: nothing commands an animal"
-    return "none is proposed: there are no two explanations to tell apart, and what is left has none"
+        return "none: nothing commands an animal"
+    return "none: there are no two explanations to tell apart, and what is left has none"
 
 
-def left_open(record: Record) -> str:
+def start(pose: Record) -> str:
+    """Where the next experiment begins."""
+    x, y = (round(pose[k], 2) + 0.0 for k in ("x_m", "y_m"))  # -0.00 is 0.00
+    return f"x = {x:.2f} m, y = {y:.2f} m, heading {shown(pose['heading_rad'], 'rad')}"
+
+
+def experiment(record: Record) -> list[str]:
+    """What to play next, and what it tells apart; of an animal nothing."""
+    plan = record["next_experiment"]
+    if plan is None:
+        return [no_experiment(record)] if record["drag_ratio"] is None else []
+    return [
+        f"play {plan['joint_table']}, {plan['cycle_duration_s']:.2f} s per cycle, from {start(plan['start_pose'])}",
+        f"to tell what is named apart from {few([title(e) for e in plan['tells_apart']])}",
+    ]
+
+
+def held_out(record: Record) -> list[str]:
+    """How well paths are predicted without and with what was found, and what limits that."""
+    rms, unit = record["gain"]["path_rms_m"], record["length_unit"]
+    before, after, noise = (shown(x, unit) for x in (rms["before"], rms["after"], record["noise_level_m"]))
+    better = "" if rms["before"] == rms["after"] else f" -> {after} by the extended model"
+    said = [f"path RMS {before}{better} (noise level {noise})"]
+    if in_sample(record):
+        return [*said, "of one trial nothing can be held out"]
+    return said + left_open(record) + unreliable(record)
+
+
+def left_open(record: Record) -> list[str]:
     """How far held-out paths are expected to stray for want of other gaits that tell, where that is more than noise."""
     if record["left_open_m"] <= record["noise_level_m"]:
-        return ""
-    size = open_length(record, record["left_open_m"]) or "more is"
-    of = f" of {', '.join(gaits)}" if (gaits := open_gaits(record)) else ""
-    return f" ({size} expected: what the other {unseen(record)} leave open{of})"
+        return []
+    size = _open_length(record) or "a larger error"
+    of = f" of {few(gaits)}: play more of that kind" if (gaits := _open_gaits(record)) else ""
+    return [f"{size} is expected, as the other {unseen(record)} tell too little{of}"]
 
 
-def open_length(record: Record, open_m: float) -> str:
+def _open_length(record: Record) -> str:
     """What others leave open; empty where first order makes it more than held-out paths are off by."""
-    rms = record["gain"]["path_rms_m"]
+    rms, open_m = record["gain"]["path_rms_m"], record["left_open_m"]
     return shown(open_m, record["length_unit"]) if open_m <= max(rms["before"], rms["after"]) else ""
 
 
@@ -303,10 +331,10 @@ def unreliable(record: Record) -> list[str]:
     allowed = hypot(rms["before"], record["noise_level_m"], record["left_open_m"])
     if not record["effects"] or rms["after"] <= allowed:
         return []
-    return [f"what is named does not carry over to other {unseen(record)}: do not rely on it without further trials"]
+    return [f"what is named does not carry over to other {unseen(record)}: do not rely on it without more trials"]
 
 
-def open_gaits(record: Record) -> list[str]:
+def _open_gaits(record: Record) -> list[str]:
     """Gaits of which the others leave more open than noise, where that is more than noise in all."""
     if record["left_open_m"] <= record["noise_level_m"]:
         return []
@@ -319,7 +347,28 @@ def stage_line(s: Record) -> str:
     beside = f" ({times(s['after'] / s['noise_level'])})" if s["noise_level"] > 0 else ""
     grows = GROWS if s["after"] > hypot(s["before"], s["noise_level"]) else ""
     whole = WHOLE + grows if s["stage"] == "whole" else ""
-    return f"{s['stage']:18}{before} -> {after}, noise {noise}{beside}{whole}"
+    return f"{before} -> {after}, noise level {noise}{beside}{whole}"
+
+
+def left(record: Record) -> list[str]:
+    """What is left on each stage, whether it matters, and what is known of it."""
+    judged = [s for s in record["ladder"] if s["stage"] != "whole" and s["noise_level"] > 0]
+    sizes = ", ".join(f"{s['stage']} {multiple(s['after'] / s['noise_level'])}" for s in judged)
+    size = f": {sizes} times the noise" if sizes else ""
+    return [_matters(record) + size, *map(in_short, record["residual_pattern"])]
+
+
+def _matters(record: Record) -> str:
+    """Whether what is left matters."""
+    if record["verdict"] not in SETTLED:
+        return "enough to matter" if record["residual_pattern"] else "no more than the noise, beside stand-ins"
+    return "nobody can tell whether it matters" if record["noise_from"] == "residuals" else "nothing that matters"
+
+
+def in_short(text: str) -> str:
+    """A sentence about what is left, of long lists the first."""
+    head, _, names = text.rpartition(": ")
+    return f"{head}: {few(names.split(', '))}" if NOT_NAMED in head else text
 
 
 def within_chance(s: Record, record: Record) -> str:

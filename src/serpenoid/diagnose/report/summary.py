@@ -1,16 +1,22 @@
-"""The summary on the screen: what a diagnosis says, line by line."""
+"""The summary on the screen: what decides first, then the details; one idea a line."""
 
 from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable
 
 from serpenoid.body import WHOLE_LINKS
 from serpenoid.diagnose.report.sentences import (
     already_in_short,
     chance,
     drag_ratio,
+    experiment,
+    held_out,
     inadequacy,
-    left_open,
+    instead,
+    left,
     meaning,
-    no_experiment,
     ratio,
     ratio_change,
     reference,
@@ -19,66 +25,97 @@ from serpenoid.diagnose.report.sentences import (
     seconds,
     stage_line,
     undetected,
-    unreliable,
     untestable,
     within_chance,
 )
 from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,
-    alternative,
+    advice,
+    few,
+    foremost,
     in_sample,
     own_place,
     parameter,
-    shown,
     times,
     title,
     unseen,
 )
 
 LINKS = (
-    f"{WHOLE_LINKS}: what is left may be that it does not resist its own turning (how much, and how to cut links: "
-    "`remarks` in diagnosis.json)"
+    f"{WHOLE_LINKS}: what is left may be that it does not resist its own turning; how much, and how to cut links: "
+    "`remarks` in diagnosis.json"
 )
+LABEL, WIDTH = 18, 118  # characters: of the first column, of a line
+IDEA = re.compile(r"(?<=[^\s.][;.?]) ")  # where an idea ends, but not in `0.1 .. 0.2`
+DETAILS = "Details"
 
 
 def lines(record: Record) -> list[str]:
     """The summary on the screen."""
-    found = [f"first             {text}" for text in inadequacy(record)]
+    return [*_decides(record), "", DETAILS, *_details(record)]
+
+
+def _decides(record: Record) -> list[str]:
+    """Verdict, causes, what they are worth, what is left, what to do next."""
     verdict = "nothing found" if record["verdict"] == "nothing" else record["verdict"]
-    found.append(f"verdict           {verdict}: {meaning(record)}")
-    found += [f"since then        {text}" for text in ratio_change(record)]
-    found += [f"law               {text}" for text in rival_law(record)]
-    for e in record["effects"]:
-        found.append(f"  {title(e)} ({times(e['strength_over_noise'])}){STAND_IN if e['stand_in'] else ''}")
-        found += [f"    {'where':16}  {where}"] if (where := own_place(e, record)) else []
-        found += [f"    {name:16}  {parameter(p)}" for name, p in e["parameters"].items()]
-    found += [f"  or {alternative(e)} ({times(e['separation_over_noise'])} apart)" for e in record["alternatives"]]
-    found += [f"  {text}" for text in undetected(record)]
-    found += [f"reference         {text}" for text in [*reference(record), *already_in_short(record)]]
-    found += [stage_line(s) + within_chance(s, record) for s in record["ladder"]]
-    if record["drag_ratio"] is None:  # of an animal nobody expects servos
-        found += [f"skipped           {stage}: {why}" for stage, why in record["skipped"].items()]
-    found += [f"chance            {text}" for text in chance(record)]
-    found += [f"not tested        {text}" for text in untestable(record)]
-    found.append(f"seconds           {seconds(record)}")
-    found += [f"rows              {text}" for text in rows(record)]
-    found += [f"note              {LINKS if text.startswith(WHOLE_LINKS) else text}" for text in record["remarks"]]
-    rms = record["gain"]["path_rms_m"]
-    before, after = (shown(rms[side], record["length_unit"]) for side in ("before", "after"))
-    if in_sample(record):
-        found.append(f"in sample         path RMS {before} -> {after}: of one trial nothing can be held out")
-    else:
-        held = f"held-out {unseen(record):9}"
-        found.append(f"{held}path RMS {before} -> {after}{left_open(record)}")
-        found += [f"{held}{text}" for text in unreliable(record)]
-    found.append(f"anisotropy ratio  {ratio(record)}")
-    found += [f"K = 1 / eps       {drag_ratio(record)}"] if record["drag_ratio"] else []
-    if record["next_experiment"]:
-        e = record["next_experiment"]
-        pose = e["start_pose"]
-        start = f"from x {pose['x_m']:.2f} m, y {pose['y_m']:.2f} m, heading {pose['heading_rad']:.2f} rad"
-        found.append(f"next experiment   {e['joint_table']}, {e['cycle_duration_s']:.2f} s per cycle, {start}")
-    elif record["drag_ratio"] is None:
-        found.append(f"next experiment   {no_experiment(record)}")
-    return found + [f"left              {text}" for text in record["residual_pattern"]]
+    held = "in sample" if in_sample(record) else f"held-out {unseen(record)}"
+    return [
+        *_rows("verdict", [f"{verdict}: {meaning(record)}"]),
+        *_rows("since then", ratio_change(record)),
+        *_rows("mend first", record.get("mend_first", [])),
+        *_rows("caution", inadequacy(record)),
+        *_rows("law", rival_law(record)),
+        *_causes(record),
+        *_rows("anisotropy ratio", [ratio(record)]),
+        *_rows("K = 1 / eps", [drag_ratio(record)] if record["drag_ratio"] else []),
+        *_rows(held, held_out(record)),
+        *_rows("left", left(record)),
+        *_rows("next experiment", experiment(record)),
+    ]
+
+
+def _details(record: Record) -> list[str]:
+    """What the answer rests on."""
+    stages = [text for s in record["ladder"] for text in _rows(s["stage"], [stage_line(s) + within_chance(s, record)])]
+    skipped = record["skipped"] if record["drag_ratio"] is None else {}  # of an animal nobody expects servos
+    remarks = [LINKS if text.startswith(WHOLE_LINKS) else text for text in record["remarks"]]
+    weak = undetected(record)
+    return [
+        *stages,
+        *_rows("skipped", [f"{stage}: {why}" for stage, why in skipped.items()]),
+        *_rows("noise", chance(record)),
+        *_rows("below detection", [few(weak)] if weak else []),
+        *_rows("not tested", untestable(record)),
+        *_rows("reference", [*reference(record), *already_in_short(record)]),
+        *_rows("table rows", rows(record)),
+        *_rows("seconds", [seconds(record)]),
+        *_rows("note", remarks),
+    ]
+
+
+def _causes(record: Record) -> list[str]:
+    """What is named, with its values, what to do, and what fits as well."""
+    found, shown = [], foremost(record)
+    for e in shown:
+        strength = f"{title(e)} ({times(e['strength_over_noise'])})"
+        found += _rows("cause?", [strength + STAND_IN]) if e["stand_in"] else _rows("cause", [strength])
+        found += _rows("  where", [where] if (where := own_place(e, record)) else [])
+        found += [f"  {name:16} {parameter(p)}" for name, p in e["parameters"].items()]
+        found += _rows("  or instead", instead(e, record))
+        found += _rows("  what to do", [] if e["stand_in"] else [advice(record, e).what_to_do])
+    more = len(record["effects"]) - len(shown)
+    return found + _rows("", [f"and {more} more stand-ins in diagnosis.json"] if more else [])
+
+
+def _rows(label: str, texts: Iterable[str]) -> list[str]:
+    """Texts below each other beside their label, one idea a line."""
+    short = [line for text in texts for line in _short(text)]
+    return [f"{'' if i else label:{LABEL}}{line}" for i, line in enumerate(short)]
+
+
+def _short(text: str) -> list[str]:
+    """In one line, else one for each idea, else with lines that go on further in."""
+    ideas = [text] if len(text) <= WIDTH - LABEL else [idea.rstrip(";.") for idea in IDEA.split(text)]
+    wrapped = (textwrap.wrap(i, WIDTH - LABEL, subsequent_indent="  ", break_on_hyphens=False) for i in ideas)
+    return [line for lines in wrapped for line in lines]

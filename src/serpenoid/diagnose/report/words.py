@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from serpenoid.body import ANIMALS
 from serpenoid.effects.base import Advice
-from serpenoid.effects.catalogue import find
+from serpenoid.effects.catalogue import catalogue, find
 from serpenoid.media import LAWS
 
 Record = Mapping[str, Any]
@@ -20,6 +20,7 @@ SCALES = {
 }  # fmt: skip
 SMALL_M = 1e-5
 STAND_IN = ", perhaps a stand-in"
+LISTED = 3  # of a list, before it says how many more there are
 
 
 def law(record: Record) -> str:
@@ -29,7 +30,7 @@ def law(record: Record) -> str:
 
 def advice(record: Record, effect: Record) -> Advice:
     """What a named effect looks like and what to do about it, in words that fit the kind of body."""
-    return find(effect["name"]).words(record["kind"] in ANIMALS)
+    return find(effect["name"]).words(record.get("kind") in ANIMALS)  # none in older answers
 
 
 def title(effect: Record) -> str:
@@ -47,10 +48,30 @@ def own_place(effect: Record, record: Record) -> str:
     return f"{f'the middle of edge {half}' if place % 2 else f'vertex {half}'} of the campaign's body"
 
 
-def alternative(effect: Record) -> str:
-    """What could stand in the place of what is named."""
-    instead = effect.get("instead_of")
-    return f"{title(effect)} in the place of {title(instead)}" if instead else title(effect)
+def foremost(record: Record) -> list[Record]:
+    """What is named, as far as an answer lists it: causes, then the strongest stand-ins."""
+    effects = record["effects"]
+    stand_ins = sorted((e for e in effects if e["stand_in"]), key=lambda e: -e["strength_over_noise"])
+    return [*(e for e in effects if not e["stand_in"]), *stand_ins[: _few(len(stand_ins))]]
+
+
+def few(names: Sequence[str]) -> str:
+    """The first of them, and how many more there are."""
+    shown = _few(len(names))
+    more = f", and {len(names) - shown} more in diagnosis.json" if len(names) > shown else ""
+    return ", ".join(names[:shown]) + more
+
+
+def _few(count: int) -> int:
+    """How many of a list are told: all, rather than that there is one more."""
+    return count if count <= LISTED + 1 else LISTED
+
+
+def sentence(text: str) -> str:
+    """With a full stop, and a capital unless it begins with a name of an effect or of anything in code."""
+    first = text.split(maxsplit=1)[0].strip(",:")
+    begun = text if "_" in first or first in catalogue() else text[0].upper() + text[1:]
+    return begun if begun.endswith((".", "?")) else f"{begun}."
 
 
 def shown(value: float | None, unit: str, digits: int = 3, size: float | None = None) -> str:
@@ -84,7 +105,12 @@ def ends(p: Record) -> tuple[str, str, str]:
 
 def times(ratio: float) -> str:
     """A size beside the noise level, as `1.3 times the noise`."""
-    return f"{ratio:.1f} times the noise" if ratio < 10 else f"{ratio:.0f} times the noise"
+    return f"{multiple(ratio)} times the noise"
+
+
+def multiple(ratio: float) -> str:
+    """The number of that."""
+    return f"{ratio:.1f}" if ratio < 10 else f"{ratio:.0f}"
 
 
 def unseen(record: Record) -> str:

@@ -54,9 +54,9 @@ def as_floors_do(motion: Motion, predictions: Sequence[Prediction], eps: float) 
         return ()
     found = [eps + _step(x / c, m / c)[0] for x, m, c in zip(left, moves, chance, strict=True)]
     return (
-        f"trials of one setting differ as by another anisotropy ratio in each: {_ends(motion, found)}, "
-        f"{explained / (explained + beyond):.0%} of what they differ by. Do floor, wheels or skin change from trial to "
-        "trial? Diagnose those that are alike, with the others as `--reference`",
+        f"{explained / (explained + beyond):.0%} of what trials of one setting differ by is an anisotropy ratio of its "
+        f"own in each: {_ends(motion, found)}. Do floor, wheels or skin change from trial to trial? Diagnose those "
+        "that are alike, with the others as `--reference`",
     )
 
 
@@ -70,9 +70,9 @@ def one_in_each(motion: Motion, predictions: Sequence[Prediction], eps: float) -
     if share <= MOST:
         return ()
     return (
-        f"an anisotropy ratio of its own in each trial would take away {share:.0%} of what is left "
-        f"({_ends(motion, [eps + step for step in steps])}): were they played on several floors or days, or does drag "
-        "follow another law?",
+        f"an anisotropy ratio of its own in each trial would take away {share:.0%} of what is left: "
+        f"{_ends(motion, [eps + step for step in steps])}. Were they played on several floors or days, or is the law "
+        "another?",
     )
 
 

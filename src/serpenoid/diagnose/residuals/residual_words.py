@@ -19,9 +19,9 @@ from serpenoid.diagnose.residuals.pushes import calm, pushed, trace
 
 DIRECTIONS = ("forward or backward", "sideways", "in turning")
 SIGNS = (
-    ("moves farther forward", "moves less far forward"),
-    ("moves farther to the left", "moves farther to the right"),
-    ("turns more to the left", "turns more to the right"),
+    ("moves", "farther forward", "less far forward"),
+    ("moves", "farther to the left", "farther to the right"),
+    ("turns", "more to the left", "more to the right"),
 )
 ONE_SIGN = 0.5  # mean over RMS from which a sign is spoken of
 MOST = 0.5  # of the squares above chance
@@ -35,7 +35,8 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
     if shared.news:
         worst = int(shared.by.argmax())
         verb = "is" if motion.tracks[0].noise is not None else "repeats:"
-        words.append(f"what is left {verb} {shared.ratio:.1f} times chance, most of it {DIRECTIONS[worst]}")
+        size = f"{shared.ratio:.1f} times the noise in variance"
+        words.append(f"what is left {verb} {size}, most of it {DIRECTIONS[worst]}")
         words += _moment(motion, left) or _when(motion, left, worst)
         words += _where(motion, left)
     room = untold(motion, left)
@@ -43,10 +44,10 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
         words.append(laid_otherwise(room))
     noise = calm(motion, predictions, left, pushes)
     if _astray(noise, after_m):
-        words.append(f"paths stray from the measured ones by {after_m / noise.level_m:.1f} times the noise")
+        words.append(f"predicted paths are off by {after_m / noise.level_m:.1f} times the noise")
     if trace(motion, predictions, pushes) > VISIBLE * noise.level_m:
         words.append(
-            "repeats differ by pushes in single trials that no law of the floor explains (a stone, a groove, a cable)"
+            "single trials were pushed as no law of the floor explains (a stone, a groove, a cable)"
             f"{where_pushed(motion, pushes)}"
         )
     return tuple(words)
@@ -66,8 +67,8 @@ def laid_otherwise(room: Untold) -> str:
     """Of trials that differ by more than chance, none of which was laid as another."""
     usual = "cycles of one trial do" if room.by_cycles else "the markers' noise makes them"
     return (
-        f"trials of one setting differ by {room.ratio:.1f} times as much as {usual}, and none was laid as another was: "
-        "something in the room that the model lacks, or chance from trial to trial; lay each twice alike to tell"
+        f"trials of one setting differ by {room.ratio:.1f} times as much as {usual}, and none was laid as another was; "
+        "something in the room is missing in the model, or trials vary: lay each twice alike to tell"
     )
 
 
@@ -104,10 +105,9 @@ def _when(motion: Motion, left: Sequence[Floats], component: int) -> list[str]:
     worst = max(sizes, key=lambda k: sizes[k])
     own = np.array(groups[worst])[:, component]
     mean, rms = float(np.nanmean(own)), float(np.sqrt(np.nanmean(own**2)))
-    one, other = SIGNS[component]
-    sign = f"there the body {SIGNS[component][mean < 0]}"
-    either = sign if abs(mean) > ONE_SIGN * rms else f"at times the body {one}, at times it {other}"
-    return [f"largest in {worst}, {sizes[worst]:.1f} times the noise of a window: {either} than modelled"]
+    does, more, less = SIGNS[component]
+    way = (more, less)[mean < 0] if abs(mean) > ONE_SIGN * rms else f"now {more}, now {less}"
+    return [f"largest in {worst} ({sizes[worst]:.1f} times the noise): the body {does} {way} than modelled"]
 
 
 def _where(motion: Motion, left: Sequence[Floats]) -> list[str]:

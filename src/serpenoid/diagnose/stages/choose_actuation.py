@@ -97,7 +97,7 @@ def _unlike(best: Played, joint: int, left: float) -> str:
     recordings = best.data.recordings
     marker = None if recordings[0].by_servos else displaced_marker(recordings, joint + 1)
     if marker is None:
-        return f"joint {joint + 1} follows its command no better than {left:.1f} times {_missed(best, joint)}"
+        return f"joint {joint + 1} misses its command by {left:.1f} times {_missed(best, joint)}"
     return (
         f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and no "
         f"servo need be the cause: {marker.words}"

@@ -40,6 +40,7 @@ from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, numbers_settle
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
 from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside
 from serpenoid.model import Model
+from serpenoid.wording import NOT_NAMED
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
@@ -289,14 +290,14 @@ def refusals(refused: Sequence[Refused]) -> tuple[str, ...]:
     most = {r.effect.key: r for r in sorted(refused, key=lambda r: r.share) if r.share >= TOLD}
     ordered = sorted(most.values(), key=lambda r: -r.share)
     chance, beyond = [r for r in ordered if not r.beyond], [r for r in ordered if r.beyond]
-    said = [f"{_shares(chance)}, and a wrong effect could take away as much: not named"] if chance else []
-    return (*said, *(f"{_shares([r])}, but is pushed beyond its bound: not named" for r in beyond))
+    said = [f"{NOT_NAMED}a wrong effect could take away as much: {_shares(chance)}"] if chance else []
+    return (*said, *(f"{NOT_NAMED}it is pushed beyond its bound: {_shares([r])}" for r in beyond))
 
 
 def _shares(refused: Sequence[Refused]) -> str:
     first, *others = refused
-    more = "".join(f", {r.effect.called} {r.share:.0%}" for r in others)
-    return f"{first.effect.called} would take away {first.share:.0%} of what is left{more}"
+    more = "".join(f", {r.effect.called} ({r.share:.0%})" for r in others)
+    return f"{first.effect.called} ({first.share:.0%} of what is left){more}"
 
 
 def undetected_of(t: Weak, noise_level_m: float) -> Named:

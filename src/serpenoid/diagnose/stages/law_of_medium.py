@@ -58,7 +58,7 @@ def in_words(found: Selection, other: Selection) -> str:
         (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.1f}")
         for s, misfit in zip((found, other), misfits, strict=True)
     )
-    return f"{after} misses windows by {now} times chance, {before} by {then}: it is taken"
+    return f"{after} misses windows by {now} times the noise, {before} by {then}: it is taken"
 
 
 def numbers_settled(
