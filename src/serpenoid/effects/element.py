@@ -53,8 +53,7 @@ class Element:
     points: the vertex [m]; tangents: of the body; links: direction of the edge on the tail's side; contacts: where the
     drag acts [m]; wheels: directions in which it rolls; origin: what points and contacts are counted from [m]; weight:
     share of the body's weight; grip: the weight in the drag law; anisotropy_ratio: eps; locked: share of the wheel
-    that slides instead of rolling; axle: square of the distance from its middle to a wheel [m^2]; creep: square of
-    the slip below which dry friction gives way [m^2/s^2]; time: middle of the
+    that slides instead of rolling; axle: square of the distance from its middle to a wheel [m^2]; time: middle of the
     step, seconds since the start; duration [s]; push: force on the vertex [m/s]; momentum: of the vertex [m].
     """
 
@@ -69,7 +68,6 @@ class Element:
     anisotropy_ratio: ca.SX
     locked: ca.SX
     axle: ca.SX
-    creep: ca.SX
     time: ca.SX
     duration: ca.SX
     push: ca.SX

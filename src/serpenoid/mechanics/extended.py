@@ -53,7 +53,6 @@ def wrench(
         element = kind.on_element(element, p)
     ratio = law.form_ratio(element.anisotropy_ratio)
     soft = softening_length(before[:4], after[:4], setting[5]) * length / duration
-    soft = ca.sqrt(soft**2 + element.creep)
     multipliers = law.multipliers(*element.squared_slips, element.along(ratio), soft)
     force, moment, axle = ca.SX.zeros(2), ca.SX(0), ca.SX(0)
     for wheel, arm in zip(element.wheels, reversed(element.contacts), strict=True):
@@ -91,7 +90,6 @@ def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: 
         anisotropy_ratio=eps,
         locked=nothing,
         axle=nothing,
-        creep=nothing,
         time=time,
         duration=duration,
         push=zero,

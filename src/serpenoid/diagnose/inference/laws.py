@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import chain, product
 
 import numpy as np
 
@@ -116,9 +116,9 @@ def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float) -> Fit:
     """
     effects = numbers_of(model)
     speed = own_speed(motion)
-    values = [[e.effect.parameters[0].coordinate(share * speed) for share in CREEPING] for e in effects]
+    values = [[(share * speed, *e.coordinates[1:-1]) for share in CREEPING] for e in effects]
     ratios = np.geomspace(least_ratio, 1.0, RATIOS)
-    starts = [(eps, *rest) for eps in ratios for rest in product(*values)]
+    starts = [(eps, *chain.from_iterable(rest)) for eps in ratios for rest in product(*values)]
     begun = in_processes([(_fit, (motion, model, effects, np.array(x), 0)) for x in starts])
     near = sorted(begun, key=_missed)[:POLISHED]
     fits = in_processes([(_fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])

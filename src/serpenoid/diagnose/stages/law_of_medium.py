@@ -64,10 +64,11 @@ def in_words(found: Selection, other: Selection) -> str:
 def numbers_settled(
     found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]
 ) -> tuple[Selection, Baseline]:
-    """What is found beside a baseline whose law has the numbers that it has beside what is found."""
+    """What is found beside a baseline whose law has the numbers that it has beside what is found; a number that was
+    measured before and is another now is news."""
     for _ in range(ROUNDS):
         moved = [e for e in found.best.effects if e.effect in of_laws()]
-        if not moved:
+        if not moved or baseline.ratio is not None:
             break
         baseline = replace(baseline, model=replace(baseline.model, effects=joined(baseline.model.effects, moved)))
         found = search(baseline)
