@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 import serpenoid as sp
 from serpenoid.effects import ActiveEffect, find
+from serpenoid.media import LAWS
+from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.problem import Problem
 
@@ -37,6 +40,14 @@ def table(problem: Problem) -> np.ndarray:
     return sp.simulate(problem).table
 
 
-def extended(problem: Problem, *effects: ActiveEffect, duration: float | None = 5.0) -> Model:
-    """The robot with effects."""
-    return Model(problem.body, problem.medium, effects, duration)
+def medium_for(medium: Medium, *effects: ActiveEffect) -> Medium:
+    """A medium, by the first law in which all these effects act."""
+    law = next(law for law in LAWS if all(e.effect.acts_in(law) for e in effects))
+    return medium.model_copy(update={"law": law})
+
+
+def extended(
+    problem: Problem, *effects: ActiveEffect, duration: float | None = 5.0, asked: Sequence[ActiveEffect] = ()
+) -> Model:
+    """The robot with effects, in a medium in which they and those that are asked about act."""
+    return Model(problem.body, medium_for(problem.medium, *effects, *asked), effects, duration)

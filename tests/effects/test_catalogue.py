@@ -68,16 +68,18 @@ def test_a_diagnosis_can_look_for_the_effect_as_its_file_says(name: str, problem
 
 @pytest.mark.parametrize("name", HAVE_NEUTRAL)
 def test_neutral_effect_is_the_baseline_to_the_last_bit(name: str, problem: Problem, table: np.ndarray) -> None:
-    model = extended(problem, ActiveEffect.neutral(name, place_of(name)))
-    assert model == extended(problem)
-    motion, plain = (sp.simulate_joint_angles(m, table, 2) for m in (model, extended(problem)))
+    there = ActiveEffect.neutral(name, place_of(name))
+    model, baseline = extended(problem, there), extended(problem, asked=[there])
+    assert model == baseline
+    motion, plain = (sp.simulate_joint_angles(m, table, 2) for m in (model, baseline))
     assert motion.poses.tobytes() == plain.poses.tobytes()
     assert motion.step_energy.tobytes() == plain.step_energy.tobytes()
 
 
 @pytest.mark.parametrize("name", MOVING)
 def test_moderate_strength_changes_the_motion(name: str, problem: Problem, table: np.ndarray) -> None:
-    motion, plain = (sp.simulate_joint_angles(extended(problem, *e), table) for e in ([typical(name)], []))
+    there = [typical(name)]
+    motion, plain = (sp.simulate_joint_angles(extended(problem, *e, asked=there), table) for e in (there, []))
     assert motion.status.ok
     assert np.abs(motion.poses - plain.poses)[:, :2].max() > 1e-3  # body lengths, about 1 mm
 

@@ -18,6 +18,7 @@ from effects.conftest import typical
 from oracle.chain import serpenoid_joint_table
 from serpenoid.body import Body
 from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.media import DEFAULT
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise as our_realise
@@ -27,7 +28,7 @@ TABLE = serpenoid_joint_table(EDGES, 50, sigma=0.8, a=5.5, xi=1.1, x_c=0.8, thet
 BODY = Body(vertices=12, edge_lengths=tuple(EDGES), weights=tuple(WEIGHTS))
 UNITS = np.array([EDGES.sum(), EDGES.sum(), 1.0])
 START = np.array([0.1, -0.2, 0.3])
-MOVING = [name for name, effect in catalogue().items() if effect.site != "observation"]
+MOVING = [n for n, effect in catalogue().items() if effect.site != "observation" and effect.acts_in(DEFAULT)]
 
 
 def theirs(active: ActiveEffect, steps: int) -> np.ndarray:

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import serpenoid as sp
-from effects.conftest import extended, place_of, typical
+from effects.conftest import extended, medium_for, place_of, typical
 from serpenoid.effects import ActiveEffect, catalogue, find
 from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
+from serpenoid.media import DEFAULT
 from serpenoid.model import Model
 from serpenoid.optimise.extended import realised_angles
 from serpenoid.problem import Problem
@@ -29,9 +30,10 @@ def start(problem: Problem) -> EllipseGait:
 
 
 def wanted(problem: Problem, *effects: ActiveEffect) -> Problem:
-    """Joint limits, some price of dissipation, 30 steps: quick."""
-    task = problem.task.model_copy(update={"c": 0.5, "steps": 30})
-    return problem.model_copy(update={"task": task, "effects": effects})
+    """Joint limits, some price of dissipation, 30 steps: quick; dry friction moves farther, by a finer mesh."""
+    medium = medium_for(problem.medium, *effects)
+    task = problem.task.model_copy(update={"c": 0.5, "steps": 30 if medium.law == DEFAULT else 60})
+    return problem.model_copy(update={"task": task, "effects": effects, "medium": medium})
 
 
 @pytest.mark.parametrize("name", OPTIMISED)
@@ -45,7 +47,7 @@ def test_optimum_with_an_effect_is_certified_and_no_worse_than_the_baselines(
     assert solution.polishing_gain is not None
     assert solution.polishing_gain < 1e-6
     if not getattr(find(name), "limits", False):  # there the baseline's gait is forbidden
-        table = joint_table(changed.model, start.parameters, 30)
+        table = joint_table(changed.model, start.parameters, changed.task.steps)
         old = sp.simulate_joint_angles(changed.model, table)
         assert solution.cost <= -old.displacement + 0.5 * old.dissipation + 1e-9
 

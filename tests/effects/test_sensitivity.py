@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import serpenoid as sp
-from effects.conftest import extended, place_of, typical
+from effects.conftest import extended, medium_for, place_of, typical
 from serpenoid.effects import ActiveEffect, catalogue, find
+from serpenoid.media import DEFAULT
 from serpenoid.model import Model
 from serpenoid.problem import Problem
 from serpenoid.simulation.path import path_sensitivities
@@ -19,7 +20,8 @@ from serpenoid.simulation.sensitivity import Column, StepSensitivities, step_sen
 MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium"]
 TIMES = np.linspace(0, 5, 51)
 STEP, SMALL_STEP = 1e-5, 2e-8  # the second: m^2, beside the square of a creep of 1 mm in a second
-SQUARES = ("grip_saturation", "track_width")  # coordinates that are not negative
+SQUARES = ("grip_saturation", "track_width", "creep")  # coordinates that are not negative
+OF_LAWS = [name for name in MEDIUM if not find(name).acts_in(DEFAULT)]
 
 
 @pytest.fixture(scope="module")
@@ -29,12 +31,18 @@ def recording(problem: Problem, table: np.ndarray) -> np.ndarray:
     return sp.simulate_joint_angles(truth, table, start=np.array([0.1, 0.2, 0.3])).vertices
 
 
-def moved(problem: Problem, effects: tuple[ActiveEffect, ...], column: Column, change: float) -> Model:
+def moved(
+    problem: Problem,
+    effects: tuple[ActiveEffect, ...],
+    column: Column,
+    change: float,
+    asked: tuple[ActiveEffect, ...] = (),
+) -> Model:
     """The model with one column's coordinate changed."""
     if column.effect is None:
         eps = problem.medium.anisotropy_ratio + change
-        body, medium = problem.body, problem.medium.model_copy(update={"anisotropy_ratio": eps})
-        return Model(body, medium, effects, 5.0)
+        body, medium = problem.body, medium_for(problem.medium, *effects, *asked)
+        return Model(body, medium.model_copy(update={"anisotropy_ratio": eps}), effects, 5.0)
     resting = ActiveEffect.neutral(column.effect, column.place)
     old = next((e for e in effects if (e.name, e.place) == (column.effect, column.place)), resting)
     coordinates = np.array(old.coordinates[:-1])
@@ -42,7 +50,7 @@ def moved(problem: Problem, effects: tuple[ActiveEffect, ...], column: Column, c
     pairs = zip(old.effect.parameters, coordinates, strict=True)
     values = {p.name: p.value(float(c)) for p, c in pairs}  # not clipped: differences look to both sides
     new = ActiveEffect.model_construct(name=old.name, place=old.place, parameters=values)
-    return extended(problem, *(e for e in effects if e is not old), new)
+    return extended(problem, *(e for e in effects if e is not old), new, asked=asked)
 
 
 @pytest.mark.parametrize("present", [(), ("dry_friction", "inertia")])
@@ -50,8 +58,8 @@ def moved(problem: Problem, effects: tuple[ActiveEffect, ...], column: Column, c
 def test_what_a_law_of_the_whole_body_does_is_the_sum_of_what_it_does_at_each_vertex(
     name: str, present: tuple[str, ...], problem: Problem, recording: np.ndarray
 ) -> None:
-    if name in present:
-        return
+    if name in present or name in OF_LAWS:
+        return  # a number of a law is of all vertices
     every = [None, *range(problem.body.vertices)]
     asked = [ActiveEffect.neutral(name, place) for place in every]
     found = step_sensitivities(extended(problem, *map(typical, present)), recording, TIMES, candidates=asked)
@@ -67,10 +75,9 @@ def test_what_a_law_of_the_whole_body_does_is_the_sum_of_what_it_does_at_each_ve
 def test_derivatives_are_those_of_the_prediction(
     name: str, present: tuple[str, ...], problem: Problem, recording: np.ndarray
 ) -> None:
-    effects = tuple(typical(other) for other in present)
-    found = step_sensitivities(
-        extended(problem, *effects), recording, TIMES, candidates=[ActiveEffect.neutral(name, place_of(name))]
-    )
+    effects = tuple(typical(other) for other in present if name not in OF_LAWS or find(other).of_degree is None)
+    asked = ActiveEffect.neutral(name, place_of(name))
+    found = step_sensitivities(extended(problem, *effects, asked=[asked]), recording, TIMES, candidates=[asked])
     assert found.sound.all()
     for i, column in enumerate(found.columns):
         if column.effect not in (name, None):
@@ -78,7 +85,7 @@ def test_derivatives_are_those_of_the_prediction(
         one_sided = name in SQUARES and name not in present
         shifts, weights = ((0, 1, 2), (-1.5, 2, -0.5)) if one_sided else ((-1, 1), (-0.5, 0.5))
         step = SMALL_STEP if column.effect == "track_width" else STEP
-        values = [predicted(moved(problem, effects, column, x * step), recording) for x in shifts]
+        values = [predicted(moved(problem, effects, column, x * step, (asked,)), recording) for x in shifts]
         change = sum(w * v for w, v in zip(weights, values, strict=True)) / step
         size = np.abs(found.jacobian[..., i]).max()
         np.testing.assert_allclose(found.jacobian[..., i], change, atol=1e-8 + 1e-4 * size, rtol=0)
@@ -143,7 +150,7 @@ def test_ten_thousand_steps_by_all_effects_at_all_places_take_about_a_second(
     begin = time.process_time()
     found = everything(problem, recording, 10_001)
     seconds = time.process_time() - begin
-    assert found.jacobian.shape == (10_000, 3, 1 + 21 + 36)
+    assert found.jacobian.shape == (10_000, 3, 1 + 21 + 2 + 36)
     assert seconds < 5  # 1 s on an idle core of 2020; processor time
 
 
@@ -152,7 +159,7 @@ def test_derivatives_of_a_path_are_those_of_the_simulation(
     present: tuple[str, ...], problem: Problem, recording: np.ndarray
 ) -> None:
     effects, start = tuple(typical(name) for name in present), np.array([0.1, 0.2, 0.3])
-    candidates = [ActiveEffect.neutral(name, place_of(name)) for name in MEDIUM if name not in present]
+    candidates = [ActiveEffect.neutral(name, place_of(name)) for name in MEDIUM if name not in (*present, *OF_LAWS)]
     found = path_sensitivities(extended(problem, *effects), recording, TIMES, start, candidates)
 
     def path(model: Model, first: np.ndarray = start) -> np.ndarray:

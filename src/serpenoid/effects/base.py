@@ -71,9 +71,10 @@ class Parameter:
 
     @property
     def units(self) -> str:
-        """The unit, and those in media of other laws where they are others."""
-        others = [law for law in LAWS.values() if self.unit_in(law) != self.unit]
-        return "; ".join([self.unit, *(f"with {law.title} {self.unit_in(law)}" for law in others)])
+        """The unit, and those in media of other laws where they are others; of laws of one degree the first is told."""
+        first = {self.unit_in(law): law.title for law in reversed(LAWS.values())}
+        others = [f"with {title} {unit}" for unit, title in reversed(first.items()) if unit != self.unit]
+        return "; ".join([self.unit, *others])
 
     @property
     def resting(self) -> float:

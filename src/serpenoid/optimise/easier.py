@@ -63,11 +63,11 @@ def softer(problem: Problem) -> Problem | None:
         return None
     softening = medium.softening * SOFTER
     if softening <= SOFTEST:
-        update: dict = {"softening": softening}
-    else:
-        ratio = law.form_ratio(medium.anisotropy_ratio)
-        update = {"law": law.softer.name, "anisotropy_ratio": ratio, "anisotropy_ratio_bounds": None}
-    return problem.model_copy(update={"medium": medium.model_copy(update=update)})
+        return problem.model_copy(update={"medium": medium.model_copy(update={"softening": softening})})
+    ratio, name = law.form_ratio(medium.anisotropy_ratio), law.softer.name
+    drag = medium.model_copy(update={"law": name, "anisotropy_ratio": ratio, "anisotropy_ratio_bounds": None})
+    effects = tuple(e for e in problem.effects if e.effect.acts_in(name))  # not what is a number of the harder law
+    return problem.model_copy(update={"medium": drag, "effects": effects})
 
 
 def on_fewer_rows(problem: Problem, family: GaitFamily) -> Problem | None:
