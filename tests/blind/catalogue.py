@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from blind.cameras import Cameras
-from blind.ground import ExternalForce, Ground, Patch
+from blind.ground import SHAPES, WAYS, Dry, ExternalForce, Ground, Patch
 from blind.motion import Drive, paths
 from blind.schedule import Servos
 from blind.snake import SNAKE10, Floats, Robot
@@ -225,6 +225,19 @@ CATALOGUE: dict[str, Kind] = {
 }
 
 
+def _dry(ways: str) -> Kind:
+    """A floor of dry friction."""
+    return Kind(
+        MEDIUM,
+        GLOBAL,
+        lambda rng, place, robot: {"shape": float(rng.integers(len(SHAPES))), "speed": _log(rng, 0.003, 0.03)},
+        _ground(dry=lambda k, p: Dry(ways, int(p["shape"]), p["speed"])),
+    )
+
+
+# What no effect of the catalogue is: whole laws of the floor.
+FLOORS = {f"dry_{ways}": _dry(ways) for ways in WAYS}
+KNOWN = CATALOGUE | FLOORS
 # Of bodies without wheels: the robots of the studies have some, on which a worn one does the same.
 WITHOUT_WHEELS = ("rough_skin",)
 ON_WHEELS = tuple(n for n in CATALOGUE if n not in WITHOUT_WHEELS)
@@ -249,7 +262,7 @@ LENGTHS: dict[str, dict[str, int]] = {
 
 def drawn(rng: np.random.Generator, name: str, place: int | None, robot: Robot = SNAKE10) -> Effect:
     """One effect at a place, its strength at random."""
-    parameters = CATALOGUE[name].draw(rng, place, robot)
+    parameters = KNOWN[name].draw(rng, place, robot)
     powers = LENGTHS.get(name, {})
     return Effect(name, place, {p: v * robot.size ** powers.get(p, 0) for p, v in parameters.items()})
 
@@ -272,5 +285,5 @@ def world(eps: float, effects: Sequence[Effect], robot: Robot = SNAKE10) -> Worl
     """The world with these effects in it."""
     w = World(Ground(eps, robot))
     for e in effects:
-        w = CATALOGUE[e.name].apply(w, e.place if e.place is not None else -1, e.parameters)
+        w = KNOWN[e.name].apply(w, e.place if e.place is not None else -1, e.parameters)
     return w

@@ -38,6 +38,31 @@ class PhaseSlip:
     left_over: float
 
 
+WAYS = ("ellipse", "components", "plain")
+SHAPES: tuple[Callable[[Floats], Floats], ...] = (
+    lambda x: x / np.sqrt(1 + x**2), np.tanh, lambda x: 2 / np.pi * np.arctan(np.pi / 2 * x)
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Dry:
+    """Dry friction instead of drag: |f| = w S(q / speed), of one slip or of each way by itself (outside the catalogue).
+
+    ways: q^2 = v_n^2 + e^2 v_t^2, of forces in an ellipse; each way alone, of forces in a box; or |v|, whose force has
+    the direction of linear drag. shape: S, one of SHAPES.
+    """
+
+    ways: str
+    shape: int
+    speed: float
+
+    def over_slip(self, q: Floats, creep: float) -> Floats:
+        """S(q / speed) / q [s/m]; softer where the solver asks for it."""
+        speed = np.sqrt(self.speed**2 + creep**2 - CREEP**2)
+        x = np.maximum(q / speed, 1e-9)
+        return np.asarray(SHAPES[self.shape](x) / x / speed)
+
+
 @dataclass(frozen=True)
 class Ground:
     """Everything medium; defaults are neutral and give F_k = -w_k (eps v_t T_k + v_n N_k)."""
@@ -48,6 +73,7 @@ class Ground:
     seizure: dict[int, float] = field(default_factory=dict)
     roughness: dict[int, float] = field(default_factory=dict)
     share: dict[int, float] = field(default_factory=dict)
+    dry: Dry | None = None
     crossover_speed: float = 0.0
     rolling_crossover: float = 0.0
     saturation_speed: float = np.inf
@@ -71,7 +97,7 @@ class Ground:
     def linear(self) -> bool:
         """Is the force linear in the velocity?"""
         odd = self.forward_backward, self.left_right, self.crossover_speed, self.rolling_crossover
-        return not any(odd) and np.isinf(self.saturation_speed) and self.exponent == 1
+        return self.dry is None and not any(odd) and np.isinf(self.saturation_speed) and self.exponent == 1
 
     @property
     def knows_place(self) -> bool:
@@ -122,6 +148,8 @@ class Ground:
     ) -> tuple[Floats, ...]:
         """Tangential and normal force on each contact; with a scrub `s`, its force too."""
         across = (v_n,) if s is None else (v_n, s)
+        if self.dry is not None:
+            return self._dry(self.dry, level, rolling, v_t, across)
         factor = level
         if self.crossover_speed or self.exponent != 1:
             speed = np.sqrt(sum((u**2 for u in across), v_t**2) + self.creep**2)
@@ -139,6 +167,24 @@ class Ground:
         if self.left_right:
             grips = grips * (1 + self.left_right * v_n / np.sqrt(v_n**2 + self.creep**2))
         return f_t, *(grips * u for u in across)
+
+    def _dry(
+        self, dry: Dry, level: Floats, rolling: Floats, v_t: Floats, across: tuple[Floats, ...]
+    ) -> tuple[Floats, ...]:
+        """The same by dry friction; asymmetries multiply what they do on drag."""
+        locked, rolls = self.locked, rolling
+        n2 = sum((u**2 for u in across), np.zeros_like(v_t))
+        if dry.ways == "ellipse":
+            rolls = rolling**2 / np.maximum(1 - locked, 1e-12)
+            m_t = m_n = dry.over_slip(np.sqrt(n2 + (rolls + locked) * v_t**2), self.creep)
+        elif dry.ways == "components":
+            m_t, m_n = (dry.over_slip(q, self.creep) for q in (np.abs(v_t), np.sqrt(n2)))
+        else:
+            m_t = m_n = dry.over_slip(np.sqrt(n2 + v_t**2), self.creep)
+        easier = 1 - self.forward_backward * v_t / np.sqrt(v_t**2 + self.creep**2)
+        harder = 1 + self.left_right * across[0] / np.sqrt(across[0] ** 2 + self.creep**2)
+        f_t = -level * m_t * (rolls * easier + locked) * v_t
+        return f_t, *(-level * m_n * harder * u for u in across)
 
     def external_force(self, world: Floats, time: Floats) -> Floats | None:
         """World-frame forces on the vertices (S, N, 2), or None."""

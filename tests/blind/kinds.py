@@ -8,6 +8,8 @@ laid                      the same six; every setting is played at least twice, 
 weather                   the same six; eps and each wheel's drag differ a little from trial to trial
 physics                   a law of the generator's floor is taken out of the catalogue; of three campaigns of a law,
                           one is healthy, and two are changed, with the healthy one as their reference
+dry                       the same on floors of dry friction: forces in an ellipse, in a box, or along those of drag
+                          that set in as a root, a hyperbolic or an arc tangent does; nothing is taken out
 same                      healthy, and as the reference the same gaits on another day
 days                      the same of any protocol that plays gaits twice, on floors that differ from trial to trial
 """
@@ -19,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from blind.campaign import COMBINATIONS, Campaign, Hide, make
-from blind.catalogue import ON_WHEELS, Effect
+from blind.catalogue import FLOORS, ON_WHEELS, Effect, drawn
 from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
 from blind.near import draw_near, short
 from blind.protocol import usual
@@ -38,7 +40,7 @@ LAWS: dict[str, tuple[str, float, float]] = {
 ANOTHER_DAY = (1,)
 DAYS = (("now", ()), ("before", ANOTHER_DAY))
 RANDOM = ("random", "laid", "weather", "days")
-KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "same", "days")
+KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "dry", "same", "days")
 
 
 @dataclass(frozen=True)
@@ -69,9 +71,25 @@ def case(kind: str, index: int, seed: int, identity: str) -> Case:
         return Case(make(seed, HIDDEN[cause], identity, protocol=protocol, among=among, weather=weather), cause)
     if kind == "physics":
         return _another_physics(index, seed, identity)
+    if kind == "dry":
+        return _on_a_dry_floor(index, seed, identity)
     if kind == "same":
         return Case(make(seed, 0, identity), "null", make(seed, 0, "before", chance=ANOTHER_DAY))
     return Case(make(seed, HIDDEN[kind], identity), kind)
+
+
+# What a floor of dry friction does not have besides: what makes dry friction of drag, and what has another unit there.
+OF_DRAG = ("dry_friction", "rolling_resistance", "power_law_drag", "grip_saturation", "inertia", "added_mass")
+
+
+def _on_a_dry_floor(index: int, seed: int, identity: str) -> Case:
+    rng = np.random.default_rng([seed, 7])
+    base = [drawn(rng, list(FLOORS)[index % len(FLOORS)], None)]
+    among = sorted(set(ON_WHEELS) - set(OF_DRAG))
+    changed = (index // len(FLOORS)) % 3 > 0
+    found = make(seed, int(changed), identity, protocol=usual(seed), base=base, among=among)
+    before = make(seed, 0, "before", protocol=usual(seed), base=base, chance=ANOTHER_DAY) if changed else None
+    return Case(found, "one" if changed else "null", before)
 
 
 def _another_physics(index: int, seed: int, identity: str) -> Case:

@@ -25,6 +25,7 @@ TITLES = {
     "laid": "Random protocols, each trial laid anew",
     "weather": "Random protocols, a floor that differs a little from trial to trial",
     "physics": "Another physics",
+    "dry": "Floors of dry friction",
     "same": "Healthy against healthy",
     "days": "Healthy against healthy, floors that differ a little from trial to trial",
 }

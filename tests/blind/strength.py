@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from blind.cameras import Instruments, resample, seen_markers
 from blind.campaign import Campaign, make
-from blind.catalogue import CATALOGUE, MEDIUM, Effect, World, world
+from blind.catalogue import KNOWN, MEDIUM, Effect, World, world
 from blind.ground import Ground
 from blind.motion import Drive, paths
 from blind.records import record
@@ -173,7 +173,7 @@ def worst_channel(signature: Floats) -> float:
 
 def on_path_rung(effect: Effect) -> bool:
     """Is the effect judged by the path (True) or by shapes and markers (False)?"""
-    return CATALOGUE[effect.name].site == MEDIUM or effect.name in ON_THE_PATH
+    return KNOWN[effect.name].site == MEDIUM or effect.name in ON_THE_PATH
 
 
 def alone(c: Campaign, effect: Effect) -> Campaign:

@@ -125,7 +125,7 @@ def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
         "eps_interval": diagnosis.get("anisotropy_ratio", {}).get("interval"),
         "eps_alone": diagnosis.get("anisotropy_ratio", {}).get("before"),
     }
-    if found.without and found.reference is None:
+    if c.base and found.reference is None:
         return row | healthy(c, said, f)
     if any(e.name not in CATALOGUE for e in c.effects):
         return row | {"outcome": "wrong" if said.verdict == "explained" else "right"}

@@ -42,7 +42,8 @@ def dragged(tmp_path_factory: pytest.TempPathFactory) -> tuple[Motion, Fit]:
 
 
 def asked(motion: Motion, null: Fit, law: str = "coulomb") -> str:
-    return rival_laws(Selection(null, (), null, (), (), motion, null, 1.0, ())).get(law, "")
+    found = rival_laws(Selection(null, (), null, (), (), motion, null, 1.0, ())).get(law)
+    return "" if found is None else found.words
 
 
 def slid(motion: Motion, null: Fit, other: Model) -> Motion:
