@@ -17,6 +17,7 @@ import numpy as np
 from blind.ground import CREEP, Ground
 from blind.snake import Floats, Shape
 
+ROUNDING = 1e-12  # of a slope: forces over speeds
 SETTLED = 1e-8  # m/s, forces left over that count as balanced
 SOFTENED = CREEP * 2.0 ** np.arange(9, -0.1, -0.25)  # m/s
 
@@ -165,7 +166,7 @@ def _newton(
         slope = _slope(ground, kk, ll, ee, v, f)
         if m is not None:
             slope = slope - m.matrix / m.half_step[:, None, None]
-        step = -np.linalg.solve(slope, r[..., None])[..., 0]
+        step = -np.linalg.solve(slope - ROUNDING * np.eye(3), r[..., None])[..., 0]  # dry friction may be flat
         size = np.linalg.norm(r, axis=1)
         trial = xx + damping[todo, None] * step
         after = np.linalg.norm(_residual(kk, _drag(ground, kk, ll, ee, trial)[1], ext, trial, m), axis=1)

@@ -1,4 +1,4 @@
-"""Dry friction beside linear drag: told of wherever it misses less."""
+"""Dry friction beside linear drag: told of wherever it misses less, and taken where it is the law."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference import laws
-from serpenoid.diagnose.inference.laws import on_rival, rival_laws
+from serpenoid.diagnose.inference.laws import by_its_own_numbers, on_rival, rival_laws
 from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.stages.choose_motion import GUESS, choose_on_tracks
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.media import LAWS
@@ -129,3 +129,50 @@ def test_the_ratio_of_a_law_that_a_file_states_is_fitted_and_no_other_law_is_ask
     _, found = calibrated(motion, fit_eps(motion, replace(fast, medium=fast.medium.with_ratio(0.4))))
     assert found.model.medium.anisotropy_ratio == pytest.approx(EPS, abs=0.01)  # the noise of the markers
     assert asked(motion, found) == ""
+
+
+def creeping(law: str, motion: Motion, null: Fit) -> tuple[Motion, Model]:
+    """The same shapes on dry friction that creeps below 8 mm/s, rather suddenly."""
+    dry = on_rival(null.model, LAWS[law])
+    assert dry is not None
+    creep = ActiveEffect.of("creep", creep_speed=0.008, sharpness=2.7)
+    model = replace(dry, medium=Medium(anisotropy_ratio=EPS, law=law), effects=(creep,))
+    return slid(motion, null, model), model
+
+
+@pytest.mark.parametrize("law", ["coulomb", "coulomb_by_components"])
+def test_the_numbers_of_a_law_are_found_with_eps(law: str, dragged: tuple[Motion, Fit]) -> None:
+    motion, truth = creeping(law, *dragged)
+    found = by_its_own_numbers(motion, replace(truth, effects=()), 0.01)
+    deviations = np.sqrt(np.diag(np.linalg.inv(found.evidence.matrix.sum(axis=0))))
+    assert (np.abs(found.coordinates - [EPS, 0.008, 2.7]) < 4 * deviations).all()
+    assert (deviations < [0.002, 0.001, 1.0]).all()
+
+
+@pytest.mark.parametrize("law", ["coulomb", "coulomb_by_components"])
+@pytest.mark.parametrize("law_open", [True, False])
+def test_a_law_that_nobody_states_is_taken_where_it_leaves_little_and_drag_much(
+    law: str, law_open: bool, dragged: tuple[Motion, Fit]
+) -> None:
+    motion, null = dragged
+    moved, _ = creeping(law, motion, null)
+    known = Baseline(null.model, law_open=law_open)
+    found = choose_on_tracks(lambda about: moved.tracks, motion.labels, known, lambda text: None)
+    taken = found.selection.best.model.medium.law
+    assert taken == (law if law_open else "viscous")
+    assert bool(found.stage.law_taken) == law_open
+    if law_open:
+        assert found.stage.law_taken.endswith("it is taken")
+        assert not found.stage.named
+        assert {e.name for e in found.baseline.known} == {"creep"}  # type: ignore[union-attr]
+        assert found.selection.best.model.medium.anisotropy_ratio == pytest.approx(EPS, rel=0.01)
+    else:
+        assert law in found.stage.laws
+
+
+def test_on_linear_drag_no_other_law_is_taken(dragged: tuple[Motion, Fit]) -> None:
+    motion, null = dragged
+    known = Baseline(null.model, law_open=True)
+    found = choose_on_tracks(lambda about: motion.tracks, motion.labels, known, lambda text: None)
+    assert found.selection.best.model.medium.law == "viscous"
+    assert not found.stage.law_taken
