@@ -32,10 +32,12 @@ SOFTENING = Medium.model_fields["softening"].default
 @dataclass(frozen=True)
 class Rival:
     """A law that was fitted beside another: its model, with its own numbers and without what is named; how it does, in
-    words, empty where it does worse; better: whether it leaves less than the other law does with what is named."""
+    words, empty where it does worse; what it misses windows by, over the noise; better: whether the other law does so by
+    more with what is named."""
 
     model: Model
     words: str
+    misses: float
     better: bool
 
 
@@ -68,7 +70,7 @@ def _beside(found: Selection, model: Model) -> Rival | None:
             f"alone, {rival.title} misses windows by {its:.1f} times the noise and {fitted} by {own:.1f}; with what is "
             f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the medium may follow neither"
         )
-    return Rival(alone.model, words if better or its < own else "", better)
+    return Rival(alone.model, words if better or its < own else "", min(its, its_named), better)
 
 
 def left_beyond_chance(found: Selection, other: Selection) -> tuple[float, float, float]:

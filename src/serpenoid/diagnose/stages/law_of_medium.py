@@ -33,22 +33,20 @@ ROUNDS = 3  # a number of the law moves by what is named beside it, and what is 
 
 
 def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]) -> Taken:
-    """The rival beside which least is left, if that is less than beside the law itself and less than LAW_ERROR of what
-    the law alone leaves beyond chance: as of servos, a law that leaves more is not the one.
+    """The first rival, from the one that misses least, beside which less is left than beside the law itself, and less
+    than LAW_ERROR of what the law alone leaves beyond chance: as of servos, a law that leaves more is not the one.
 
     search: finds what is to be named beside a baseline.
     """
     rivals = rival_laws(found)
-    said = {name: rival.words for name, rival in rivals.items() if rival.words}
-    if not baseline.law_open:
-        return Taken(rivals=said)
-    others = [replace(baseline, model=rival.model) for rival in rivals.values() if rival.better]
-    tried = [numbers_settled(search(other), other, search) for other in others]
-    left = [left_beyond_chance(found, selection) for selection, _ in tried]
-    for (alone, named, beside), (selection, other) in sorted(zip(left, tried, strict=True), key=lambda x: x[0][2]):
+    better = sorted((r for r in rivals.values() if r.better and baseline.law_open), key=lambda r: r.misses)
+    for rival in better:
+        other = replace(baseline, model=rival.model)
+        selection, other = numbers_settled(search(other), other, search)
+        alone, named, beside = left_beyond_chance(found, selection)
         if beside < min(named, LAW_ERROR * alone):
             return Taken(selection, other, in_words(found, selection))
-    return Taken(rivals=said)
+    return Taken(rivals={name: rival.words for name, rival in rivals.items() if rival.words})
 
 
 def in_words(found: Selection, other: Selection) -> str:
