@@ -32,8 +32,8 @@ SOFTENING = Medium.model_fields["softening"].default
 @dataclass(frozen=True)
 class Rival:
     """A law that was fitted beside another: its model, with its own numbers and without what is named; how it does, in
-    words, empty where it does worse; what it misses windows by, over the noise; better: whether the other law does so by
-    more with what is named."""
+    words, empty where it does worse; what it misses windows by, over the noise; better: whether that is less than what
+    the other law does with what is named."""
 
     model: Model
     words: str
