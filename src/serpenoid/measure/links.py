@@ -35,7 +35,7 @@ def bends(points: Floats) -> Floats:
 def _turns(stretches: Floats) -> Floats:
     a, b = stretches[:, :-1], stretches[:, 1:]
     cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
+    return np.asarray(np.arctan2(cross, a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]))
 
 
 def laid_over(points: Floats, markers: Floats) -> tuple[Floats, Floats, Floats]:
