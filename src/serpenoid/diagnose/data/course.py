@@ -155,10 +155,11 @@ class Readings:
 
     def _met(self, course: Course, late: float) -> float:
         """By Gauss-Newton, from `late` on."""
-        known = self._known
+        unknown = ~self._known
         for _ in range(MEETINGS):
-            angles, rates = course.followed(self.time - late)
-            rate, missed = np.where(known, rates, 0.0), np.where(known, self.angles - angles, 0.0)
+            angles, rate = course.followed(self.time - late)
+            missed = self.angles - angles
+            missed[unknown] = rate[unknown] = 0.0
             change = float((missed * rate).sum() / max(float((rate**2).sum()), 1e-12))
             late, before = float(np.clip(late - change, -self.near, self.near)), late
             if abs(late - before) < MET_S:
