@@ -12,7 +12,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.readings_noise import by_readings
+from serpenoid.diagnose.data.readings_noise import by_readings, of_shapes
 from serpenoid.diagnose.data.shape_in_time import Source, fitted
 from serpenoid.diagnose.data.tracks import half_average, make_tracks
 from serpenoid.diagnose.data.windows import predictions
@@ -51,7 +51,8 @@ def test_windows_are_off_by_readings_as_drawn(tmp_path: Path) -> None:
     found = predictions(model, tracks)
     left = np.array([t.displacement - p.displacement for t, p in zip(tracks, found, strict=True)])
     playing = tracks[0].playing & tracks[0].usable
-    each = [by_readings(r, model, t.time[t.boundaries], half_average(r)) for r, t in zip(again, tracks, strict=True)]
+    pairs = [(r, t.time[t.boundaries]) for r, t in zip(again, tracks, strict=True)]
+    each = [by_readings(r, model, times, of_shapes(r, times, half_average(r))) for r, times in pairs]
     said = np.mean(each, axis=0)
     drawn = np.sqrt((left[:, playing].var(axis=0, ddof=1)).mean(axis=0))
     # 24 draws of some twenty windows tell a standard deviation to 4 %; hidden markers, of which nothing is said, make

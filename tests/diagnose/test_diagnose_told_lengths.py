@@ -26,7 +26,7 @@ COUNT = SNAKE10.vertices
 
 def seen(folder: Path, hidden: list[Effect], told: np.ndarray | None = None, protocol: Protocol | None = None) -> Stage:
     """The stage of observation of a campaign whose edges are told as they are, or otherwise."""
-    write(make(3, hidden, "short", COMBINATIONS[:3], protocol=protocol), folder)
+    write(make(3, hidden, "short", COMBINATIONS[:2], protocol=protocol), folder)
     if told is not None:
         toml = folder / "campaign.toml"
         lengths = f"edge_lengths = [{', '.join(f'{e:.6f}' for e in told)}]"

@@ -57,7 +57,7 @@ def test_derivatives_are_those_of_the_angles(
 
 def test_joints_side_by_side_are_those_one_after_the_other(problem: Problem, setpoints: np.ndarray) -> None:
     theta = coordinates(extended(problem, *(typical(name) for name in ACTUATION)))
-    memory, durations = np.tile(setpoints[:1], (memories(), 1)), np.full_like(setpoints[1:], 0.02)
+    memory, durations = np.tile(setpoints[:1], (memories(), 1)), np.full(len(setpoints) - 1, 0.02)
     found = play(memory, setpoints, durations, theta)
     for lanes, columns in zip(found, _one_by_one(memory, setpoints, durations, theta), strict=True):
         np.testing.assert_allclose(lanes, columns, rtol=0, atol=1e-14)

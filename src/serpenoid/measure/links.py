@@ -17,8 +17,9 @@ from serpenoid.measure.cells import Floats
 
 def link_of_edge(body: Body) -> NDArray[np.int64]:
     """Which rigid link each edge belongs to, shape (N - 1,)."""
-    is_joint = np.isin(np.arange(1, body.vertices - 1), body.joint_vertices)
-    return np.concatenate([[0], np.cumsum(is_joint)]).astype(np.int64)
+    begins = np.zeros(body.vertices - 1, dtype=np.int64)
+    begins[list(body.joint_vertices)] = 1
+    return np.cumsum(begins)
 
 
 def marker_angles(body: Body, markers: Floats) -> Floats:
@@ -34,18 +35,18 @@ def bends(points: Floats) -> Floats:
 def _turns(stretches: Floats) -> Floats:
     a, b = stretches[:, :-1], stretches[:, 1:]
     cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return np.asarray(np.arctan2(cross, (a * b).sum(axis=2)))
+    return np.asarray(np.arctan2(cross, a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]))
 
 
 def laid_over(points: Floats, markers: Floats) -> tuple[Floats, Floats, Floats]:
     """Turn (F,) that lays points (F, N, 2) over the visible markers by least squares; the means (F, 2) of both."""
     seen = np.isfinite(markers[..., 0])
-    share = (seen / np.maximum(seen.sum(axis=1), 1)[:, None])[..., None]
+    share = (seen / np.maximum(seen.sum(axis=1), 1)[:, None])[:, None]
     there = np.where(seen[..., None], markers, 0.0)
-    mid_p, mid_m = (share * points).sum(axis=1), (share * there).sum(axis=1)
-    a, b = (points - mid_p[:, None]) * seen[..., None], (there - mid_m[:, None]) * seen[..., None]
-    cross = (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]).sum(axis=1)
-    return np.asarray(np.arctan2(cross, (a * b).sum(axis=(1, 2)))), mid_p, mid_m
+    mid_p, mid_m = share @ points, share @ there  # products of matrices: sums along short axes take thrice as long
+    products = ((points - mid_p) * seen[..., None]).swapaxes(1, 2) @ (there - mid_m)
+    cross, dot = products[:, 0, 1] - products[:, 1, 0], products[:, 0, 0] + products[:, 1, 1]
+    return np.asarray(np.arctan2(cross, dot)), mid_p[:, 0], mid_m[:, 0]
 
 
 def chain_vertices(body: Body, poses: Floats, joint_angles: Floats) -> Floats:

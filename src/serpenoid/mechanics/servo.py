@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.effects.catalogue import actuation_effects
 from serpenoid.mechanics.columns import call
 from serpenoid.mechanics.compile import compiled, loaded
@@ -27,9 +28,9 @@ def memories() -> int:
 
 
 def play(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) -> tuple[Floats, Floats, Floats]:
-    """Rows (n + 1, C) of set-points played side by side for n steps of `durations` (n, C), from the memory (Q, C) of C
+    """Rows (n + 1, C) of set-points played side by side for n steps of `durations` (n,), from the memory (Q, C) of C
     joints with coordinates theta (P, C): true angles and readings (n, C), and the memory after the last step."""
-    steps, columns = durations.shape
+    steps, columns = len(durations), setpoints.shape[1]
     run = _in_lanes()
     if run is None:
         return _one_by_one(memory, setpoints, durations, theta)
@@ -41,12 +42,19 @@ def play(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) ->
 
 @cache
 def _in_lanes() -> Any:
-    """C of `play`: block after block of joints; for each of them, step after step."""
-    step, q = _joint_step(), memories()
-    sizes = [*(step.numel_in(i) for i in range(5)), *(step.numel_out(i) for i in range(3))]
+    """C of `play`: block after block of joints; for each of them, step after step; in each, effect after effect."""
+    kinds, q, numbers = actuation_effects(), memories(), len(parameter_rows()) + len(actuation_effects())
+    sizes = [2, numbers, q, q, 2 * len(kinds)]
     places = [f"work + {sum(sizes[:i]) * LANES}" for i in range(len(sizes))]
-    names = ["known", "before", "after", "duration", "own", "kept", "angle", "reading"]
+    names = ["told", "own", "known", "kept", "passed"]
     arrays = "\n".join(f"  double *{name} = {place};" for name, place in zip(names, places, strict=True))
+    own = np.cumsum([0, *(len(kind.parameters) + 1 for kind in kinds)]) * LANES
+    remembered = np.cumsum([0, *(kind.memory for kind in kinds)]) * LANES
+    there = "\n".join(f"      there[{k}] |= own[{end - LANES} + i] != 0.0;" for k, end in enumerate(own[1:]))
+    through = "\n".join(
+        _through(kind, f"there[{k}]", f"own + {own[k]}", remembered[k], f"passed + {2 * k * LANES}")
+        for k, kind in enumerate(kinds)
+    )
     body = f"""
 static void load(long n, const long k, long columns, const double *a, double *x) {{
   for (long r = 0; r < k; ++r, a += columns, x += {LANES}) {{
@@ -63,14 +71,17 @@ void play(long columns, const double *memory, const double *setpoints, const dou
 {arrays}
   for (long first = 0; first < columns; first += {LANES}) {{
     const long n = columns - first < {LANES} ? columns - first : {LANES}, eights = (n + 7) / 8;
+    int there[{len(kinds)}] = {{0}};
     load(n, {q}, columns, memory + first, known);
-    load(n, {sizes[4]}, columns, theta + first, own);
+    load(n, {numbers}, columns, theta + first, own);
+    for (long i = 0; i < n; ++i) {{
+{there}
+    }}
     for (long t = 0; t < steps; ++t) {{
-      load(n, 1, columns, setpoints + t * columns + first, before);
-      load(n, 1, columns, setpoints + (t + 1) * columns + first, after);
-      load(n, 1, columns, durations + t * columns + first, duration);
-      {step.name()}(eights, known, before, after, duration, own, kept, angle, reading);
-      store(n, 1, columns, angle, angles + t * columns + first);
+      load(n, 2, columns, setpoints + t * columns + first, told);
+      const double *before = told, *after = told + {LANES}, *reading = after;
+{through}
+      store(n, 1, columns, after, angles + t * columns + first);
       store(n, 1, columns, reading, readings + t * columns + first);
       double *const spare = known;
       known = kept, kept = spare;
@@ -79,15 +90,43 @@ void play(long columns, const double *memory, const double *setpoints, const dou
   }}
 }}
 """
-    return loaded("play", PRELUDE + kernel(step) + body, lambda library: ctypes.CDLL(library).play, flags())
+    source = PRELUDE + "".join(kernel(_response(kind), [3]) for kind in kinds) + body
+    return loaded("play", source, lambda library: ctypes.CDLL(library).play, flags())
+
+
+def _through(kind: ActuationEffect, there: str, own: str, memory: int, passed: str) -> str:
+    """C of one step through an effect. One that none of the joints has leaves what comes to it as it is, to the last
+    bit, but remembers it."""
+    response, known, kept = _response(kind).name(), f"known + {memory}", f"kept + {memory}"
+    given = f"{known if kind.memory else 'before'}, before, after, durations + t, {own}"
+    lines = [f"if ({there}) {response}(eights, {given}, {passed}, {passed} + {LANES});"]
+    if kind.memory:
+        lines += [f"memcpy({kept}, {there} ? {passed} + {LANES} : after, {LANES} * sizeof(double));"]
+        lines += [f"before = {known}, after = {kept};"]
+    else:
+        lines += [f"if ({there}) before = {passed}, after = {passed} + {LANES};"]
+    lines += ["reading = after;"] if kind.shown else []
+    return "\n".join(f"      {line}" for line in lines)
+
+
+@cache
+def _response(kind: ActuationEffect) -> ca.Function:
+    """(what it remembers, if it does, set-points before and after [rad], duration [s], coordinates) -> what comes out
+    before and after."""
+    last, before, after, duration = (ca.SX.sym(name) for name in ("last", "before", "after", "duration"))
+    coordinates = ca.SX.sym("coordinates", len(kind.parameters) + 1)
+    p = kind.symbols(coordinates)
+    angle = last if kind.memory else kind.respond(before, before, before, duration, p)
+    inputs = [last, before, after, duration, coordinates]
+    return ca.Function(kind.name, inputs, [angle, kind.respond(angle, before, after, duration, p)], CSE)
 
 
 def _one_by_one(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) -> tuple[Floats, Floats, Floats]:
     """The same where no compiler is: CasADi's map, step by step."""
-    over = _joint_step().map(durations.shape[1])
-    found = []
+    columns = setpoints.shape[1]
+    over, found = _joint_step().map(columns), []
     for before, after, duration in zip(setpoints[:-1], setpoints[1:], durations, strict=True):
-        states, angles, readings = evaluate(over, memory.T, before, after, duration, theta.T)
+        states, angles, readings = evaluate(over, memory.T, before, after, np.full(columns, duration), theta.T)
         found.append((angles[0], readings[0]))
         memory = states
     angles, readings = (np.array(x) for x in zip(*found, strict=True))
@@ -134,9 +173,8 @@ def _joint_step() -> ca.Function:
     remembered = iter(ca.vertsplit(memory))
     before, after, states, reading = begin, end, [], end
     for kind, part in zip(kinds, parts, strict=True):
-        p = kind.symbols(part)
-        angle = next(remembered) if kind.memory else kind.respond(before, before, before, duration, p)
-        before, after = angle, kind.respond(angle, before, after, duration, p)
+        last = next(remembered) if kind.memory else before
+        before, after = _response(kind)(last, before, after, duration, part)
         states += [after] if kind.memory else []
         reading = after if kind.shown else reading
     inputs, outputs = [memory, begin, end, duration, theta], [ca.vertcat(*states), after, reading]

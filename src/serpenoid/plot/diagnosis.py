@@ -16,7 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.residuals.maps import on_floor, windows
 from serpenoid.group import accumulate, relative
-from serpenoid.parallel import in_processes
+from serpenoid.parallel import in_processes, limited
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps, diagnosis_ranking, diagnosis_trials
 from serpenoid.plot.both import save
 from serpenoid.plot.joints import joint_angles, joint_bar
@@ -38,8 +38,10 @@ LABELS = {"measured": INK, "baseline": ORANGE, "extended": BLUE}
 
 
 def draw_shapes(folder: Path, steps: Sequence[Step]) -> list[str]:
-    """Joint by joint and marker by marker: what the ladder's steps from command to markers show."""
-    return _draw(folder, {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in steps})
+    """Joint by joint and marker by marker: what the ladder's steps from command to markers show. One after the other:
+    while the motion is judged nobody waits for them, and no core is free."""
+    with limited(1):
+        return _draw(folder, {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in steps})
 
 
 def draw_motion(folder: Path, found: Selection) -> list[str]:

@@ -34,8 +34,10 @@ def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats 
     m = model.structure.elements
     before, after = elements[:, :-m], elements[:, m:]
     known = np.zeros((1, 3)) if start is None else np.atleast_2d(np.asarray(start, float))
-    guess = solve_steps(model, before, after).relative
-    guess = np.where(np.isfinite(guess), guess, 0.0)
+    plain = solve_steps(model, before, after)
+    if model.is_plain:
+        return plain
+    guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
     starts = group.accumulate(guess, known[0])[:-1]
     steps = solve_balance(model, before, after, np.column_stack([times[:-1], times[1:]]), starts, guess)
     if not in_order(model):

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
 
@@ -23,4 +22,6 @@ def body_poses(model: Model, vertices: Floats) -> Floats:
 def body_frame(model: Model, vertices: Floats) -> Floats:
     """Chains (R, N, 2) moved to the body frame."""
     poses = body_poses(model, vertices)
-    return np.einsum("rji,rnj->rni", group.rotation(poses[:, 2]), vertices - poses[:, None, :2])
+    c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+    x, y = np.moveaxis(vertices - poses[:, None, :2], 2, 0)
+    return np.stack([c * x + s * y, c * y - s * x], axis=2)

@@ -42,26 +42,20 @@ def realise_all(
     model: Model, setpoints: Sequence[Floats], times: Sequence[Floats], some: slice = slice(None),
     came_from: Sequence[Floats] | None = None,
 ) -> list[Realised]:  # fmt: skip
-    """Several trials side by side; of all joints, or of some. came_from: angles (m,) [rad] from which each trial came
-    to rest on its first row, which gaps that were not crossed then remember; else that row."""
+    """Several trials; of all joints, or of some. came_from: angles (m,) [rad] from which each trial came to rest on its
+    first row, which gaps that were not crossed then remember; else that row."""
     setpoints = [s[:, some] for s in setpoints]
     if not model.actuation_effects:
         return [Realised(s, s) for s in setpoints]
-    most, theta = max(map(len, setpoints)), coordinates(model)[:, some]
+    theta = np.ascontiguousarray(coordinates(model)[:, some])
     begun = [s[0] for s in setpoints] if came_from is None else [c[some] for c in came_from]
-    # a first step on the spot gives the first row's angles; shorter trials stay on their last row
-    rows = [np.concatenate([s[:1], s, np.repeat(s[-1:], most - len(s), axis=0)]) for s in setpoints]
-    clocks = [np.concatenate([[RESTED_S], np.diff(t), np.ones(most - len(t))]) for t in times]
-    joints = setpoints[0].shape[1]
-    angles, readings, _ = play(
-        np.tile(np.hstack(begun), (memories(), 1)),
-        np.hstack(rows),
-        np.repeat(np.column_stack(clocks), joints, axis=1),
-        np.tile(theta, (1, len(rows))),
-    )
-    parts = [slice(i * joints, (i + 1) * joints) for i in range(len(rows))]
-    pairs = zip(parts, setpoints, strict=True)
-    return [Realised(angles[: len(s), part], readings[: len(s), part]) for part, s in pairs]
+    found = []
+    for told, time, rested in zip(setpoints, times, begun, strict=True):
+        # a first step on the spot gives the first row's angles
+        rows, durations = np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(time)])
+        angles, readings, _ = play(np.tile(rested, (memories(), 1)), rows, durations, theta)
+        found.append(Realised(angles, readings))
+    return found
 
 
 def realise_gait(model: Model, table: Floats) -> Floats:
@@ -69,7 +63,7 @@ def realise_gait(model: Model, table: Floats) -> Floats:
     if not model.actuation_effects:
         return table
     theta, closed = coordinates(model), np.concatenate([table, table[:1]])
-    durations = np.full(table.shape, model.step_duration(len(table)))
+    durations = np.full(len(table), model.step_duration(len(table)))
     memory = np.tile(table[:1], (memories(), 1))
     for _ in range(CYCLES):
         angles, _, last = play(memory, closed, durations, theta)
@@ -118,9 +112,8 @@ def coordinates_of(effects: Sequence[ActiveEffect], joints: int) -> Floats:
 def played_from_rest(theta: Floats, setpoints: Floats, durations: Floats) -> Floats:
     """True angles (R, C) [rad] of columns of joints with coordinates theta (P, C), after each of the steps of
     `durations` (R - 1,) [s] between set-points (R, C)."""
-    joints = setpoints.shape[1]
-    memory, steps = np.tile(setpoints[:1], (memories(), 1)), np.repeat(durations[:, None], joints, axis=1)
-    return np.concatenate([setpoints[:1], play(memory, setpoints, steps, theta)[0]])
+    memory = np.tile(setpoints[:1], (memories(), 1))
+    return np.concatenate([setpoints[:1], play(memory, setpoints, durations, theta)[0]])
 
 
 def _inputs(setpoints: Floats, durations: Floats, part: slice, theta: Floats) -> tuple[Floats, ...]:

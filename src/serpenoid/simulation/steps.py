@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 from serpenoid.body import Floats
 from serpenoid.mechanics import columns, functions
+from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
 from serpenoid.simulation.newton import at_root
 
@@ -50,9 +51,7 @@ def solve_steps(model: Model, before: Floats, after: Floats) -> Steps:
 
 def elements_of_vertices(model: Model, vertices: Floats) -> Floats:
     """Dissipation elements of chains (R, N, 2): shape (4, M R)."""
-    rows = vertices.shape[0]
-    points = np.ascontiguousarray(vertices).reshape(rows * vertices.shape[1], 2).T
-    return _vertices_to_elements(model.structure, rows)(points).full()
+    return evaluate(_vertices_to_elements(model.structure, len(vertices)), vertices)[0]
 
 
 def shape_rows(model: Model, joint_angles: Floats) -> tuple[Floats, Floats]:

@@ -17,6 +17,7 @@ MEETINGS = 9  # steps in which it is found how late a course is read: each far s
 MET_S = 1e-6  # a step that ends them
 WITHIN = 12  # moments within a row, and again between two of these
 COURSES = 16  # of a joint, that are kept
+SOME = 100  # a course's rows from one to the next that it is looked up by
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,7 @@ class Course:
 
     def at(self, time: Floats) -> Floats:
         """Joint angles (R, m) [rad]."""
-        row, ahead = self.places(time)
-        found = self.angles[row]
-        found += ahead[:, None] * self.slopes[row]
-        return found
+        return self._ahead(*self.places(time))[0]
 
     def places(self, time: Floats) -> tuple[NDArray[np.int64], Floats]:
         """Of times (...,), the rows of the course they follow, and by how much [s]."""
@@ -39,22 +37,43 @@ class Course:
         row = np.searchsorted(self.time, inside, side="right") - 1
         return row, inside - self.time[row]
 
-    @cached_property
-    def slopes(self) -> Floats:
-        """From each time on (C, m) [rad/s]; 0 from the last."""
-        return np.append(self._rates, np.zeros((1, self.angles.shape[1])), axis=0)
-
     def late(self, time: Floats, readings: Floats, near: float, apart: float = 0.0) -> float:
         """By how much later [s] it is read: see `Readings`."""
         return Readings(time, readings, near, apart).late(self)
 
-    def rates(self, time: Floats) -> Floats:
-        """How fast joints turn (R, m) [rad/s]."""
-        return self._rates[np.clip(np.searchsorted(self.time, time) - 1, 0, len(self._rates) - 1)]
+    def followed(self, time: Floats) -> tuple[Floats, Floats]:
+        """Joint angles (R, m) [rad], and how fast joints turned until then [rad/s]: beyond the ends as beside them."""
+        row = np.clip(np.searchsorted(self.time, time) - 1, 0, max(len(self.time) - 2, 0))
+        ahead = np.clip(time, self.time[0], self.time[-1]) - self.time[row]
+        angles, rates = self._ahead(row, ahead)
+        there = ahead == self.apart[row]  # at the next row, and not beside it by what is rounded
+        angles[there] = self.angles[row[there] + 1]
+        return angles, rates
+
+    def _ahead(self, row: NDArray[np.int64], ahead: Floats) -> tuple[Floats, Floats]:
+        """Joint angles (R, m) so long [s] after rows, and how fast they turn there; of a fine mesh few rows are ever
+        asked for."""
+        here = self.angles[row]
+        slopes = self.angles[self.following[row]]
+        slopes -= here
+        slopes /= self.apart[row, None]
+        here += ahead[:, None] * slopes
+        return here, slopes
 
     @cached_property
-    def _rates(self) -> Floats:
-        return np.diff(self.angles, axis=0) / np.diff(self.time)[:, None]
+    def following(self) -> NDArray[np.int64]:
+        """The next row of each (C,), of the last itself."""
+        return np.minimum(np.arange(1, len(self.time) + 1), len(self.time) - 1)
+
+    @cached_property
+    def apart(self) -> Floats:
+        """Time to the next row (C,) [s], of the last any."""
+        return np.append(np.diff(self.time), 1.0)
+
+    @cached_property
+    def by_joint(self) -> Floats:
+        """Of each joint, its angles (m, C) [rad]."""
+        return np.ascontiguousarray(self.angles.T)
 
 
 @dataclass(frozen=True)
@@ -89,11 +108,8 @@ class Readings:
         """Sums of squares (K,) [rad^2] of what readings miss at each of the moments (K,), in steps [s]."""
         total, asked = np.zeros(len(moments)), moments.tolist()
         places: dict[tuple[int, ...], tuple[NDArray[np.int64], Floats]] = {}  # of readings, which all joints share
-        for joint, kept in enumerate(self._kept):
-            angles = np.ascontiguousarray(course.angles[:, joint])
-            mine = kept.setdefault(angles.tobytes(), {})
-            if len(kept) > COURSES:
-                del kept[next(iter(kept))]
+        for joint, angles in enumerate(course.by_joint):
+            mine = self._of_course(joint, angles)
             new = tuple(n for n in asked if (step, n) not in mine)
             if new:
                 if new not in places:
@@ -102,13 +118,25 @@ class Readings:
                 row, ahead = places[new]
                 if not self._known[:, joint].all():
                     row, ahead = row[:, self._known[:, joint]], ahead[:, self._known[:, joint]]
-                left = np.ascontiguousarray(course.slopes[:, joint]).take(row)
+                here = angles.take(row)
+                left = angles.take(course.following.take(row))
+                left -= here
+                left /= course.apart.take(row)
                 left *= ahead
-                left += angles.take(row)
+                left += here
                 left -= self._read[joint]
                 mine.update(zip([(step, n) for n in new], np.einsum("kr,kr->k", left, left).tolist(), strict=True))
             total += [mine[step, n] for n in asked]
         return total
+
+    def _of_course(self, joint: int, angles: Floats) -> dict[tuple[float, int], float]:
+        """What a joint's readings missed of a course (C,), by step and moment; some of its angles find it."""
+        kept, some = self._kept[joint], angles[::SOME].tobytes()
+        if some not in kept or not np.array_equal(kept[some][0], angles):
+            kept[some] = angles, {}
+        if len(kept) > COURSES:
+            del kept[next(iter(kept))]
+        return kept[some][1]
 
     @cached_property
     def _known(self) -> NDArray[np.bool_]:
@@ -121,17 +149,17 @@ class Readings:
         return [self.angles[known, joint] for joint, known in enumerate(self._known.T)]
 
     @cached_property
-    def _kept(self) -> list[dict[bytes, dict[tuple[float, int], float]]]:
-        """Of each joint, of its last courses, what was missed."""
+    def _kept(self) -> list[dict[bytes, tuple[Floats, dict[tuple[float, int], float]]]]:
+        """Of each joint, of its last courses, their angles and what was missed."""
         return [{} for _ in range(self.angles.shape[1])]
 
     def _met(self, course: Course, late: float) -> float:
         """By Gauss-Newton, from `late` on."""
-        known = self._known
+        unknown = ~self._known
         for _ in range(MEETINGS):
-            at = self.time - late
-            rate = np.where(known, course.rates(at), 0.0)
-            missed = np.where(known, self.angles - course.at(at), 0.0)
+            angles, rate = course.followed(self.time - late)
+            missed = self.angles - angles
+            missed[unknown] = rate[unknown] = 0.0
             change = float((missed * rate).sum() / max(float((rate**2).sum()), 1e-12))
             late, before = float(np.clip(late - change, -self.near, self.near)), late
             if abs(late - before) < MET_S:

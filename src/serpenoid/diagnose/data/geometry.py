@@ -22,10 +22,10 @@ def shapes(body: Body, angles: Floats) -> Floats:
         return curve(body, psi) * body.total_length_m
     psi = psi[:, link_of_edge(body)]
     psi = psi - psi.mean(axis=1, keepdims=True)
-    edge = np.stack([np.cos(psi), np.sin(psi)], axis=2) * body.edges_m[:, None]
-    points = np.concatenate([np.zeros((len(angles), 1, 2)), np.cumsum(edge, axis=1)], axis=1)
-    centre: Floats = np.einsum("k,fki->fi", body.vertex_weights, points)
-    return np.asarray(points - centre[:, None])
+    points = np.zeros((len(angles), body.vertices), dtype=complex)
+    np.cumsum(body.edges_m * np.exp(1j * psi), axis=1, out=points[:, 1:])
+    points -= (points @ body.vertex_weights)[:, None]
+    return points.view(float).reshape(*points.shape, 2)
 
 
 def register(points: Floats, markers: Floats) -> tuple[Floats, Floats]:

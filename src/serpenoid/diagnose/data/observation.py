@@ -164,7 +164,7 @@ class Observation:
 def directions(points: Floats) -> tuple[Floats, Floats]:
     """Unit vectors along each vertex's edge on the tail side (vertex 0: edge 0) and to its left (F, N, 2)."""
     edge = np.diff(points, axis=1)
-    edge = edge / np.linalg.norm(edge, axis=2, keepdims=True)
+    edge /= np.sqrt(edge[..., :1] ** 2 + edge[..., 1:] ** 2)
     edge = np.concatenate([edge[:, :1], edge], axis=1)
     return edge, np.stack([-edge[..., 1], edge[..., 0]], axis=2)
 
@@ -192,17 +192,15 @@ def across(reading: Floats, gap: float, begun: float = 0.0) -> tuple[Floats, Flo
 def lying(reading: Floats, shown: Floats, gap: float) -> float:
     """Where a link is expected in its gap at a trial's beginning [rad], from the middle, if anywhere is as likely: by
     angles that markers show (F,), NaN hidden, until the reading (F,) has crossed the gap and nothing tells of it."""
-    crossed = np.maximum.accumulate(reading) - np.minimum.accumulate(reading) >= gap
+    highest, lowest = np.maximum.accumulate(reading), np.minimum.accumulate(reading)
+    crossed = highest - lowest >= gap
     rows = int(crossed.argmax()) if crossed.any() else len(reading)
     begun = np.linspace(-gap / 2, gap / 2, PLACES)
-    link, links = reading[0] + begun, []
-    for angle in reading[:rows].tolist():
-        link = np.clip(link, angle - gap / 2, angle + gap / 2)
-        links.append(link)
     known = np.flatnonzero(np.isfinite(shown[:rows]))
     if len(known) < 2:
         return 0.0
-    squares = ((shown[known, None] - np.array(links)[known]) ** 2).sum(axis=0)
+    links = np.clip(reading[0] + begun, highest[known, None] - gap / 2, lowest[known, None] + gap / 2)
+    squares = ((shown[known, None] - links) ** 2).sum(axis=0)
     noise = max(float(squares.min()) / (len(known) - 1), TINY**2)
     likely = np.exp((squares.min() - squares) / (2 * noise))
     return float(likely @ begun / likely.sum())

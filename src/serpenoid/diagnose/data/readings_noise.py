@@ -22,13 +22,21 @@ AVERAGED = 9  # times that stand for a stretch
 BENT = 1e-4  # rad: a small step; drag is linear
 
 
-def by_readings(r: Recording, model: Model, times: Floats, half: float) -> Floats:
-    """SD (B - 1, 3) [m, m, rad] of windows between times (B,) [s], about each of which poses are averaged, from `half`
-    before it to as much after it; zero where markers are all that is read: their noise no two trials share."""
+def of_shapes(r: Recording, times: Floats, half: float) -> Floats:
+    """Covariance (m, B, B) [rad^2] of each joint's means about times (B,) [s], from `half` before to as much after;
+    zero where markers are all that is read: their noise no two trials share."""
     if not r.by_servos:
-        return np.zeros((len(times) - 1, 3))
+        return np.zeros((r.body.joint_count, len(times), len(times)))
     averaged = np.linspace(times - half, np.minimum(times + half, times[-1]), AVERAGED, axis=1)
-    off, known = _moved(r, model, times), r.shape.covariance(averaged)
+    return r.shape.covariance(averaged)
+
+
+def by_readings(r: Recording, model: Model, times: Floats, known: Floats) -> Floats:
+    """SD (B - 1, 3) [m, m, rad] of windows between times (B,) [s], about each of which poses are averaged; known: what
+    of shapes there is noise, see `of_shapes`."""
+    if not known.any():
+        return np.zeros((len(times) - 1, 3))
+    off = _moved(r, model, times)
     own = np.einsum("bjc,jbb->bc", off**2, known)
     both = np.einsum("bjc,bjc,jb->bc", off[:-1], off[1:], np.diagonal(known, 1, axis1=1, axis2=2))
     return np.asarray(np.sqrt(np.maximum(own[:-1] + own[1:] - 2 * both, 0.0)))

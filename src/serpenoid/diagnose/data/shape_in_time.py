@@ -64,7 +64,7 @@ def worth(values: Floats, tick: float) -> Floats:
     rounding is the same, too, and together such rows are one; readings that noise stirs are not."""
     run, first, runs = 0, values[0], np.zeros(len(values), dtype=int)
     for i, row in enumerate(values):
-        if np.nanmax(np.abs(row - first), initial=0.0) > SAME * tick:
+        if (np.abs(row - first) > SAME * tick).any():  # not of what is unknown
             run, first = run + 1, row
         runs[i] = run
     return np.asarray(1 / np.bincount(runs)[runs])

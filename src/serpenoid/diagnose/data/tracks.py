@@ -6,7 +6,8 @@ averaged over a few frames about the predicted path; and so does the rounding of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -15,7 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
 from serpenoid.diagnose.data.meshes import COARSER, Mesh, evenly, mesh_of
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.readings_noise import by_readings
+from serpenoid.diagnose.data.readings_noise import by_readings, of_shapes
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
 from serpenoid.group import compose, inverse, relative
@@ -36,22 +37,58 @@ class NoPath(ArithmeticError):
     """A model that has no path along a trial's shapes cannot guide its averages."""
 
 
+@dataclass(frozen=True)
+class Shown:
+    """What a trial shows, whichever model guides its averages: its mesh, vertices (R, N, 2) [m] there, the true body's
+    poses (F, 3), and what of its shapes at boundaries is readings' noise, see `readings_noise.of_shapes`."""
+
+    mesh: Mesh
+    vertices: Floats
+    poses: Floats
+    noise: Floats
+
+    @classmethod
+    def of(cls, r: Recording, seen: Observation) -> Shown:
+        """With the observation model's corrections applied."""
+        mesh = mesh_of(r)
+        begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
+        vertices = shapes(r.body, seen.angles(r.angles_at(mesh.time), begun))
+        frame_angles = seen.angles(r.angles, begun)
+        frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
+        poses = _mapped_poses(r, seen, frame_angles, frame_poses)
+        return cls(mesh, vertices, poses, of_shapes(r, mesh.time[mesh.bounds], half_average(r)))
+
+
 def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model) -> tuple[Track, ...]:
     """Tracks with the observation model's corrections applied; the model only guides averages over a few frames.
 
     Raises NoPath.
     """
-    return tuple(in_processes([(_track, (r, seen, model)) for r in recordings]))
+    return tracker(recordings, seen)(model)
 
 
-def _track(r: Recording, seen: Observation, model: Model) -> Track:
-    mesh = mesh_of(r)
+def tracker(recordings: Sequence[Recording], seen: Observation) -> Callable[[Model], tuple[Track, ...]]:
+    """Makes them about one model after another: what trials show is found once."""
+    shown: list[Shown] = []
+
+    def about(model: Model) -> tuple[Track, ...]:
+        if shown:
+            return tuple(in_processes([(_track, (r, s, model)) for r, s in zip(recordings, shown, strict=True)]))
+        found = in_processes([(_first, (r, seen, model)) for r in recordings])
+        shown.extend(s for s, _ in found)
+        return tuple(track for _, track in found)
+
+    return about
+
+
+def _first(r: Recording, seen: Observation, model: Model) -> tuple[Shown, Track]:
+    shown = Shown.of(r, seen)
+    return shown, _track(r, shown, model)
+
+
+def _track(r: Recording, shown: Shown, model: Model) -> Track:
+    mesh, vertices, plan = shown.mesh, shown.vertices, shown.poses
     time, bounds = mesh.time, mesh.bounds
-    begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
-    vertices = shapes(r.body, seen.angles(r.angles_at(time), begun))
-    frame_angles = seen.angles(r.angles, begun)
-    frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
-    plan = _mapped_poses(r, seen, frame_angles, frame_poses)
     known = np.flatnonzero(np.isfinite(plan[:, 0]))
     begun_at = _start(r, plan, known)
     guess = _ran(r, model, vertices, time, begun_at)
@@ -69,7 +106,7 @@ def _track(r: Recording, seen: Observation, model: Model) -> Track:
     return Track(
         r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
         path[some], r.time, plan, gaps, anew, strayed=run - anew,
-        least=np.hypot(_least(r, counts), by_readings(r, model, time[bounds], half_average(r))),
+        least=np.hypot(_least(r, counts), by_readings(r, model, time[bounds], shown.noise)),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, path_noise
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.tracks import make_tracks, tracker
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -69,8 +69,7 @@ def choose_motion(
 ) -> MotionFinding:
     """Calibrate eps, select effects, say what is left."""
 
-    def track(about: Model) -> tuple[Track, ...]:
-        return make_tracks(recordings, seen, about)
+    track = tracker(recordings, seen)
 
     def amid(about: Model) -> tuple[Track, ...]:
         return make_tracks([r.with_middles() for r in recordings], seen.with_middles(), about)

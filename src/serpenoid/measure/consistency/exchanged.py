@@ -225,8 +225,9 @@ def _next_seen(points: Floats, speed: Floats, time_s: Floats) -> tuple[Floats, F
 def _odd(cut: _Cuts) -> NDArray[np.int64]:
     """Frames (.,) before which a point goes on from where another was rather than from where it was itself."""
     odd = np.zeros(len(cut.behind), dtype=bool)
+    (x, y), (from_x, from_y) = (np.moveaxis(ends, 2, 0) for ends in (cut.ahead, cut.behind))
     with np.errstate(invalid="ignore"):
-        own = np.linalg.norm(cut.ahead - cut.behind, axis=2)
-        for other in range(cut.behind.shape[1]):
-            odd |= (np.linalg.norm(cut.ahead - cut.behind[:, other, None], axis=2) < own).any(axis=1)
+        own = (x - from_x) ** 2 + (y - from_y) ** 2
+        for k in range(cut.behind.shape[1]):
+            odd |= ((x - from_x[:, k, None]) ** 2 + (y - from_y[:, k, None]) ** 2 < own).any(axis=1)
     return np.flatnonzero(odd)

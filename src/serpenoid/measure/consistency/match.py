@@ -196,12 +196,17 @@ def explained_by(left: Floats, signal: Sampled) -> float:
 def _sliding(signal: Sampled, commanded: Floats) -> tuple[Floats, Floats, Floats]:
     """Covariance with the signal, variance and mean of the commands under every start (Q, K, m)."""
     _, count, joints = commanded.shape
-    starts, size = count - len(signal.values) + 1, next_fast_len(count + len(signal.values), real=True)
-    known = signal.transforms(size)
-    there = rfft(np.concatenate([commanded, commanded**2], axis=2), size, axis=1)
-    both = np.concatenate([known[:, :1] * there, known[:, 1:] * there[..., :joints]], axis=2)
-    sliding = irfft(both, size, axis=1)[:, :starts] / signal.weight.sum()
-    mean, second, product = (sliding[..., k * joints : (k + 1) * joints] for k in range(3))
+    starts = count - len(signal.values) + 1
+    if starts == 1:
+        sums = [signal.weight @ commanded, signal.weight @ commanded**2, (signal.values * commanded).sum(axis=1)]
+        sliding = np.concatenate(sums, axis=1)[:, None]
+    else:
+        size = next_fast_len(count + len(signal.values), real=True)
+        known = signal.transforms(size)
+        there = rfft(np.concatenate([commanded, commanded**2], axis=2), size, axis=1)
+        both = np.concatenate([known[:, :1] * there, known[:, 1:] * there[..., :joints]], axis=2)
+        sliding = irfft(both, size, axis=1)[:, :starts]
+    mean, second, product = np.split(sliding / signal.weight.sum(), 3, axis=2)
     return product - mean * signal.mean, second - mean**2, mean
 
 
