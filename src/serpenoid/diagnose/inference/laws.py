@@ -114,7 +114,7 @@ def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float) -> Fit:
     """eps and what else are numbers of the model's law, where none of these is known.
 
     Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So
-    ratios from drag's to one are looked at first, each beside creep from none to more than the body's own speed.
+    ratios from drag's to one are looked at first, each beside creep from none to a third of the body's own speed.
     """
     effects = numbers_of(model)
     speed = own_speed(motion)

@@ -45,18 +45,23 @@ def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Se
         selection, other = numbers_settled(search(other), other, search)
         alone, named, beside = left_beyond_chance(found, selection)
         if beside < min(named, LAW_ERROR * alone):
-            return Taken(selection, other, in_words(found, selection))
+            return Taken(selection, other, in_words(found, selection, other))
     return Taken(rivals={name: rival.words for name, rival in rivals.items() if rival.words})
 
 
-def in_words(found: Selection, other: Selection) -> str:
-    """Why the other law is taken."""
+def in_words(found: Selection, other: Selection, baseline: Baseline) -> str:
+    """Why the other law is taken, and the numbers that its baseline has."""
     misfits = misses(found.motion, [(s.motion.tracks, s.best) for s in (found, other)])
     (before, then), (after, now) = (
         (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.1f}")
         for s, misfit in zip((found, other), misfits, strict=True)
     )
-    return f"{after} misses windows by {now} times the noise, {before} by {then}: it is taken"
+    own = (e for e in baseline.model.effects if e.effect in of_laws())
+    numbers = [
+        f"{p.name} {e.parameters[p.name]:.3g} {p.unit}".removesuffix(" 1") for e in own for p in e.effect.parameters
+    ]
+    beside = f" with {', '.join(numbers)}" if numbers else ""
+    return f"{after} misses windows by {now} times the noise, {before} by {then}: it is taken{beside}"
 
 
 def numbers_settled(
