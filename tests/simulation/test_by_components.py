@@ -1,7 +1,8 @@
-"""Dry friction by components: against plain minimisation, by hand, and its roots half a turn away."""
+"""Dry friction by components and by the plain slip: by hand, against plain minimisation, roots half a turn away."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from types import SimpleNamespace
 
 import casadi as ca
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 
 from oracle import power_laws
-from oracle.chain import place
+from oracle.chain import place, vertex_tangents
+from oracle.integrator import cross
 from serpenoid.effects import find
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.element import Drag
@@ -137,3 +139,39 @@ def test_a_step_of_effects_on_dry_friction_turns_no_half_circle() -> None:
     plain = solve_balance(model, *given, np.zeros((12, 3)))
     assert not solve_near(model, *given, astray).sound.any()  # wherever they lead
     np.testing.assert_allclose(np.abs(plain.relative[:, 2]).max(), 0, atol=0.35)
+
+
+def test_by_the_plain_slip_forces_and_moments_written_by_hand_are_balanced() -> None:
+    """f = -w (v_n N + eps v_t T) / |v|, of the mean of both tangents' forces, each at the other end of its step."""
+    medium = Medium(anisotropy_ratio=EPS, law="coulomb_plain", softening=1e-4)
+    model = Model(reference().body, medium)
+    motion = simulate_joint_angles(model, random_table(reference(), np.random.default_rng(4), 12))
+    assert motion.status.ok
+    weights = model.body.vertex_weights
+    for first, second in pairwise(motion.vertices):
+        dp = second - first
+        ways = [vertex_tangents(p) for p in (first, second)]
+        speed = np.linalg.norm(dp, axis=1)
+        forces = [
+            weights[:, None] * (dp + (EPS - 1) * np.sum(dp * t, axis=1)[:, None] * t) / speed[:, None] for t in ways
+        ]
+        np.testing.assert_allclose(sum(f.sum(axis=0) for f in forces), 0, atol=2e-3)
+        moment = sum(cross(p, f).sum() for p, f in zip((second, first), forces, strict=True))
+        np.testing.assert_allclose(moment, 0, atol=2e-3)
+    table = serpenoid_table(reference(), 20)
+    isotropic = [Model(reference().body, Medium(anisotropy_ratio=1.0, law=law)) for law in ("coulomb", "coulomb_plain")]
+    same, other = (simulate_joint_angles(m, table) for m in isotropic)
+    np.testing.assert_allclose(other.poses, same.poses, atol=1e-9)
+    assert other.dissipation == pytest.approx(same.dissipation, rel=1e-9)
+
+
+def test_the_momentum_of_the_plain_slip_vanishes_where_its_steps_are() -> None:
+    model = Model(reference().body, Medium(anisotropy_ratio=EPS, law="coulomb_plain", softening=1e-4))
+    motion = simulate_joint_angles(model, serpenoid_table(reference(), 20))
+    m = model.structure.elements
+    elements = elements_of_vertices(model, motion.vertices)
+    momentum = functions.step_momentum(model.structure)
+    for s in (0, 7, 15):
+        pair = elements[:, m * s : m * (s + 1)], elements[:, m * (s + 1) : m * (s + 2)]  # where they are
+        np.testing.assert_allclose(momentum(*pair, np.zeros(3), model.parameters).full(), 0, atol=1e-5)  # softened
+        assert np.abs(momentum(*pair, np.array([0.01, 0.01, 0.0]), model.parameters).full()).max() > 1e-2

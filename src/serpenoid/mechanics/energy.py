@@ -21,11 +21,16 @@ def element_energy(
     before: ca.SX, after: ca.SX, weight: ca.SX, anisotropy_ratio: ca.SX, law: Law = VISCOUS, softening: ca.SX = NONE
 ) -> ca.SX:
     """Energy of one element moving from `before` to `after`, each (position, tangent), shape (2 d,), in one frame."""
+    return weight * law.cost(*squared_slips(before, after), law.form_ratio(anisotropy_ratio), softening)
+
+
+def squared_slips(before: ca.SX, after: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Of one element, across and along."""
     d = before.numel() // 2
     dp = after[:d] - before[:d]
     slide, slide_after = ca.dot(dp, before[d:]), ca.dot(dp, after[d:])
     along = (slide**2 + slide_after**2) / 2
-    return weight * law.cost(ca.dot(dp, dp) - along, along, law.form_ratio(anisotropy_ratio), softening)
+    return ca.dot(dp, dp) - along, along
 
 
 def step_energy(

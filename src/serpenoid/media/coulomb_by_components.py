@@ -21,6 +21,6 @@ LAW = replace(
     COULOMB,
     name="coulomb_by_components",
     title="dry friction by components",
-    by_components=True,
+    slip="parts",
     rival=Rival(VISCOUS, "dry friction (Coulomb) by components", frozenset({"ground"})),
 )
