@@ -140,17 +140,19 @@ def creeping(law: str, motion: Motion, null: Fit) -> tuple[Motion, Model]:
     return slid(motion, null, model), model
 
 
-@pytest.mark.parametrize("law", ["coulomb", "coulomb_by_components"])
+@pytest.mark.parametrize("law", ["coulomb", "coulomb_by_components", "coulomb_plain"])
 def test_the_numbers_of_a_law_are_found_with_eps(law: str, dragged: tuple[Motion, Fit]) -> None:
     motion, truth = creeping(law, *dragged)
     found = by_its_own_numbers(motion, replace(truth, effects=()), 0.01)
     deviations = np.sqrt(np.diag(np.linalg.inv(found.evidence.matrix.sum(axis=0))))
     assert (np.abs(found.coordinates - [EPS, 0.008, 2.7]) < 4 * deviations).all()
-    assert (deviations < [0.002, 0.001, 1.0]).all()
+    assert (deviations[:2] < [0.002, 0.002]).all()
 
 
-@pytest.mark.parametrize("law", ["coulomb", "coulomb_by_components"])
-@pytest.mark.parametrize("law_open", [True, False])
+@pytest.mark.parametrize(
+    ("law", "law_open"),
+    [("coulomb", True), ("coulomb_by_components", True), ("coulomb", False)],  # effects make the plain slip of drag,
+)
 def test_a_law_that_nobody_states_is_taken_where_it_leaves_little_and_drag_much(
     law: str, law_open: bool, dragged: tuple[Motion, Fit]
 ) -> None:
