@@ -64,10 +64,12 @@ class Model:
         check(present, self.body)
         at_vertices = self.medium.dissipation == "vertex"
         kinds = [e.effect for e in present if isinstance(e.effect, MediumEffect)]
-        strangers = [kind.name for kind in kinds if not kind.acts_in(self.medium.law)]
+        strangers = [kind for kind in kinds if not kind.acts_in(self.medium.law)]
         if strangers:
+            acting = " or ".join(f'"{law}"' for law in LAWS if strangers[0].acts_in(law))
             raise InputError(
-                f"[medium] law: `{strangers[0]}` does not act in a {self.medium.law} medium; leave it out."
+                f'[medium] law: `{strangers[0].name}` does not act in a medium of law = "{self.medium.law}"; leave '
+                f"it out, or state law = {acting}."
             )
         if not at_vertices and kinds:
             raise InputError('[medium] dissipation: effects of the medium sit at vertices; set it to "vertex".')

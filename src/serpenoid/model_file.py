@@ -23,6 +23,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.files import schema
 from serpenoid.files.schema import Record
 from serpenoid.files.writing import toml_string, write_text
+from serpenoid.media import DEFAULT
 from serpenoid.medium import Medium
 
 
@@ -53,7 +54,8 @@ def write_model_file(
 ) -> None:
     """Write a model file, whole or not at all; `comment` goes to its top, each of `notes` above its effect."""
     lines = [f"# {line}".rstrip() for line in comment.splitlines()]
-    lines += ["[medium]", *_assignments(medium.model_dump())]
+    open_law = {"law", "softening"} if medium.law == DEFAULT else set()  # what is not stated is asked
+    lines += ["[medium]", *_assignments(medium.model_dump(exclude=open_law))]
     if body is not None:
         lines += ["", "[body]", *_assignments(body.model_dump())]
     for effect, note in zip(effects, notes or [""] * len(effects), strict=True):

@@ -93,7 +93,9 @@ def test_friction_of_slips_far_below_the_softening_is_linear_drag_with_the_squar
 
 def test_dry_friction_on_top_of_dry_friction_is_refused() -> None:
     effect = ActiveEffect.typical("dry_friction")
-    with pytest.raises(InputError, match="does not act in a coulomb medium"):
+    with pytest.raises(
+        InputError, match='does not act in a medium of law = "coulomb"; leave it out, or state law = "viscous"'
+    ):
         Model(reference().body, Medium(anisotropy_ratio=0.3, law="coulomb"), (effect,), cycle_duration_s=2.0)
 
 

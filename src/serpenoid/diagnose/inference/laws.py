@@ -5,7 +5,7 @@ A law has eps and perhaps numbers of its own (the speed below which dry friction
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, product
 
@@ -15,9 +15,11 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit
+from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import of_laws
 from serpenoid.media import Law, rivals
 from serpenoid.medium import Medium
@@ -41,19 +43,20 @@ class Rival:
     better: bool
 
 
-def rival_laws(found: Selection) -> dict[str, Rival]:
-    """The law's rivals by their names; empty where there is no question."""
-    if not unclear(found.best):
+def rival_laws(found: Selection, without: Collection[str] = ()) -> dict[str, Rival]:
+    """The law's rivals by their names; empty where there is no question: where little is left, and nothing is named
+    that makes another law of it. without: names of effects that are no numbers of a law."""
+    if not unclear(found.best) and all(makes_no_law(e) for e in found.best.effects):
         return {}
     asked = [on_rival(found.null.model, law) for law in rivals(found.null.model.law)]
-    said = {model.law.name: _beside(found, model) for model in asked if model is not None}
+    said = {model.law.name: _beside(found, model, without) for model in asked if model is not None}
     return {name: rival for name, rival in said.items() if rival is not None}
 
 
-def _beside(found: Selection, model: Model) -> Rival | None:
+def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival | None:
     """How a rival does by its own numbers alone, and with what is named: RMS of what is left of the windows that all
     predict, by the same noise; None where it has no root."""
-    title, rival, alone = model.law.title, model.law.rival, _alone(found, model)
+    title, rival, alone = model.law.title, model.law.rival, _alone(found, model, without)
     if rival is None or alone is None:
         return None
     fits = (found.null, found.best, alone, _named(found, model, alone))
@@ -73,13 +76,32 @@ def _beside(found: Selection, model: Model) -> Rival | None:
     return Rival(alone.model, words if better or its < own else "", min(its, its_named), better)
 
 
-def left_beyond_chance(found: Selection, other: Selection) -> tuple[float, float, float]:
-    """What eps alone, what is named, and what is named beside another law leave of the windows that all predict: RMS
-    beyond chance, by their noise."""
+def makes_no_law(effect: ActiveEffect) -> bool:
+    """Whether an effect leaves the floor's law as it is."""
+    return not isinstance(effect.effect, MediumEffect) or effect.effect.of_degree is None
+
+
+def takes_its_place(found: Selection, other: Selection, most: float) -> bool:
+    """Whether what is named beside another law is likelier than what is named beside the law (Schwarz, as in
+    prices.py), and leaves less than a share of what the law alone does beyond chance.
+
+    All of the windows that all predict, by their noise.
+    """
     ours, theirs = found.motion.tracks, other.motion.tracks
-    left = misses(found.motion, [(ours, found.null), (ours, found.best), (theirs, other.best)])
-    alone, named, beside = (float(np.sqrt(max(x**2 - 1, 0.0))) for x in left)
-    return alone, named, beside
+    alone, named, beside = misses(found.motion, [(ours, found.null), (ours, found.best), (theirs, other.best)])
+    count = float(found.best.evidence.count.sum())
+    dearer = max(1.0, beside**2) * (_price(other, count) - _price(found, count))
+    return count * (named**2 - beside**2) > dearer and beside**2 - 1 < most**2 * (alone**2 - 1)
+
+
+def _price(selection: Selection, count: float) -> float:
+    """Of all numbers of an explanation, those of its law included."""
+    own = [e for e in selection.motion.held if e.effect in of_laws()]
+    effects = selection.best.effects
+    numbers = 1 + sum(len(e.effect.parameters) for e in (*own, *effects))
+    return numbers * float(np.log(max(count, 2.0))) + len(effects) * gained_by_chance(
+        len(candidates_of(selection.null))
+    )
 
 
 def on_rival(model: Model, law: Law) -> Model | None:
@@ -97,26 +119,26 @@ def _acting(effects: Sequence[ActiveEffect], law: str) -> list[ActiveEffect]:
     return [e for e in effects if e.effect.acts_in(law)]
 
 
-def _alone(found: Selection, model: Model) -> Fit | None:
+def _alone(found: Selection, model: Model, without: Collection[str]) -> Fit | None:
     """Rival law with its own numbers; None where no window has a root."""
-    best = by_its_own_numbers(found.motion, model, found.null.model.medium.anisotropy_ratio)
+    best = by_its_own_numbers(found.motion, model, found.null.model.medium.anisotropy_ratio, without)
     return best if np.isfinite(_missed(best)) else None
 
 
-def numbers_of(model: Model) -> list[ActiveEffect]:
-    """Numbers of a model's law besides eps that it does not give, as effects."""
-    known, law = {e.name for e in model.effects}, model.law.name
+def numbers_of(model: Model, left_out: Collection[str] = ()) -> list[ActiveEffect]:
+    """Numbers of a model's law besides eps that it does not give, as effects; left_out: of which names none."""
+    known, law = {*left_out, *(e.name for e in model.effects)}, model.law.name
     kinds = [k for k in of_laws() if k.acts_in(law) and k.needs <= model.body.parts and k.name not in known]
     return [ActiveEffect.typical(kind.name) for kind in kinds]
 
 
-def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float) -> Fit:
+def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float, without: Collection[str] = ()) -> Fit:
     """eps and what else are numbers of the model's law, where none of these is known.
 
     Dry friction has the square of its ratio where drag has the ratio, and where steps have no root a fit ends. So
     ratios from drag's to one are looked at first, each beside creep from none to a third of the body's own speed.
     """
-    effects = numbers_of(model)
+    effects = numbers_of(model, without)
     speed = own_speed(motion)
     values = [[(share * speed, *e.coordinates[1:-1]) for share in CREEPING] for e in effects]
     ratios = np.geomspace(least_ratio, 1.0, RATIOS)
@@ -125,6 +147,21 @@ def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float) -> Fit:
     near = sorted(begun, key=_missed)[:POLISHED]
     fits = in_processes([(_fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])
     return min(fits, key=_missed)
+
+
+def settled_numbers(found: Selection) -> Model | None:
+    """A selection's model without what is named, whose law has the numbers that it has beside that; None where that
+    gains no more than its numbers' price."""
+    motion, best = found.motion, found.best
+    own = [e for e in motion.held if e.effect in of_laws()]
+    others = tuple(e for e in motion.held if e.effect not in of_laws())
+    x = np.array([best.coordinates[0], *(c for e in own for c in e.coordinates[:-1]), *best.coordinates[1:]])
+    again = _fit(replace(motion, held=others), best.model, [*own, *best.effects], x, TO_THE_END) if own else best
+    count = float(best.evidence.count.sum())
+    numbers = sum(len(e.effect.parameters) for e in own) * float(np.log(max(count, 2.0)))
+    if best.chi2 - again.chi2 <= numbers * max(1.0, again.chi2 / count):
+        return None
+    return replace(again.model, effects=(*others, *again.effects[: len(own)]))
 
 
 def own_speed(motion: Motion) -> float:

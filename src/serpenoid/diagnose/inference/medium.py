@@ -18,7 +18,7 @@ from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.prices import Priced
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.effects.base import Parameter
-from serpenoid.effects.catalogue import motion_effects, places
+from serpenoid.effects.catalogue import motion_effects, of_laws, places
 from serpenoid.files.store import remembered
 from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS
@@ -235,9 +235,9 @@ def coordinates_of(model: Model, effects: Sequence[ActiveEffect]) -> Floats:
 
 def candidates_of(base: Fit) -> list[ActiveEffect]:
     """Every effect that the motion shows, at every place, neutral; those held, as they are; not those fitted, nor what
-    is the same under another name on another kind of body."""
+    is the same under another name on another kind of body, nor the law's own numbers."""
     model, held = base.model, base.model.effects[: base.held]
-    found, present = list(held), {e.key for e in model.effects}
+    found, present = [e for e in held if e.effect not in of_laws()], {e.key for e in model.effects}
     for kind in motion_effects():
         if kind.scan is None and model.body.other_surface not in kind.needs:
             found += [

@@ -38,6 +38,7 @@ GAINS = {
     "log_likelihood": ("log-likelihood per trial", "1"),
 }  # fmt: skip
 WORSE = 1.02  # an error that does not come closer
+VISIBLY = 0.05  # of a log-likelihood: less is not seen
 NOT_WORSE = {False: "Nothing became worse.", True: "Nothing became visibly worse."}
 IN_SAMPLE = "Of one trial nothing can be held out: it is predicted from the fit to itself."
 
@@ -113,7 +114,7 @@ def worse(record: Record) -> list[str]:
         before, after = (record["gain"][key][side] for side in ("before", "after"))
         if before is None or after is None:
             continue
-        if after < before if key == "log_likelihood" else after > WORSE * before:
+        if after < before - VISIBLY if key == "log_likelihood" else after > WORSE * before:
             found.append(name)
     return found
 

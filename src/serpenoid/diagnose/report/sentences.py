@@ -96,7 +96,8 @@ def rival_law(record: Record) -> list[str]:
     other, follow = record["law"], "to look for causes beside it: diagnose with a --model whose [medium] has"
     rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
     told = [*((said, f'law = "{name}"') for name, said in rivals.items()), (other["drag_at"], 'dissipation = "edge"')]
-    instead = [taken, "a --model whose [medium] says its `law` keeps that"] if taken else []
+    keep = 'to keep linear drag: a --model whose [medium] has law = "viscous"'
+    instead = [taken, keep] if taken else []
     return [*instead, *(text for said, key in told if said for text in (said, f"{follow} {key}"))]
 
 

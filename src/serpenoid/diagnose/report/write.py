@@ -11,6 +11,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.diagnose import Diagnosis, record
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import of_laws
 from serpenoid.files.writing import provenance, write_json
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.model_file import write_model_file
@@ -62,6 +63,8 @@ def role(effect: ActiveEffect, named: Sequence[Mapping[str, Any]], known: Contai
     for one in named:
         if (one["name"], one["place"]) == (effect.name, effect.place):
             return "named, perhaps a stand-in" if one["stand_in"] else "named"
+    if effect.effect in of_laws():
+        return "a number of the law, calibrated with the anisotropy ratio"
     return "known before" if effect.key in known else PREDICTION
 
 

@@ -10,10 +10,16 @@ import numpy as np
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.bounds import LEAST_EPS
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.laws import by_its_own_numbers, left_beyond_chance, misses, numbers_of, rival_laws
+from serpenoid.diagnose.inference.laws import (
+    by_its_own_numbers,
+    misses,
+    numbers_of,
+    rival_laws,
+    settled_numbers,
+    takes_its_place,
+)
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.effects.active import joined
 from serpenoid.effects.catalogue import of_laws
 
 
@@ -33,18 +39,17 @@ ROUNDS = 3  # a number of the law moves by what is named beside it, and what is 
 
 
 def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]) -> Taken:
-    """The first rival, from the one that misses least, beside which less is left than beside the law itself, and less
+    """The first rival, from the one that misses least, with which the explanation is likelier, and which leaves less
     than LAW_ERROR of what the law alone leaves beyond chance: as of servos, a law that leaves more is not the one.
 
     search: finds what is to be named beside a baseline.
     """
-    rivals = rival_laws(found)
+    rivals = rival_laws(found, baseline.without)
     better = sorted((r for r in rivals.values() if r.better and baseline.law_open), key=lambda r: r.misses)
     for rival in better:
         other = replace(baseline, model=rival.model)
         selection, other = numbers_settled(search(other), other, search)
-        alone, named, beside = left_beyond_chance(found, selection)
-        if beside < min(named, LAW_ERROR * alone):
+        if takes_its_place(found, selection, LAW_ERROR):
             return Taken(selection, other, in_words(found, selection, other))
     return Taken(rivals={name: rival.words for name, rival in rivals.items() if rival.words})
 
@@ -67,13 +72,13 @@ def in_words(found: Selection, other: Selection, baseline: Baseline) -> str:
 def numbers_settled(
     found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]
 ) -> tuple[Selection, Baseline]:
-    """What is found beside a baseline whose law has the numbers that it has beside what is found; a number that was
-    measured before and is another now is news."""
+    """What is found beside a baseline whose law has the numbers that it has beside what is found, unless they were
+    measured before."""
     for _ in range(ROUNDS):
-        moved = [e for e in found.best.effects if e.effect in of_laws()]
-        if not moved or baseline.ratio is not None:
+        model = settled_numbers(found) if baseline.ratio is None else None
+        if model is None:
             break
-        baseline = replace(baseline, model=replace(baseline.model, effects=joined(baseline.model.effects, moved)))
+        baseline = replace(baseline, model=model)
         found = search(baseline)
     return found, baseline
 
@@ -81,7 +86,7 @@ def numbers_settled(
 def with_own_numbers(baseline: Baseline, motion: Callable[[Baseline], Motion]) -> Baseline:
     """A baseline whose model has all numbers of its law; motion: as it is beside a baseline."""
     model = baseline.model
-    if baseline.ratio is not None or not numbers_of(model):
+    if baseline.ratio is not None or not numbers_of(model, baseline.without):
         return baseline
-    found = by_its_own_numbers(motion(baseline), model, LEAST_EPS)
+    found = by_its_own_numbers(motion(baseline), model, LEAST_EPS, baseline.without)
     return replace(baseline, model=found.model) if np.isfinite(found.chi2) and found.evidence.count.sum() else baseline
