@@ -23,7 +23,6 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.files import schema
 from serpenoid.files.schema import Record
 from serpenoid.files.writing import toml_string, write_text
-from serpenoid.media import DEFAULT
 from serpenoid.medium import Medium
 
 
@@ -54,7 +53,7 @@ def write_model_file(
 ) -> None:
     """Write a model file, whole or not at all; `comment` goes to its top, each of `notes` above its effect."""
     lines = [f"# {line}".rstrip() for line in comment.splitlines()]
-    open_law = {"law", "softening"} if medium.law == DEFAULT else set()  # what is not stated is asked
+    open_law = {"law", "softening"} if medium.law == Medium.model_fields["law"].default else set()  # not stated: asked
     lines += ["[medium]", *_assignments(medium.model_dump(exclude=open_law))]
     if body is not None:
         lines += ["", "[body]", *_assignments(body.model_dump())]

@@ -28,6 +28,7 @@ from serpenoid.parallel import in_processes
 
 RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
 CREEPING = (0.001, 0.03, 0.3)  # speeds of creep that are looked at, of the body's own
+NEITHER = "the medium may follow neither"
 SOFTENING = Medium.model_fields["softening"].default
 
 
@@ -44,13 +45,14 @@ class Rival:
 
 
 def rival_laws(found: Selection, without: Collection[str] = ()) -> dict[str, Rival]:
-    """The law's rivals by their names; empty where there is no question: where little is left, and nothing is named
-    that makes another law of it. without: names of effects that are no numbers of a law."""
+    """The law's rivals by their names, from the one that misses least; empty where there is no question: where little
+    is left, and nothing is named that makes another law of it. without: names of effects that are no numbers of one."""
     if not unclear(found.best) and all(makes_no_law(e) for e in found.best.effects):
         return {}
     asked = [on_rival(found.null.model, law) for law in rivals(found.null.model.law)]
-    said = {model.law.name: _beside(found, model, without) for model in asked if model is not None}
-    return {name: rival for name, rival in said.items() if rival is not None}
+    tried = [_beside(found, model, without) for model in asked if model is not None]
+    rivals_found = sorted((r for r in tried if r is not None), key=lambda r: r.misses)
+    return {rival.model.law.name: rival for rival in rivals_found}
 
 
 def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival | None:
@@ -71,7 +73,7 @@ def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival |
     else:
         words = (
             f"alone, {rival.title} misses windows by {its:.1f} times the noise and {fitted} by {own:.1f}; with what is "
-            f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: the medium may follow neither"
+            f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: {NEITHER}"
         )
     return Rival(alone.model, words if better or its < own else "", min(its, its_named), better)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import hypot
 
+from serpenoid.diagnose.inference.laws import NEITHER
 from serpenoid.diagnose.report.words import (
     Record,
     few,
@@ -43,6 +44,7 @@ UNREPEATED = {
 OTHER_CHANCE = 2**0.5  # times the markers' noise: of noise that is larger, most is of another origin
 HIDING = "; most of the noise is not that of the markers: a cause that acts on one repeat alone hides in it"
 DOUBT = "a stand-in may be there for a cause that the catalogue lacks: change nothing for its sake"
+MIDDLES = 'dissipation = "edge"'
 
 
 def meaning(record: Record) -> str:
@@ -92,13 +94,16 @@ def _beside_wrong(record: Record) -> bool:
 
 
 def rival_law(record: Record) -> list[str]:
-    """How another law of the floor does, or another place of the drag, and how to follow it."""
+    """How the best other law of the floor does, or another place of the drag, and how to follow it, where it leaves
+    less."""
     other, follow = record["law"], "to look for causes beside it: diagnose with a --model whose [medium] has"
     rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
-    told = [*((said, f'law = "{name}"') for name, said in rivals.items()), (other["drag_at"], 'dissipation = "edge"')]
+    told = [*((said, f'law = "{name}"') for name, said in [*rivals.items()][:1]), (other["drag_at"], MIDDLES)]
     keep = 'to keep linear drag: a --model whose [medium] has law = "viscous"'
-    instead = [taken, keep] if taken else []
-    return [*instead, *(text for said, key in told if said for text in (said, f"{follow} {key}"))]
+    found = [taken, keep] if taken else []
+    for said, key in told:
+        found += [said, *([] if said.endswith(NEITHER) else [f"{follow} {key}"])] if said else []
+    return found
 
 
 def undetected(record: Record) -> list[str]:

@@ -45,8 +45,7 @@ def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Se
     search: finds what is to be named beside a baseline.
     """
     rivals = rival_laws(found, baseline.without)
-    better = sorted((r for r in rivals.values() if r.better and baseline.law_open), key=lambda r: r.misses)
-    for rival in better:
+    for rival in (r for r in rivals.values() if r.better and baseline.law_open):
         other = replace(baseline, model=rival.model)
         selection, other = numbers_settled(search(other), other, search)
         if takes_its_place(found, selection, LAW_ERROR):
