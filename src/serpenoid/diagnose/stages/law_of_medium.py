@@ -18,7 +18,7 @@ from serpenoid.diagnose.inference.laws import (
     settled_numbers,
     takes_its_place,
 )
-from serpenoid.diagnose.inference.select import Selection
+from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.catalogue import of_laws
 
@@ -50,7 +50,9 @@ def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Se
         selection, other = numbers_settled(search(other), other, search)
         if takes_its_place(found, selection, LAW_ERROR):
             return Taken(selection, other, in_words(found, selection, other))
-    return Taken(rivals={name: rival.words for name, rival in rivals.items() if rival.words})
+    open_question = unclear(found.best)
+    told = {name: r.words for name, r in rivals.items() if r.words and (r.better or open_question)}
+    return Taken(rivals=told)
 
 
 def in_words(found: Selection, other: Selection, baseline: Baseline) -> str:
