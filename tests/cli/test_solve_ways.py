@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.optimise.multistart import MultiStart
 from serpenoid.results import read_record
 from serpenoid.status import Status
 
@@ -134,3 +139,63 @@ def test_a_sweep_of_failures_says_why_and_tells_no_displacement(
     record = read_record(tmp_path, "sweep.json")
     assert record["displacement"] is None
     assert [failure["c"] for failure in record["failures"]] == [0.0, 1.0]
+
+
+def refining(folder: Path, *words: str) -> list[str]:
+    """A command that solves with 30 steps and refines to 240."""
+    sets = ("body.vertices=5", "body.joint_limit_deg=70", "medium.anisotropy_ratio=0.3", "task.c=0.5", "task.steps=30")
+    asked = [word for value in sets for word in ("--set", value)]
+    return ["solve", str(REFERENCE), *asked, "--starts", "1", "--refine", "--no-figures", "--out", str(folder), *words]
+
+
+def test_refining_says_on_which_mesh_it_is_and_counts_its_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(refining(tmp_path / "out", "--log-file", str(tmp_path / "log"))) == 0
+    said, log = capsys.readouterr(), (tmp_path / "log").read_text()
+    assert "refined           -0.262" in said.out
+    assert "for 1 start(s), " in said.out
+    assert " s for finer meshes" in said.out
+    assert "refining" in said.err
+    for steps in (60, 120, 240):
+        assert f" of 420 {steps} steps, {steps // 2} had cost" in log
+    record = json.loads((tmp_path / "out" / "solution.json").read_text())["refinement"]
+    assert record["seconds"] > 0
+    assert (record["stopped"], record["failed"]) == (False, None)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stop_while_refining_keeps_the_finest_mesh_that_converged(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @contextmanager
+    def bar(_args: object, title: str, _total: float) -> Iterator[object]:
+        def advance(_done: float, text: str = "", **_: object) -> None:
+            if title == "refining" and text.startswith("120 steps"):
+                os.kill(os.getpid(), number)
+
+        yield advance
+
+    monkeypatch.setattr("serpenoid.cli.options.progress_bar", bar)
+    assert main(refining(tmp_path)) == 130
+    assert "stopped while refining; the finest mesh that converged, of 60 steps, is in" in capsys.readouterr().err
+    record = json.loads((tmp_path / "solution.json").read_text())
+    assert (record["status"], record["mesh"]["steps"][0]) == ("solved", 60)
+    assert record["refinement"]["stopped"]
+
+
+def test_a_stop_while_refining_does_not_take_the_place_of_a_finer_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from serpenoid.optimise import refine
+
+    assert main(refining(tmp_path)) == 0
+    held = refine.refine_best
+
+    def stopped(found: MultiStart, *news: object) -> refine.Refined:
+        return refine.Refined(held(found).solution if not news else found.best, stopped=True)
+
+    monkeypatch.setattr(refine, "refine_best", stopped)
+    assert main(refining(tmp_path)) == 130
+    assert "keeps the answer of an earlier run, which is better" in capsys.readouterr().err
+    assert json.loads((tmp_path / "solution.json").read_text())["mesh"]["steps"][0] == 240

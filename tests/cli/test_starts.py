@@ -25,6 +25,12 @@ def test_after_a_refinement_what_was_found_before_is_told_apart_from_it() -> Non
     assert lines[2] == "refined           -1.500000 with 480 steps"
 
 
+def test_a_finer_mesh_that_failed_is_told_with_the_one_that_is_kept() -> None:
+    failed = {"refinement": {"failed": {"steps": 960, "status": "not_converged"}}}
+    said = "not refined       960 steps ended as not_converged; 480 steps are the finest that converged, and are kept"
+    assert starts_lines(record(480, []) | failed)[-1] == said
+
+
 def test_a_record_of_an_older_version_is_read() -> None:
     old = {"mesh": {"steps": [60, 120, 240]}, "multi_start": {"optima": [], "failures": []}}
     assert starts_lines(old) == ["optima found      none; failed starts: 0"]

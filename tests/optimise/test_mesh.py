@@ -12,7 +12,8 @@ from serpenoid.gaits import TableGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.mesh import MeshStudy, study_mesh
 from serpenoid.optimise.outcomes import mesh_of
-from serpenoid.optimise.solve import refine, refine_best, solve
+from serpenoid.optimise.refine import refine, refine_best
+from serpenoid.optimise.solve import solve
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
@@ -98,7 +99,7 @@ def test_the_extrapolated_displacement_is_that_of_many_steps_and_the_error_bound
 
 def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
     coarse = solve(problem("reference-optimum", "task.steps=20"), starts=3, seed=1).best
-    fine = refine(coarse)
+    fine = refine(coarse).solution
     assert coarse.status is Status.MESH_TOO_COARSE
     assert fine.status is Status.SOLVED
     assert fine.problem.task.steps in (160, 320)  # 8 % at 20 steps, a quarter of it with each doubling
@@ -111,9 +112,9 @@ def test_refining_begins_with_the_best_optimum_though_its_mesh_is_too_coarse() -
     found = solve(problem(*UNEVEN), starts=4, seed=0)
     assert found.optima
     assert found.better_but_coarse
-    fine = refine_best(found)
+    fine = refine_best(found).solution
     assert fine.status is Status.SOLVED
-    assert fine.cost < refine(found.optima[0].solution).cost - 0.1
+    assert fine.cost < refine(found.optima[0].solution).solution.cost - 0.1
 
 
 def test_a_turn_has_its_mesh_error_in_words_too() -> None:

@@ -15,9 +15,9 @@ class Iterations:
         self._tell, self._clock = tell, clock
         self.next_start(0)
 
-    def next_start(self, done: int) -> None:
-        """So many starts are done; another begins."""
-        self._done, self._count = done, 0
+    def next_start(self, done: int, name: str = "") -> None:
+        """So many starts are done; another begins, by default named by its number."""
+        self._done, self._count, self._name = done, 0, name or f"start {done + 1}"
         self._begun = self._told = self._clock()
 
     def __call__(self, objective: float) -> None:
@@ -27,4 +27,4 @@ class Iterations:
         if now - self._told >= NEWS_S:
             self._told = now
             each = (now - self._begun) / self._count
-            self._tell(self._done, f"start {self._done + 1}, iteration {self._count}, {each:.2g} s each")
+            self._tell(self._done, f"{self._name}, iteration {self._count}, {each:.2g} s each")

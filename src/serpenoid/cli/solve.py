@@ -17,7 +17,8 @@ An optimum counts only if step-by-step simulation reaches the same poses to 1e-8
 derivative-free search around it gains less than 1e-6, and its displacement is the gait's and not the time mesh's:
 simulated again with 2 T and 4 T steps, it is within 5 % of the extrapolated one (`--refine`: solved again with more
 steps until it is within 0.1 %, the best of all starts, those too that are refused for a coarse mesh; the table then
-has that many rows). Exit code 1: no such optimum was found.
+has that many rows; where a finer mesh fails or is stopped, the finest that converged is kept). Exit code 1: no such
+optimum was found.
 
 Starts are independent: --jobs N and --cluster ADDRESS solve them at once, with the same answers to the last bit. Each
 solved start is kept in the results folder; the same command goes on from there, and starts.csv has a line a start.
@@ -33,11 +34,12 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.iterations import Iterations
-from serpenoid.cli.starts import bound_lines, note_lines, starts_lines, summary
+from serpenoid.cli.starts import bound_lines, note_lines, refinement, starts_lines, summary
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
+    from serpenoid.optimise.refine import Refined
     from serpenoid.optimise.solution import Solution
     from serpenoid.problem import Problem
 
@@ -94,7 +96,6 @@ def _check_together(args: argparse.Namespace) -> None:
 
 def _solve(args: argparse.Namespace, problem: Problem) -> int:
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.solve import refine_best
     from serpenoid.results import default_folder, weight_warning, write_solution
     from serpenoid.self_contact import crossing_warning
     from serpenoid.status import Status
@@ -106,41 +107,50 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     result = _search(args, problem, folder)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
     stopped |= any(optimum.solution.polishing_gain is None for optimum in result.optima)
-    better = kept_better(folder, result.best) if stopped else None
+    refined = _refine(args, result) if args.refine and not stopped else None
+    best = result.best if refined is None else refined.solution
+    halted = stopped or (refined is not None and refined.stopped)
+    better = kept_better(folder, best) if halted else None
     if better is not None:
         earlier = f"keeps the answer of an earlier run, which is better (cost {better:.6f})"
         options.complain(f"stopped; {folder} {earlier}. {KEPT}")
         return 130
-    if stopped and not args.quiet:
+    if halted and not args.quiet:
         options.complain(f"stopping: the best so far is written{'' if args.no_figures else ', with its pictures'}")
-    best = refine_best(result) if args.refine and not stopped else result.best
     figures = not args.no_figures and best.trajectory.status.ok
     sign(args)
     write_starts(folder / "starts.csv", result)
-    record = write_solution(folder, best, figures, {"multi_start": summary(result, args.starts, args.seed)})
+    found = {"multi_start": summary(result, args.starts, args.seed)}
+    found |= {} if refined is None else {"refinement": refinement(refined)}
+    record = write_solution(folder, best, figures, found)
     if figures:
         from serpenoid.plot.figures import multistart_figures
 
         multistart_figures(folder, result)
     lines = [
-        *_lines(best, result, record),
+        *_lines(best, result, record, refined),
         *limit_lines(problem, best.table),
         *crossing_warning(best.trajectory),
         *weight_warning(problem),
     ]
     lines += [f"written to        {folder}"]
     options.report(args, record, lines, folder)
-    if stopped:
+    if halted:
         done = sum(s.status is not Status.STOPPED for s in result.solutions)
+        when = f"after {done} of {counted(args.starts, 'start')}" if stopped else "while refining"
         what = f"the best is in {folder}"
-        if not best.status.ok:
+        if refined is not None:
+            refused = "" if best.status.ok else f" ({best.status.name.lower()})"
+            what = f"the finest mesh that converged, of {best.mesh.steps} steps, is in {folder}{refused}"
+        elif not best.status.ok:
             what = f"none is solved, and {folder} has the last iterate, which is no optimum"
         elif best.polishing_gain is None:
             what += ", not yet polished (the last part of its certificate; the same command goes on to it)"
-        options.complain(f"stopped after {done} of {counted(args.starts, 'start')}; {what}. {KEPT}")
+        options.complain(f"stopped {when}; {what}. {KEPT}")
         return 130
     if not best.status.ok:
-        options.complain(_why(best) or best.message)
+        failed = None if refined is None else refined.failed
+        options.complain(_why(best) or best.message if failed is None else _why_coarse(best, failed))
         return 1
     return 0
 
@@ -164,8 +174,33 @@ def _search(args: argparse.Namespace, problem: Problem, folder: Path) -> MultiSt
         return solve_starts(problem, args.starts, args.seed, workers, progress, folder)
 
 
+def _refine(args: argparse.Namespace, result: MultiStart) -> Refined:
+    """The best of all starts on finer meshes; each counts by its number of steps."""
+    from serpenoid.optimise.refine import DOUBLINGS, REFINED, refine_best
+
+    done = steps = 0
+    with options.progress_bar(args, "refining", 1) as advance:
+        total = 1
+        news = Iterations(lambda done, text: advance(done, text, total=total))
+
+        def progress(solution: Solution) -> None:
+            nonlocal done, steps, total
+            done, steps = done + steps, 2 * solution.mesh.steps
+            total = done + sum(solution.mesh.meshes(REFINED, DOUBLINGS))
+            news.next_start(done, f"{steps} steps")
+            advance(done, f"{steps} steps, {solution.mesh.steps} had cost {solution.cost:z.6f}", total=total)
+
+        refined = refine_best(result, progress, news)
+        if steps and not refined.stopped:
+            advance(done + steps, f"cost {refined.solution.cost:z.6f}", total=done + steps)
+    return refined
+
+
 def kept_better(folder: Path, best: Solution) -> float | None:
-    """Cost of the certified answer that is there to the same request, where `best` costs more or is none; else None."""
+    """Cost of the certified answer that is there to the same request, where `best` costs more or is none; else None.
+
+    Of two meshes the finer has the better answer: a coarse one may promise more.
+    """
     from serpenoid.errors import InputError
     from serpenoid.optimise.multistart import SAME_COST
     from serpenoid.results import read_record
@@ -176,7 +211,16 @@ def kept_better(folder: Path, best: Solution) -> float | None:
         return None
     if held.get("status") != "solved" or not isinstance(held.get("cost"), float):
         return None
+    steps = held["mesh"]["steps"][0]
+    if best.status.ok and steps != best.mesh.steps:
+        return held["cost"] if steps > best.mesh.steps else None
     return held["cost"] if not best.status.ok or best.cost > held["cost"] + SAME_COST else None
+
+
+def _why_coarse(best: Solution, failed: Solution) -> str:
+    """Of an optimum that is refused, and that no finer mesh confirms."""
+    steps, status = failed.mesh.steps, failed.status.name.lower()
+    return f"{best.mesh.steps} steps end as {best.status.name.lower()}, {steps} as {status}: try other starts (--seed)"
 
 
 def _why(best: Solution) -> str | None:
@@ -216,7 +260,7 @@ def _options(args: argparse.Namespace) -> list:
     return [args.starts, args.seed, *(["refined"] if args.refine else [])]
 
 
-def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[str]:
+def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: Refined | None = None) -> list[str]:
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
@@ -224,6 +268,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
     kept = f", {result.kept} of them kept from an earlier run" * bool(result.kept)
+    finer = "" if refined is None else f", {refined.seconds:.2f} s for finer meshes"
     went = best.trajectory.displacement, best.trajectory.dissipation
     efficiency = None if best.trajectory.stands_still else lighthill_efficiency(best.problem, *went)
     return [
@@ -244,7 +289,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any]) -> list[s
         *clear_lines(best.clearance, best.self_clearance),
         f"mesh              {best.mesh.words}",
         *starts_lines(record),
-        f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}",
+        f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}{finer}",
     ]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
+    from serpenoid.optimise.refine import Refined
 
 MOST_BOUNDS = 4  # that a line lists
 
@@ -28,6 +29,16 @@ def summary(result: MultiStart, starts: int, seed: int) -> dict[str, Any]:
     }
 
 
+def refinement(refined: Refined) -> dict[str, Any]:
+    """What solution.json holds of meshes that were solved after the starts'."""
+    failed = refined.failed
+    return {
+        "stopped": refined.stopped,
+        "seconds": refined.seconds,
+        "failed": None if failed is None else {"steps": failed.mesh.steps, "status": failed.status.name.lower()},
+    }
+
+
 def starts_lines(record: dict[str, Any]) -> list[str]:
     """Which optima the starts found, what kept the others from being one, and whether better ones were refused."""
     found, steps = record["multi_start"], record["mesh"]["steps"][0]
@@ -39,10 +50,20 @@ def starts_lines(record: dict[str, Any]) -> list[str]:
     coarse = _costs(found.get("better_but_coarse", []))
     if refined:
         lines += [f"refused           {coarse}{on}: that mesh is too coarse for them"] * bool(coarse)
-        return [*lines, f"refined           {record['cost']:z.6f} with {steps} steps"]
+        return [*lines, f"refined           {record['cost']:z.6f} with {steps} steps", *_failed_lines(record)]
     name = "better, refused" if found["optima"] else "refused"
-    remedy = "solve with --refine, or with more task.steps"
-    return lines + [f"{name:18}{coarse}: {steps} steps are too coarse for them; {remedy}"] * bool(coarse)
+    remedy = "; solve with --refine, or with more task.steps" * ("refinement" not in record)
+    lines += [f"{name:18}{coarse}: {steps} steps are too coarse for them{remedy}"] * bool(coarse)
+    return lines + _failed_lines(record)
+
+
+def _failed_lines(record: dict[str, Any]) -> list[str]:
+    """Which finer mesh did not hold."""
+    failed = record.get("refinement", {}).get("failed")
+    if failed is None:
+        return []
+    kept = f"{record['mesh']['steps'][0]} steps are the finest that converged, and are kept"
+    return [f"not refined       {failed['steps']} steps ended as {failed['status']}; {kept}"]
 
 
 def _costs(optima: Sequence[dict[str, Any]]) -> str:

@@ -78,6 +78,13 @@ class MeshStudy:
         error = self.error + GYRATION * self.turn_error
         return bool(error <= max(share * (abs(self.displacement) + GYRATION * abs(self.turn)), RESOLVED))
 
+    def meshes(self, share: float, most: int) -> list[int]:
+        """Steps of the meshes, each of twice as many, that bring the error to `share` of the motion; second order."""
+        motion = max(abs(self.displacement) + GYRATION * abs(self.turn), RESOLVED / share)
+        over = (self.error + GYRATION * self.turn_error) / (share * motion)
+        count = most if not np.isfinite(over) else int(np.clip(np.ceil(0.5 * np.log2(max(over, 1.0))), 1, most))
+        return [2**k * self.steps for k in range(1, count + 1)]
+
     @property
     def words(self) -> str:
         """One line: limit and error."""

@@ -6,7 +6,7 @@ Legend: T steps, m joints, K path rows, q gait parameters (n,).
 from __future__ import annotations
 
 from collections.abc import Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,6 +62,10 @@ class PreparedNLPs(GaitMotions):
     def first(self) -> Carried:
         """What the first NLP of a search carries."""
         return Carried(tuple(self._first_rows()), self.obstacles.first())
+
+    def on_every_row(self, carried: Carried) -> Carried:
+        """The same with limits on all rows."""
+        return replace(carried, rows=tuple(range(self.steps)))
 
     def _first_rows(self) -> list[int]:
         """Rows that carry limits: a few, exchanged later; of a sparse family all, where something is left to limit."""

@@ -12,7 +12,7 @@ from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
-from serpenoid.optimise.multistart import MultiStart, best_of, solve_many, solve_one
+from serpenoid.optimise.multistart import MultiStart, solve_many, solve_one
 from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
@@ -22,13 +22,9 @@ from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.callers import gait_of, problem_of, whole
-from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 
 Progress = Callable[[int, Solution | None], None]
-REFINED = 1e-3  # of the displacement: as fine as a robot can be measured
-DOUBLINGS = 6
-MOST_REFINED = 3  # distinct optima better than the best certified one that are tried: each may cost six doublings
 
 
 def solve(
@@ -80,42 +76,6 @@ def solve_from(problem: Problem | str | Path, gait: Gait, customise: Customise |
     solver.prepare(start)
     with catch_interrupt() as flag:
         return solve_one(solver, start, problem.task.c, polish=True, flag=flag)[0]
-
-
-def refine(solution: Solution, share: float = REFINED, doublings: int = DOUBLINGS) -> Solution:
-    """The same problem solved with twice the steps, from this solution's motion, and again until its mesh is fine.
-
-    Fine: the displacement's error is at most `share` of its limit. A gait that no mesh confirms stays refused.
-    """
-    for _ in range(doublings):
-        mesh = solution.mesh
-        if not solution.trajectory.status.ok or solution.status is Status.STOPPED or mesh.within(share):
-            break
-        problem, family = with_steps(solution.problem, 2 * mesh.steps), solution.problem.family_of(solution.gait)
-        solution = solve_from(problem, family.refined(2).gait(family.on_finer_rows(solution.q, 2)))
-    return solution
-
-
-def refine_best(found: MultiStart) -> Solution:
-    """The best of all starts refined: of optima that their mesh alone spoils, too, a few, best first.
-
-    A coarse mesh may promise more than there is, so the next is tried while it promises more than the best refined.
-    """
-    coarse = [optimum.solution for optimum in found.better_but_coarse[:MOST_REFINED]]
-    best: Solution | None = None
-    for solution in [*coarse, *(optimum.solution for optimum in found.optima[:1])]:
-        if best is not None and best.objective <= solution.objective:
-            break
-        refined = refine(solution)
-        if refined.status is Status.STOPPED:
-            return best or refined
-        best = best_of([refined, *([best] if best else [])])
-    return best or refine(found.best)
-
-
-def with_steps(problem: Problem, steps: int) -> Problem:
-    """The same problem on another time mesh."""
-    return problem.model_copy(update={"task": problem.task.model_copy(update={"steps": steps})})
 
 
 @dataclass(frozen=True, repr=False)

@@ -18,13 +18,14 @@ from serpenoid.optimise.clearance import RESOLUTION, Clearance
 from serpenoid.optimise.easier import easier
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import ROUGH, Outcome, Point
-from serpenoid.optimise.limits import TOLERANCE, exchange
+from serpenoid.optimise.limits import BINDING, TOLERANCE, exchange
 from serpenoid.optimise.motions import GaitBounds
 from serpenoid.optimise.prepared import Carried, PreparedNLPs
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 
 EXCHANGES = 16  # of limit rows and watched points, and recoveries
+LAST = 2  # of them: all rows carry limits, which no phase of a gait can slip through
 RECOVERIES = 2
 # a search in a medium with kinks that takes longer has gone astray; it begins at the optimum of the next softer one,
 # which a large barrier would leave: of the starts of a body with unequal links none came back
@@ -107,7 +108,7 @@ class GaitSolver(PreparedNLPs):
         watch: Callable[[float], None] | None,
     ) -> Answer:
         """Search from gait parameters (n,)."""
-        return self._search(self.start(start), c, gait_bounds, carried or self._about(start), flag, watch)
+        return self._search(self.start(start), c, gait_bounds, carried or self.about(start), flag, watch)
 
     def _search(
         self,
@@ -122,7 +123,7 @@ class GaitSolver(PreparedNLPs):
         iterations, seconds = 0, 0.0
         carried, recoveries, clear = replace(carried or self.first(), staying=frozenset()), RECOVERIES, None
         penalised = c > 0 or self.asked.always_dissipation
-        for _ in range(EXCHANGES):
+        for left in reversed(range(EXCHANGES)):
             _, ipopt = self.prepared(carried, penalised)
             given = self.parameters(c, carried.rows), self.bounds(carried, gait_bounds)
             outcome = ipopt.solve(current, *given, flag, watch)
@@ -139,6 +140,8 @@ class GaitSolver(PreparedNLPs):
             following, clear = self._exchanged(carried, q)
             if following == carried:
                 break
+            if following.rows != carried.rows and left <= LAST:
+                following = self.on_every_row(following)
             same_rows = carried.rows == following.rows
             current = self._moved(outcome.point, carried, following) if same_rows else outcome.point.x
             carried = following
@@ -157,9 +160,14 @@ class GaitSolver(PreparedNLPs):
             start = np.clip(way.back(found.q, solver.family), *(gait_bounds or self.gait_bounds()))
         return start, found
 
-    def _about(self, start: Floats) -> Carried:
-        """What the first NLP from a gait carries: of the points to watch those that it brings near."""
+    def about(self, start: Floats, good: bool = False) -> Carried:
+        """What the first NLP from a gait carries: of the points to watch those that it brings near.
+
+        good: the gait is nearly optimal, and where a limit holds it all rows carry limits: no exchange leads away.
+        """
         carried = self.first()
+        if good and carried.rows and float(self.excess(self.table(start)).max()) > BINDING:
+            carried = self.on_every_row(carried)
         if self._rough or not carried.watch.points:
             return carried
         table = self.table(start)
