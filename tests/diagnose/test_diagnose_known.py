@@ -62,7 +62,7 @@ def test_known_effects_are_taken_for_granted_at_their_own_stages() -> None:
     drift, slope = ActiveEffect.typical("frame_drift"), ActiveEffect.typical("slope")
     clock = ActiveEffect.typical("clock_offset")
     model = Model(body, Medium(anisotropy_ratio=0.2), (zero, play, marker, scale, read, drift, slope, clock))
-    known = taken_for_granted(model, frozenset(), heard.append)
+    known = taken_for_granted(model, False, frozenset(), heard.append)
     assert {e.name for e in known.model.effects} == {"frame_drift", "slope"}
     assert {e.name for e in known.others} == {
         "zero_offset",

@@ -28,7 +28,7 @@ from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted,
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, fit_eps, fit_guided
-from serpenoid.diagnose.inference.middles import drag_amid_edges
+from serpenoid.diagnose.inference.middles import Amid, drag_amid_edges
 from serpenoid.diagnose.inference.names import Key, Refused, Weak
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
@@ -103,9 +103,9 @@ def choose_on_tracks(
         lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
-    law = law_of(chosen, baseline, beside) if asked else SAME
+    middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()
+    law = law_of(chosen, baseline, beside, middles.misses) if asked else SAME
     chosen, baseline = law.selection or chosen, law.baseline or baseline
-    drag_at = drag_amid_edges(chosen, amid) if asked and amid is not None else ""
     parts = differing(chosen, baseline.inadequate)
     if parts is None:
         chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
@@ -114,6 +114,7 @@ def choose_on_tracks(
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     named = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
     barred = not_looked_for(baseline, untestable)
+    drag_at = "" if law.words else middles.words
     stage = replace(found.stage, named=named, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
     return replace(found, stage=stage, baseline=baseline)
 

@@ -38,17 +38,21 @@ SAME = Taken()
 ROUNDS = 3  # a number of the law moves by what is named beside it, and what is named by that
 
 
-def law_of(found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection]) -> Taken:
+def law_of(
+    found: Selection, baseline: Baseline, search: Callable[[Baseline], Selection], elsewhere: float = np.inf
+) -> Taken:
     """The first rival, from the one that misses least, with which the explanation is likelier, and which leaves less
     than LAW_ERROR of what the law alone leaves beyond chance: as of servos, a law that leaves more is not the one.
 
-    search: finds what is to be named beside a baseline.
+    search: finds what is to be named beside a baseline. elsewhere: what the law itself misses windows by, over the
+    noise, where the drag sits elsewhere on the body; a law that misses as much is not the reason.
     """
     rivals = rival_laws(found, baseline.without)
     for rival in (r for r in rivals.values() if r.better and baseline.law_open):
         other = replace(baseline, model=rival.model)
         selection, other = numbers_settled(search(other), other, search)
-        if takes_its_place(found, selection, LAW_ERROR):
+        (left,) = misses(found.motion, [(selection.motion.tracks, selection.best)])
+        if left < elsewhere and takes_its_place(found, selection, LAW_ERROR):
             return Taken(selection, other, in_words(found, selection, other))
     open_question = unclear(found.best)
     told = {name: r.words for name, r in rivals.items() if r.words and (r.better or open_question)}
