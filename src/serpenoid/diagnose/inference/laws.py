@@ -28,6 +28,7 @@ from serpenoid.parallel import in_processes
 
 RATIOS, POLISHED = 8, 2  # ratios that are looked at, and fits that are begun there
 CREEPING = (0.001, 0.03, 0.3)  # speeds of creep that are looked at, of the body's own
+SEARCHED = 2 / 3  # of what the law leaves, alone or with what is named: what leaves more is not searched beside
 NEITHER = "the medium may follow neither"
 SOFTENING = Medium.model_fields["softening"].default
 
@@ -36,12 +37,13 @@ SOFTENING = Medium.model_fields["softening"].default
 class Rival:
     """A law that was fitted beside another: its model, with its own numbers and without what is named; how it does, in
     words, empty where it does worse; what it misses windows by, over the noise; better: whether that is less than what
-    the other law does with what is named."""
+    the other law does with what is named; promising: whether it is worth a search beside it."""
 
     model: Model
     words: str
     misses: float
     better: bool
+    promising: bool
 
 
 def rival_laws(found: Selection, without: Collection[str] = ()) -> dict[str, Rival]:
@@ -75,7 +77,14 @@ def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival |
             f"alone, {rival.title} misses windows by {its:.1f} times the noise and {fitted} by {own:.1f}; with what is "
             f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: {NEITHER}"
         )
-    return Rival(alone.model, words if better or its < own else "", min(its, its_named), better)
+    less = [beyond_chance(a) <= SEARCHED * beyond_chance(b) for a, b in ((its, own), (its_named, own_named))]
+    said = words if better or its < own else ""
+    return Rival(alone.model, said, min(its, its_named), better, better and any(less))
+
+
+def beyond_chance(left: float) -> float:
+    """What of an RMS over the noise is not noise."""
+    return float(np.sqrt(max(left**2 - 1, 0.0)))
 
 
 def makes_no_law(effect: ActiveEffect) -> bool:

@@ -48,7 +48,7 @@ def law_of(
     noise, where the drag sits elsewhere on the body; a law that misses as much is not the reason.
     """
     rivals = rival_laws(found, baseline.without)
-    for rival in (r for r in rivals.values() if r.better and baseline.law_open):
+    for rival in (r for r in rivals.values() if r.promising and baseline.law_open):
         other = replace(baseline, model=rival.model)
         selection, other = numbers_settled(search(other), other, search)
         (left,) = misses(found.motion, [(selection.motion.tracks, selection.best)])
